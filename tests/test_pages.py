@@ -201,7 +201,7 @@ def test_a_title_cannot_end_the_script():
                     for name, label in (("one", "N [N]"), ("two", "T [N m]"))
                 ]
             ),
-            "one quantity in colours",
+            "expected one quantity for the colours",
         ),
     ],
 )

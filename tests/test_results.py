@@ -17,7 +17,7 @@ from fem_lie import lie
 from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo
 from fem_lie.pictures.bodies import _surfaces, draw
 from fem_lie.pictures.diagrams import COLOURS
-from fem_lie.pictures.shapes import joint_places, shapes
+from fem_lie.pictures.shapes import joint_positions, shapes
 from fem_lie.pictures.stage import Canvas, _round_step
 
 SPIN = np.array([0.3, -0.8, 1.5])
@@ -297,7 +297,9 @@ def test_shapes_move_with_their_frames(rod):
     for shape in shapes(rod.info, rod.frames):
         expected = lie.position(motion) + shape.points(frames) @ lie.rotation(motion).T
         np.testing.assert_allclose(shape.points(moved), expected, atol=1e-14)
-    np.testing.assert_allclose(joint_places(rod.info, frames)[1], frames[NODES - 1, 0], atol=1e-15)
+    np.testing.assert_allclose(
+        joint_positions(rod.info, frames)[1], frames[NODES - 1, 0], atol=1e-15
+    )
 
 
 def _surface(scene):

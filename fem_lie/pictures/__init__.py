@@ -1,1 +1,1 @@
-"""Draws catalogues, frames and arrays; knows no result."""
+"""Pictures, pages and files of bodies, frames and arrays; independent of the classes of results."""

@@ -1,4 +1,4 @@
-"""Pictures of bodies in space: superposed states, animations, and surfaces coloured by a value."""
+"""Pictures of bodies: superposed states, animations, and surfaces coloured by a quantity."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from fem_lie import _compat
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.diagrams import COLOURS
-from fem_lie.pictures.shapes import Shape, joint_places, scene_size, shapes, with_sharp_edges
+from fem_lie.pictures.shapes import Shape, joint_positions, scene_size, shapes, with_sharp_edges
 from fem_lie.pictures.stage import INK, PLAIN, Canvas, add_frame, plotting, target_of
 from fem_lie.pictures.vtk import CellKind, surface_grid
 
-# of both signs: blue and red about zero; of one sign: from dark to bright
+# values of both signs: blue and red about zero; of one sign: from dark to bright
 _SIGNED, _PLAIN = "RdBu_r", "viridis"
 _COLOURS = 256
 
-_COLOUR_AMBIENT = 0.7  # so much that a colour is the same on all sides, nearly
+_COLOUR_AMBIENT = 0.7  # large, so that colours are nearly independent of the orientation
 
-_SUBDIVISION = 2  # of cells of second degree
-_ONE_SIGN = 0.02  # of the largest; less of the other sign is none
+_SUBDIVISION = 2  # subdivision of cells of second degree
+_ONE_SIGN = 0.02  # fraction of the largest value below which values of the other sign are ignored
 
 
 class DrawnSurface(NamedTuple):
     """Cells of a surface.
 
     Attributes:
-        mesh: What the cells are.
+        mesh: Shape and degree of the cells.
         cells: Points of each cell in DOLFINx's order, shape (m, k).
-        unloaded: Places of the points, shape (p, 3).
+        unloaded: Undeformed positions of the points, shape (p, 3).
     """
 
     mesh: CellKind
@@ -48,19 +48,19 @@ def draw_values(
     label: str,
     canvas: Canvas,
 ) -> None:
-    """Draw a surface in colours, with their scale, and the outline of the unloaded one.
+    """Draw a surface with colours and a colour scale, and the outline of the undeformed surface.
 
     Args:
         path: Name of the ``.png`` file.
-        surface: What is drawn.
-        points: Places to be drawn, shape (p, 3).
+        surface: The surface.
+        points: Positions of its points in the picture, shape (p, 3).
         values: Values at the points, shape (p,).
-        label: What they are, and their unit.
-        canvas: What it is drawn on.
+        label: Name of the quantity, and its unit.
+        canvas: Title, units and size of the picture.
 
     Raises:
         ValueError: The name does not end in ``.png``.
-        RuntimeError: There is no display, and no Xvfb to stand in.
+        RuntimeError: There is no display, and Xvfb is not available.
     """
     target = target_of(path, ".png")
     mesh, cells, unloaded = surface
@@ -87,7 +87,7 @@ def draw_values(
                 "height": 0.6,
                 "width": 0.05,
                 "color": INK,
-                # what is beside the bar on its right is all the room that half a title has
+                # half of the title must fit between the bar and the right edge
                 "title_font_size": size[0] // max(60, round(3.4 * len(label))),
                 "label_font_size": size[0] // 70,
                 "fmt": "%.3g",
@@ -115,23 +115,23 @@ def _limits(values: Array) -> tuple[float, float]:
 _PALEST = 0.25
 _AMBIENT = 0.45
 BALL = 0.008
-"""Radius of a joint, part of the scene."""
-_THROUGH = 0.35  # opacity of bodies with nodal frames inside
-_BEFORE = 0.25  # opacity of earlier states of surfaces, which would hide the last one
-_TRIAD = 0.04  # length of a drawn director, part of the scene
+"""Radius of a joint, relative to the size of the scene."""
+_THROUGH = 0.35  # opacity of bodies when nodal frames are drawn
+_BEFORE = 0.25  # opacity of earlier states of surfaces, which would otherwise hide the last one
+_TRIAD = 0.04  # length of a drawn director, relative to the size of the scene
 _TRIAD_COLOURS = {"e1": "#CC0000", "e2": "#008800", "e3": "#0000CC"}
 
 _LONGEST = 0.15
-"""Length of the longest arrow of a force, part of the scene."""
+"""Length of the longest arrow of a force, relative to the size of the scene."""
 _FORCE_COLOUR = "#CC7700"
 
 
 class Arrows(NamedTuple):
-    """Forces to draw, the largest a fixed part of the scene long.
+    """Forces to draw; the length of the largest arrow is a fixed fraction of the scene.
 
     Attributes:
-        at: Where they act, global components, shape (k, 3).
-        along: They, likewise.
+        at: Points of application, global components, shape (k, 3).
+        along: Forces, global components, shape (k, 3).
     """
 
     at: Array
@@ -139,7 +139,7 @@ class Arrows(NamedTuple):
 
 
 PLAYED = Canvas(size=(800, 600))
-"""Of pictures that move."""
+"""Canvas of animations."""
 
 
 def draw(
@@ -154,26 +154,27 @@ def draw(
 ) -> None:
     """Draw the bodies in several configurations, the last in full colour, earlier ones paler.
 
-    Beams are swept along geodesics between their nodes; what is too thin to be seen is enlarged.
+    Beams are swept along geodesics between their nodes; members that are too thin to be visible are
+    enlarged.
 
     Args:
         info: The scene.
         frames: One or several configurations of all nodes, shape (N, 4, 3) or (K, N, 4, 3).
         path: Name of the ``.png`` file.
-        paths: Lines to draw with them, each of shape (T, 3).
-        triads: Draw the nodal frames of the last configuration, and the bodies see-through.
-        arrows: Forces in the last configuration; bodies are drawn see-through, too.
-        canvas: What it is drawn on.
+        paths: Lines to draw, each of shape (T, 3).
+        triads: Whether to draw the nodal frames of the last configuration, with transparent bodies.
+        arrows: Forces in the last configuration; bodies are transparent, too.
+        canvas: Title, units and size of the picture.
 
     Raises:
         ValueError: The name does not end in ``.png``.
-        RuntimeError: There is no display, and no Xvfb to stand in.
+        RuntimeError: There is no display, and Xvfb is not available.
     """
     target = target_of(path, ".png")
     steps = frames.reshape(-1, *frames.shape[-3:])
     with plotting(paths, canvas) as plotter:
         bodies = shapes(info, steps)
-        # backwards: a single configuration is the last one
+        # in reverse order: a single configuration is the last one
         strengths = np.linspace(1.0, _PALEST, len(steps))[::-1]
         opacities = np.full(len(steps), _THROUGH if triads or arrows is not None else 1.0)
         if any(len(body.faces) for body in info.bodies):
@@ -197,19 +198,19 @@ def animate(
     paths: Sequence[Array] = (),
     canvas: Canvas = PLAYED,
 ) -> None:
-    """Draw the bodies in one configuration after the other.
+    """Draw an animation of the bodies, one image for each configuration.
 
     Args:
         info: The scene.
         frames: Configurations, shape (K, N, 4, 3).
         path: Name of the ``.gif`` file.
-        seconds: How long it plays.
-        paths: Lines to draw with them, each of shape (T, 3).
-        canvas: What it is drawn on.
+        seconds: Duration.
+        paths: Lines to draw, each of shape (T, 3).
+        canvas: Title, units and size of the picture.
 
     Raises:
-        ValueError: The name does not end in ``.gif``, or it plays for no time.
-        RuntimeError: There is no display, and no Xvfb to stand in.
+        ValueError: The name does not end in ``.gif``, or the duration is not positive.
+        RuntimeError: There is no display, and Xvfb is not available.
     """
     from PIL import Image
 
@@ -229,7 +230,9 @@ def animate(
             images.append(
                 image.quantize(method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
             )
-    duration = max(20, round(1000.0 * seconds / len(images)))  # browsers play nothing faster
+    duration = max(
+        20, round(1000.0 * seconds / len(images))
+    )  # the least duration of an image in browsers
     images[0].save(
         target, save_all=True, append_images=images[1:], duration=duration, loop=0, optimize=False
     )
@@ -243,7 +246,7 @@ def _add(
     strength: float,
     opacity: float = 1.0,
 ) -> list[Any]:
-    """Add bodies and joints in one configuration; returns their actors."""
+    """Add bodies and joints in one configuration; return their actors."""
     colours = [COLOURS[number % len(COLOURS)] for number in range(len(bodies))] + [INK]
     surfaces = _surfaces(info, bodies, frames)
     return [
@@ -262,7 +265,7 @@ def _add(
 
 
 def _add_triads(plotter: Any, frames: Array) -> None:
-    """Directors of all nodes as arrows, and which is which."""
+    """Directors of all nodes as arrows, with a legend."""
     import pyvista
 
     arrow = pyvista.Arrow(tip_length=0.3, tip_radius=0.08, shaft_radius=0.03)
@@ -277,7 +280,7 @@ def _add_triads(plotter: Any, frames: Array) -> None:
 
 
 def _add_arrows(plotter: Any, arrows: Arrows, size: float) -> None:
-    """Forces as arrows whose heads are where they point to."""
+    """Forces as arrows whose heads are at the end they point to."""
     import pyvista
 
     lengths = np.linalg.norm(arrows.along, axis=1)
@@ -302,15 +305,15 @@ def _surfaces(info: SceneInfo, bodies: list[Shape], frames: Array) -> list[Any]:
     surfaces = [
         with_sharp_edges(pyvista.PolyData(shape.points(frames), shape.faces)) for shape in bodies
     ]
-    places = joint_places(info, frames)
-    if len(places):
+    positions = joint_positions(info, frames)
+    if len(positions):
         ball = pyvista.Sphere(radius=BALL * scene_size(frames))
-        surfaces.append(pyvista.PolyData(places).glyph(geom=ball, scale=False, orient=False))
+        surfaces.append(pyvista.PolyData(positions).glyph(geom=ball, scale=False, orient=False))
     return surfaces
 
 
 def _paler(colour: str, strength: float) -> tuple[float, float, float]:
-    """Mix with white; no transparency, so it does not matter what lies before what."""
+    """Mix with white instead of transparency, so that the order of depth does not matter."""
     rgb = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
     r, g, b = (1.0 - strength * (1.0 - c) for c in rgb)
     return r, g, b

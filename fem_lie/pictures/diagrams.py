@@ -1,4 +1,4 @@
-"""Diagrams of what is known over time. Works without a display and leaves pyplot's state alone."""
+"""Diagrams over time, drawn without a display and without changing pyplot's state."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fem_lie._arrays import Array
     from fem_lie.pictures.stage import Units
 
-# Okabe & Ito's colours, told apart by everyone
+# colours of Okabe & Ito, distinguishable with colour vision deficiency
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 
@@ -32,7 +32,7 @@ def energies(
 ) -> Figure:
     """Energies (T,), and below them the change of their sum, over time.
 
-    An elastic energy that is too small to be seen beside the others has a diagram of its own.
+    A small elastic energy, which would not be visible among the others, has a diagram of its own.
     """
     parts = {"kinetic": kinetic, "elastic": elastic, "potential": potential}
     total = kinetic + elastic + potential
@@ -82,7 +82,7 @@ def positions(
         times: Shape (T,).
         points: Label and positions, shape (T, 3), of each point.
         path: Name of the file if it is to be saved.
-        units: For the axes.
+        units: Units of the axes.
 
     Raises:
         ValueError: No point is given.
@@ -90,8 +90,8 @@ def positions(
     if not points:
         raise ValueError("give at least one point whose position is to be plotted")
     figure, axes = figure_of_rows(len(points), "Position", units)
-    for ax, (label, places) in zip(axes, points, strict=True):
-        _components(ax, times, places, "")
+    for ax, (label, vectors) in zip(axes, points, strict=True):
+        _components(ax, times, vectors, "")
         ax.set_ylabel(f"{label} [{units.length}]")
     return saved(figure, path)
 
@@ -106,10 +106,10 @@ def displacements(
     """Components of the displacements of points over the load factor, one diagram for each point.
 
     Args:
-        factors: Shape (k,); the unloaded state is drawn before them.
+        factors: Load factors, shape (k,); the undeformed state is drawn before them.
         points: Label and displacements, shape (k, 3), of each point.
         path: Name of the file if it is to be saved.
-        units: For the axes.
+        units: Units of the axes.
 
     Raises:
         ValueError: No point is given.
@@ -126,7 +126,7 @@ def displacements(
 
 
 def figure_of_rows(rows: int, title: str, units: Units) -> tuple[Figure, list[Axes]]:
-    """Diagrams one below the other over a common axis, labelled as time."""
+    """Diagrams one below the other with a common time axis."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -157,7 +157,7 @@ def _legend(ax: Axes) -> None:
 
 
 def saved(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
-    """The figure, written to a file if there is a path."""
+    """The figure; it is written to a file if there is a path."""
     if path is not None:
         figure.savefig(path)
     return figure

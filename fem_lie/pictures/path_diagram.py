@@ -1,4 +1,4 @@
-"""Diagrams of paths of equilibrium: what is stable, what is not, and where that changes."""
+"""Diagrams of equilibrium paths, with stability and critical points."""
 
 from __future__ import annotations
 
@@ -28,10 +28,11 @@ class PathCurve(NamedTuple):
     """One path in a diagram.
 
     Attributes:
-        values: Of the quantity at each state, shape (k,).
+        values: Values of the quantity at each state, shape (k,).
         factors: Load factors, shape (k,).
-        negative_pivots: Of the tangent at each state, shape (k,); a state with none is stable.
-        critical: Number of the state, load factor and kind of each critical point.
+        negative_pivots: Number of negative pivots of the tangent stiffness at each state, shape
+            (k,); a state with none is stable.
+        critical: Index of the state, load factor and type of each critical point.
     """
 
     values: Array
@@ -50,16 +51,16 @@ def plot_paths(
     states: tuple[SceneInfo, Array] | None = None,
     units: Units,
 ) -> Figure:
-    """Load over a quantity for one or several paths.
+    """Plot load over a quantity for one or several paths.
 
     Args:
         paths: The paths.
         path: Name of the file if it is to be saved.
-        labels: Of the quantity and of the load.
-        load: At factor 1.
-        reference: Values, loads and name of points to be drawn with them.
-        states: Scene and frames, shape (s, n, 4, 3), of states to be drawn beside the diagram.
-        units: For the axes of that picture.
+        labels: Labels of the quantity and of the load.
+        load: Load at factor 1.
+        reference: Values, loads and label of reference points.
+        states: Scene and frames, shape (s, n, 4, 3), of states to be drawn next to the diagram.
+        units: Units of the axes of that picture.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -88,9 +89,9 @@ def _cycle(count: int) -> list[str]:
 
 
 def _draw(ax: Axes, found: PathCurve, load: float, colour: str) -> None:
-    """Pieces between states; a piece is unstable where one of its ends is, critical ones apart."""
+    """Line segments between states; a segment is unstable if one of its ends is."""
     values, loads, counts = found.values, load * found.factors, found.negative_pivots
-    # a critical state belongs to the piece before it
+    # a critical state belongs to the segment before it
     unstable = counts[1:] > 0
     starts = np.flatnonzero(np.diff(unstable.astype(int))) + 1
     for first, last in zip([0, *starts], [*starts, len(unstable)], strict=True):
@@ -104,7 +105,7 @@ def _draw(ax: Axes, found: PathCurve, load: float, colour: str) -> None:
 
 
 def _explain(ax: Axes, paths: Sequence[PathCurve]) -> None:
-    """A legend of what occurs."""
+    """Legend of the line styles and marks that occur."""
     stable = np.concatenate([found.negative_pivots == 0 for found in paths])
     if stable.any():
         ax.plot([], [], "-", color="black", label="stable")
@@ -117,12 +118,12 @@ def _explain(ax: Axes, paths: Sequence[PathCurve]) -> None:
 
 
 def _shape(ax: Axes, info: SceneInfo, frames: Array, units: Units) -> None:
-    """States as a picture in the diagram."""
+    """Picture of states inside the diagram."""
     from matplotlib.image import imread
 
     with tempfile.TemporaryDirectory() as folder:
         name = Path(folder) / "shape.png"
-        # as many pixels as it is given, and numbers as large as those of the curve
+        # rendered at its final size, with labels as large as those of the curve
         canvas = Canvas(units=units, size=(900, 700), text=20)
         bodies.draw(info, frames, name, canvas=canvas)
         ax.imshow(imread(name))

@@ -1,4 +1,4 @@
-"""Surfaces of bodies in given frames: swept sections, sheets of a thickness, boxes."""
+"""Surfaces of bodies in given frames: swept sections, sheets with a thickness, boxes."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import BodyInfo, SceneInfo
 
-# Slender members would vanish: nothing is drawn thinner than this part of the scene.
+# least drawn thickness, relative to the size of the scene, so that slender members are visible
 _THINNEST = 0.004
-_SAME_POINT = 1e-7  # part of the body
-_EDGE_ANGLE = 35.0  # degrees; a circle of sixteen corners is still round
+_SAME_POINT = 1e-7  # relative to the size of the body
+_EDGE_ANGLE = 35.0  # degrees; a circle of sixteen corners is smooth
 _STEP_ANGLE = np.radians(4.0)
 _MOST_STEPS = 16
-_SEEN = 3e-4  # part of the scene, about a quarter of a pixel: what a section's corners may miss
+_SEEN = 3e-4  # tolerated error of outlines over the size of the scene: a quarter of a pixel
 _CIRCLE = np.column_stack([f(2.0 * np.pi * np.arange(16) / 16) for f in (np.cos, np.sin)])
 _CORNERS = np.array([[i, j, k] for i in (-0.5, 0.5) for j in (-0.5, 0.5) for k in (-0.5, 0.5)])
 _FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
@@ -25,17 +25,17 @@ _FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A surface that moves with its body: every corner with a ring, which is a frame.
+    """A surface that moves with its body: each corner belongs to a ring, which is a frame.
 
-    Rings are the body's n nodes and, behind these, ``steps − 1`` of each cell that is drawn in so
-    many pieces, on the geodesic between its nodes.
+    Rings are the n nodes of the body and, after these, ``steps − 1`` frames for each cell, on the
+    geodesic between its nodes.
 
     Attributes:
-        faces: Polygons as VTK has them: number of corners, then the corners, again and again.
-        body: What it belongs to.
-        ring: That of each corner, shape (p,).
-        offset: From the ring to the corner along its directors, shape (p, 3).
-        steps: Pieces in which a cell is drawn.
+        faces: Polygons in VTK's format: number of corners, then the corners, for each polygon.
+        body: The body.
+        ring: Ring of each corner, shape (p,).
+        offset: Offset of the corner from the ring, along its directors, shape (p, 3).
+        steps: Number of drawn pieces of a cell.
     """
 
     faces: Indices
@@ -45,7 +45,7 @@ class Shape:
     steps: int = 1
 
     def rings(self, frames: Array) -> Array:
-        """Frames of the rings for those of all nodes, (N, 4, 3); shape (r, 4, 3)."""
+        """Frames of the rings, shape (r, 4, 3), from those of all nodes, (N, 4, 3)."""
         nodes = frames[self.body.nodes]
         if self.steps == 1:
             return np.asarray(nodes)
@@ -53,12 +53,12 @@ class Shape:
         return np.concatenate([nodes, between])
 
     def points(self, frames: Array) -> Array:
-        """Corners of the polygons for the frames of all nodes, shape (N, 4, 3)."""
+        """Positions of the corners, from the frames of all nodes, shape (N, 4, 3)."""
         at = self.rings(frames)[self.ring]
         return np.asarray(at[:, 0] + np.einsum("pk,pkj->pj", self.offset, at[:, 1:]))
 
     def values(self, nodal: Array) -> Array:
-        """Values at the rings for those at the body's n nodes, shape (n,)."""
+        """Values at the rings, from those at the body's n nodes, shape (n,)."""
         if self.steps == 1:
             return nodal
         a, b = nodal[_own(self.body, self.body.cells)].T[:, :, np.newaxis]
@@ -67,43 +67,43 @@ class Shape:
 
 
 def scene_size(frames: Array) -> float:
-    """Diagonal of the box that holds all nodes at all times, (..., N, 4, 3); 1 if it is a point."""
+    """Diagonal of the bounding box of all nodes at all times, (..., N, 4, 3); 1 for a point."""
     x = frames[..., 0, :].reshape(-1, 3)
     return float(np.linalg.norm(x.max(axis=0) - x.min(axis=0))) or 1.0
 
 
 def shapes(info: SceneInfo, frames: Array) -> list[Shape]:
-    """Surfaces of all bodies, fine enough for all the frames, shape (K, N, 4, 3)."""
+    """Surfaces of all bodies, with a resolution for all of the frames, shape (K, N, 4, 3)."""
     size = scene_size(frames)
     return [_shape(body, frames, size) for body in info.bodies]
 
 
-def joint_places(info: SceneInfo, frames: Array) -> Array:
-    """Places of the joints that move, for frames (N, 4, 3); shape (j, 3)."""
-    places = [
+def joint_positions(info: SceneInfo, frames: Array) -> Array:
+    """Positions of the joints that move, for frames (N, 4, 3); shape (j, 3)."""
+    positions = [
         frames[joint.node, 0] + joint.offset @ frames[joint.node, 1:]
         for joint in info.joints
         if joint.node >= 0
     ]
-    return np.array(places).reshape(-1, 3)
+    return np.array(positions).reshape(-1, 3)
 
 
 def with_sharp_edges(surface: Any) -> Any:
-    """A surface of PyVista with normals that jump at sharp edges, and at these points twice."""
+    """A PyVista surface with duplicated points and discontinuous normals at sharp edges."""
     return surface.clean(
         tolerance=_SAME_POINT, absolute=False, polys_to_lines=False, lines_to_points=False
     ).compute_normals(cell_normals=False, split_vertices=True, feature_angle=_EDGE_ANGLE)
 
 
 def _own(body: BodyInfo, nodes: Indices) -> Indices:
-    """Numbers within the body of nodes of the system."""
+    """Numbers in the body of nodes of the system."""
     number = np.full(body.nodes.max() + 1, -1)
     number[body.nodes] = np.arange(len(body.nodes))
     return np.asarray(number[nodes])
 
 
 def _sheet(body: BodyInfo, size: float) -> Shape:
-    """Both faces of a shell, and its rim."""
+    """Both faces of a shell, and its edges."""
     count = len(body.nodes)
     top = _own(body, body.faces) + count
     directed = np.stack([top, np.roll(top, -1, axis=1)], axis=2).reshape(-1, 2)
@@ -121,8 +121,8 @@ def _sheet(body: BodyInfo, size: float) -> Shape:
     return Shape(np.concatenate(faces), body, np.tile(np.arange(count), 2), offset)
 
 
-def _skin(body: BodyInfo) -> Shape:
-    """The outside of a solid."""
+def _boundary(body: BodyInfo) -> Shape:
+    """Boundary of a solid."""
     faces = _polygons(_own(body, body.faces))
     return Shape(faces, body, np.arange(len(body.nodes)), np.zeros((len(body.nodes), 3)))
 
@@ -139,7 +139,7 @@ def _boxes(body: BodyInfo, size: float) -> Shape:
 
 
 def _tube(body: BodyInfo, frames: Array, size: float) -> Shape:
-    """Sections along lines."""
+    """Sections swept along lines."""
     outline = _outlines(body, _THINNEST * size)
     ends = frames[:, body.cells]
     turn = np.linalg.norm(lie.se3_relative(ends[:, :, 0], ends[:, :, 1])[..., 3:], axis=-1).max()
@@ -156,12 +156,12 @@ def _tube(body: BodyInfo, frames: Array, size: float) -> Shape:
 
 def _shape(body: BodyInfo, frames: Array, size: float) -> Shape:
     if len(body.faces):
-        return _sheet(body, size) if body.thickness.any() else _skin(body)
+        return _sheet(body, size) if body.thickness.any() else _boundary(body)
     return _tube(body, frames, size) if len(body.cells) else _boxes(body, size)
 
 
 def _outlines(body: BodyInfo, thinnest: float) -> Array:
-    """Outline of each cell, shape (m, k, 2); a circle where there is none."""
+    """Outline of each cell, shape (m, k, 2); a circle if there is none."""
     given = np.full((1, 2), np.nan) if body.outline is None else body.outline
     given = _coarse(given, _SEEN / _THINNEST * thinnest)
     none = np.asarray(np.isnan(given).any(axis=(-2, -1)))
@@ -174,7 +174,7 @@ def _outlines(body: BodyInfo, thinnest: float) -> Array:
 
 
 def _coarse(outlines: Array, seen: float) -> Array:
-    """Every other corner of round outlines, (..., k, 2), where nobody sees those left out."""
+    """Every other corner of round outlines, (..., k, 2), where the difference is not visible."""
     corners = outlines.shape[-2]
     if corners < 2 * len(_CIRCLE) or corners % 2:
         return outlines
@@ -185,7 +185,7 @@ def _coarse(outlines: Array, seen: float) -> Array:
 
 
 def _padded(outline: Array, corners: int) -> Array:
-    """The last corner again and again, until there are so many."""
+    """Repeat the last corner up to this number of corners."""
     again = np.repeat(outline[..., -1:, :], max(0, corners - outline.shape[-2]), axis=-2)
     return np.concatenate([outline, again], axis=-2)
 
@@ -198,12 +198,12 @@ def _between(frames: Array, cells: Indices, steps: int) -> Array:
 
 
 def _inside(steps: int) -> Array:
-    """Where pieces of a cell meet, shape (steps − 1,)."""
+    """Parameters of the interior frames of a cell, shape (steps − 1,)."""
     return np.arange(1, steps) / np.float64(steps)
 
 
 def _tube_faces(cells: Indices, steps: int, outlines: Array) -> Indices:
-    """Sides of all cells, and caps where a line ends or its outline changes."""
+    """Lateral faces of all cells, and caps where a line ends or its outline changes."""
     corners = outlines.shape[1]
     ring = np.arange(corners)
     following = np.roll(ring, -1)
@@ -222,5 +222,5 @@ def _tube_faces(cells: Indices, steps: int, outlines: Array) -> Indices:
 
 
 def _polygons(corners: Indices) -> Indices:
-    """VTK's list of polygons with equally many corners, from shape (f, c)."""
+    """VTK's list of polygons with equal numbers of corners, from shape (f, c)."""
     return np.insert(corners, 0, corners.shape[1], axis=1).ravel()

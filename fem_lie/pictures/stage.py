@@ -1,4 +1,4 @@
-"""What is around the bodies of a picture: title, axes, units, camera, and a virtual display."""
+"""Surroundings of the bodies in a picture: title, axes, units, camera, and a virtual display."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ SI = Units()
 
 _START_SECONDS = 20.0
 
-# If we are killed the server goes by itself, ten seconds after its last window.
+# if the process is killed, the server ends ten seconds after its last window
 _OPTIONS = ("-screen", "0", "64x64x24", "-nolisten", "tcp", "-terminate", "10")
 
 
 @contextmanager
 def display() -> Iterator[None]:
-    """Run a virtual X server (Xvfb) for as long as this lasts, if ``DISPLAY`` is not set.
+    """Run a virtual X server (Xvfb) within this context, if ``DISPLAY`` is not set.
 
     Every window must be closed before the end.
 
@@ -69,11 +69,11 @@ def display() -> Iterator[None]:
 
 
 def _start() -> tuple[subprocess.Popen[bytes], str]:
-    """The server, and the number of the display that it chose."""
+    """The server process, and the number of the display that it chose."""
     program = shutil.which("Xvfb")
     if program is None:
         raise RuntimeError(
-            "pictures need a display: DISPLAY is not set, and Xvfb, which would stand in, is not "
+            "pictures need a display: DISPLAY is not set, and Xvfb, a virtual display, is not "
             "installed (package xvfb)"
         )
     read, write = os.pipe()
@@ -84,7 +84,7 @@ def _start() -> tuple[subprocess.Popen[bytes], str]:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
-            # Ctrl-C is for us alone: the server has to outlive our windows
+            # Ctrl-C must not end the server before the windows
             start_new_session=True,
         )
     finally:
@@ -100,18 +100,18 @@ def _start() -> tuple[subprocess.Popen[bytes], str]:
 
 
 INK = "#333333"
-_MARGIN, _LINES = 0.045, 4.0  # part of the width and lines of text: room for titles of axes
-_PER_TEXT = 100  # widths of the picture in pixels per size of the text
+_MARGIN, _LINES = 0.045, 4.0  # space for titles of axes: fraction of the width, and lines of text
+_PER_TEXT = 100  # width of the picture in pixels over the text size
 
 
 class Canvas(NamedTuple):
-    """What a picture is drawn on.
+    """Title, units and size of a picture.
 
     Attributes:
-        title: Above the picture.
-        units: For the axes.
+        title: Title above the picture.
+        units: Units of the axes.
         size: Width and height, pixels.
-        text: Size of numbers and titles at the axes; default: a hundredth of the width.
+        text: Text size of the axes; default: a hundredth of the width.
     """
 
     title: str = ""
@@ -121,11 +121,11 @@ class Canvas(NamedTuple):
 
 
 PLAIN = Canvas()
-"""Without a title, in metres."""
+"""Canvas without a title, in metres."""
 
 
 def target_of(path: str | os.PathLike[str], suffix: str) -> str:
-    """The name of a picture, checked."""
+    """The name of a picture, after a check of its suffix."""
     if Path(path).suffix.lower() != suffix:
         raise ValueError(f"the name of the picture must end in {suffix!r}, got {str(path)!r}")
     return str(path)
@@ -189,7 +189,7 @@ def add_frame(plotter: Any, frames: Array, paths: Sequence[Array], canvas: Canva
         labels = vtkStringArray()
         for number, value in enumerate(np.rint(low[axis] / step) + np.arange(counts[axis])):
             # in space the lowest of z and the first of y, and the last of x and the highest of z,
-            # would write over each other
+            # would overlap
             hidden = (axis == 2 and number == 0) or (axis == 0 and number == counts[0] - 1)
             shown = "" if hidden and len(flat) != 1 else f"{value * step:.6g}"
             labels.InsertNextValue(shown)
@@ -210,10 +210,10 @@ def _fit(camera: Any, corners: Array, size: tuple[int, int], margin: float) -> N
     """Set a parallel camera to show boxes, with a margin in pixels all around.
 
     Args:
-        camera: Of PyVista; its direction stays.
+        camera: PyVista camera; its direction is kept.
         corners: Lowest and highest corner of each box, one after the other, shape (2 k, 3).
         size: Width and height of the picture, pixels.
-        margin: Beyond the boxes.
+        margin: Margin, pixels.
     """
     forward = np.array(camera.focal_point) - np.array(camera.position)
     distance = float(np.linalg.norm(forward))
@@ -235,10 +235,10 @@ def _fit(camera: Any, corners: Array, size: tuple[int, int], margin: float) -> N
 
 
 def round_box(frames: Array, paths: Sequence[Array]) -> tuple[Array, Array, float, Indices]:
-    """Box of round numbers about all configurations, shape (..., N, 4, 3), and lines.
+    """Bounding box, with round numbers, of all configurations, shape (..., N, 4, 3), and lines.
 
     Returns:
-        Lowest and highest corner, the distance of grid lines, and along which axes it is flat.
+        Lowest and highest corner, the distance of grid lines, and the axes along which it is flat.
     """
     x = np.concatenate([frames[..., 0, :].reshape(-1, 3), *paths])
     low, high = x.min(axis=0), x.max(axis=0)
@@ -251,7 +251,7 @@ def round_box(frames: Array, paths: Sequence[Array]) -> tuple[Array, Array, floa
 def _round_step(extent: float) -> float:
     """Distance of grid lines, 1, 2 or 5 times a power of ten, for three to seven of them.
 
-    With more of them VTK would take a distance of its own, and set our labels to the wrong places.
+    With more of them VTK would use a distance of its own, at which our labels would be wrong.
     """
     power = 10.0 ** np.floor(np.log10(extent or 1.0))
     return float(power * next(k for k in (0.1, 0.2, 0.5, 1.0, 2.0) if extent / (k * power) <= 6.0))

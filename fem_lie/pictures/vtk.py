@@ -30,7 +30,7 @@ _VTK_CELLS = {
 
 
 class CellKind(Protocol):
-    """What cells of a surface are, as a :class:`~fem_lie.mesh.SurfaceMesh` says."""
+    """Cell shape and degree of a surface, as of a :class:`~fem_lie.mesh.SurfaceMesh`."""
 
     @property
     def cell(self) -> str:
@@ -38,7 +38,7 @@ class CellKind(Protocol):
 
     @property
     def degree(self) -> int:
-        """Of their edges, 1 or 2."""
+        """Polynomial degree of the cells, 1 or 2."""
 
 
 def write_surface(
@@ -53,9 +53,9 @@ def write_surface(
 
     Args:
         path: Name of the file.
-        points: Places, shape (p, 3).
+        points: Positions, shape (p, 3).
         cells: Points of each cell in DOLFINx's order, shape (m, k).
-        mesh: What the cells are.
+        mesh: Shape and degree of the cells.
         point_data: Values at the points.
         cell_data: Values in the cells.
 
@@ -82,8 +82,8 @@ def write_volume(
 
     Args:
         path: Name of the file.
-        space: Lagrange's, of numbers, whose nodes are the points.
-        points: Places, shape (p, 3).
+        space: Scalar Lagrange space whose nodes are the points.
+        points: Positions, shape (p, 3).
         point_data: Values at the points.
 
     Raises:
@@ -102,7 +102,7 @@ def write_volume(
 
 
 def surface_grid(points: Array, cells: Indices, mesh: CellKind) -> Any:
-    """A surface as pyvista's grid; arguments as in :func:`write_surface`."""
+    """A surface as a PyVista grid; arguments as for :func:`write_surface`."""
     import pyvista
 
     kind, order = _VTK_CELLS[mesh.cell, mesh.degree]
@@ -111,7 +111,7 @@ def surface_grid(points: Array, cells: Indices, mesh: CellKind) -> Any:
 
 
 class ForcesInBeam(Protocol):
-    """What is known in the middle of each element, see :func:`fem_lie.post.section_forces`."""
+    """Section forces in the middle of each element, see :func:`fem_lie.post.section_forces`."""
 
     @property
     def beam(self) -> Beam:
@@ -119,19 +119,19 @@ class ForcesInBeam(Protocol):
 
     @property
     def times(self) -> Array:
-        """Shape (T,)."""
+        """Times, shape (T,)."""
 
     @property
     def components(self) -> tuple[str, ...]:
-        """Names of the six."""
+        """Names of the six components."""
 
     @property
     def middle(self) -> Array:
-        """Shape (T, m, 6)."""
+        """Section forces, shape (T, m, 6)."""
 
 
 class Writable(Protocol):
-    """What writes itself, see :func:`fem_lie.post.resultants`."""
+    """Results that can write a file, see :func:`fem_lie.post.resultants`."""
 
     def write_vtk(self, path: str | os.PathLike[str]) -> None:
         """Write a ``.vtu`` file."""
@@ -149,18 +149,18 @@ def write_series(
 
     Point data: directors ``e1``, ``e2``, ``e3``, ``displacement`` from the first time, and
     ``velocity`` and ``angular velocity``, all in global components; cell data: ``body``, the number
-    of the body, and section forces in the middle of elements, if there are some, nan elsewhere.
+    of the body, and section forces in the middle of elements, if given, nan elsewhere.
 
     Args:
         path: Name of the ``.pvd`` file.
         info: The scene.
         times: Times or load factors, shape (T,).
-        frames: Shape (T, N, 4, 3).
-        velocities: Local velocities (translation, rotation), shape (T, N, 6).
+        frames: Frames of all nodes, shape (T, N, 4, 3).
+        velocities: Velocities (translation, rotation) in the nodes' own axes, shape (T, N, 6).
         forces: Section forces of beams at all of these times.
 
     Raises:
-        ValueError: The name does not end in ``.pvd``, or there are forces at other times.
+        ValueError: The name does not end in ``.pvd``, or section forces are at other times.
     """
     import pyvista
 
@@ -198,7 +198,7 @@ def write_resultants(
     """
     values = np.atleast_1d(np.asarray(times, dtype=np.float64))
     if values.shape != (len(series),):
-        raise ValueError(f"wanted one time for each of {len(series)} states, got {values.shape}")
+        raise ValueError(f"expected one time for each of {len(series)} states, got {values.shape}")
     target, names = _series(path, len(series), ".vtu")
     for name, resultants in zip(names, series, strict=True):
         resultants.write_vtk(target.parent / name)
@@ -218,7 +218,7 @@ def _forces_in_cells(
     for found in forces:
         if not np.array_equal(found.times, times):
             raise ValueError(
-                f"section forces of {found.beam.label} are wanted at all {len(times)} times, got "
+                f"expected section forces of {found.beam.label} at all {len(times)} times, got "
                 f"{len(found.times)}"
             )
         body = info.body(found.beam.name)
@@ -231,7 +231,7 @@ def _forces_in_cells(
 def write_elements(
     path: str | os.PathLike[str],
     times: Array,
-    places: Array,
+    positions: Array,
     at_ends: Mapping[str, Array],
     in_middle: Mapping[str, Array],
 ) -> None:
@@ -240,9 +240,9 @@ def write_elements(
     Args:
         path: Name of the ``.pvd`` file.
         times: Times or load factors, shape (T,).
-        places: Of the ends of each line, shape (T, m, 2, 3).
-        at_ends: Numbers or vectors there, shape (T, m, 2) or (T, m, 2, 3).
-        in_middle: Numbers, shape (T, m).
+        positions: Positions of the ends of each line, shape (T, m, 2, 3).
+        at_ends: Scalars or vectors at the ends, shape (T, m, 2) or (T, m, 2, 3).
+        in_middle: Scalars in the middle, shape (T, m).
 
     Raises:
         ValueError: The name does not end in ``.pvd``.
@@ -250,10 +250,10 @@ def write_elements(
     import pyvista
 
     target, names = _series(path, len(times), ".vtp")
-    count = 2 * places.shape[1]
+    count = 2 * positions.shape[1]
     lines = np.insert(np.arange(count).reshape(-1, 2), 0, 2, axis=1)
     for k, name in enumerate(names):
-        data = pyvista.PolyData(places[k].reshape(-1, 3), lines=lines.ravel())
+        data = pyvista.PolyData(positions[k].reshape(-1, 3), lines=lines.ravel())
         for what, values in at_ends.items():
             data.point_data[what] = values[k].reshape(count, *values.shape[3:])
         for what, values in in_middle.items():
@@ -263,7 +263,7 @@ def write_elements(
 
 
 def _series(path: str | os.PathLike[str], count: int, suffix: str) -> tuple[Path, list[str]]:
-    """The ``.pvd`` file, and the names of the files that belong to it, in a folder that exists."""
+    """The ``.pvd`` file, and the names of its data files, in a folder that is created."""
     target = Path(path)
     if target.suffix != ".pvd":
         raise ValueError(f"the name of the series must end in '.pvd', got {str(path)!r}")
@@ -274,7 +274,7 @@ def _series(path: str | os.PathLike[str], count: int, suffix: str) -> tuple[Path
 
 
 def _write_collection(target: Path, names: Sequence[str], times: Array) -> None:
-    """Written last: the series appears when it is whole."""
+    """Write the collection last: the series appears when it is complete."""
     rows = [
         f'<DataSet timestep="{float(time)!r}" file={quoteattr(name)}/>'
         for name, time in zip(names, times, strict=True)

@@ -1,1 +1,1 @@
-"""One HTML file in which states of a scene move, for any browser and without a network."""
+"""Interactive HTML pages: an animation of a scene in one file, without a network."""

@@ -1,4 +1,4 @@
-"""Values at the nodes of bodies, to be seen as colours."""
+"""Nodal values of bodies, and the colour scale."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 
 _SIGNED, _PLAIN = "RdBu_r", "viridis"
-_ONE_SIGN = 0.02  # of the largest; less of the other sign is none
+_ONE_SIGN = 0.02  # fraction of the largest value below which values of the other sign are ignored
 _STEPS = 255
 
 
 @dataclass(frozen=True, eq=False)
 class NodalColours:
-    """A quantity of one body in all states of a result.
+    """A nodal quantity of one body in all states of a result, for colours of a page.
 
     Attributes:
         body: Name of the body in the scene.
-        values: At its nodes, shape (k, n); nan where there is none.
-        label: What it is, and its unit. What is drawn together has one label.
+        values: Values at its nodes, shape (k, n); nan if undefined.
+        label: Name of the quantity, and its unit. Quantities on the same page have the same label.
     """
 
     body: str
@@ -29,14 +29,10 @@ class NodalColours:
     label: str
 
     def rows(self, rows: Indices, states: int) -> NodalColours:
-        """Those of some of the states.
-
-        Args:
-            rows: Numbers of the states that are drawn.
-            states: Number of all states.
+        """Values in some of the states.
 
         Raises:
-            ValueError: There are values of another number of states.
+            ValueError: The number of states does not agree.
         """
         if len(self.values) != states:
             raise ValueError(
@@ -46,7 +42,7 @@ class NodalColours:
 
 
 def at_nodes(values: Array, nodes: Indices, count: int) -> Array:
-    """Means at ``count`` nodes of values (k, v) that belong to nodes (v,); nan where none does."""
+    """Means at ``count`` nodes of values (k, v) at nodes (v,); nan at nodes without a value."""
     uses = np.bincount(nodes, minlength=count)
     total = np.array([np.bincount(nodes, row, count) for row in values])
     return np.where(uses > 0, total / np.maximum(uses, 1), np.nan)
@@ -54,13 +50,13 @@ def at_nodes(values: Array, nodes: Indices, count: int) -> Array:
 
 @dataclass(frozen=True)
 class Scale:
-    """Which colour is which value.
+    """Colour scale.
 
     Attributes:
-        label: What the values are.
+        label: Name of the quantity, and its unit.
         low: Value of the first colour.
-        high: Value of the last.
-        names: Colours from low to high, as browsers call them.
+        high: Value of the last colour.
+        names: Colours from low to high, as CSS colours.
     """
 
     label: str
@@ -70,17 +66,19 @@ class Scale:
 
     @classmethod
     def of(cls, colours: Sequence[NodalColours]) -> Scale:
-        """One scale for all.
+        """A common scale for all quantities.
 
         Raises:
-            ValueError: They have several labels.
+            ValueError: The quantities have several labels.
         """
         from matplotlib import colormaps
         from matplotlib.colors import to_hex
 
         labels = list(dict.fromkeys(one.label for one in colours))
         if len(labels) > 1:
-            raise ValueError(f"one page shows one quantity in colours, got {', '.join(labels)}")
+            raise ValueError(
+                f"expected one quantity for the colours of a page, got {', '.join(labels)}"
+            )
         low = min(float(np.nanmin(one.values)) for one in colours)
         high = max(float(np.nanmax(one.values)) for one in colours)
         signed = min(-low, high) > _ONE_SIGN * max(-low, high)
@@ -91,6 +89,6 @@ class Scale:
         return cls(labels[0], low, high, tuple(to_hex(shade) for shade in shades))
 
     def steps(self, values: Array) -> Indices:
-        """Numbers of the colours of values; where there is none, that of the lowest."""
+        """Indices of the colours of values; undefined values have the lowest colour."""
         part = (values - self.low) / ((self.high - self.low) or 1.0)
         return np.rint(_STEPS * np.nan_to_num(np.clip(part, 0.0, 1.0))).astype(np.int64)

@@ -1,4 +1,4 @@
-"""The page: what is drawn, the script that draws it, diagrams, and the numbers of the states."""
+"""The page: content, the script that draws it, diagrams, and the slider."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from fem_lie.pictures.stage import Units, target_of
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A line in a diagram: what it is, x and y, its colour."""
+    """A line in a diagram: label, x and y, colour."""
 
     label: str
     x: Array
@@ -28,15 +28,15 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Diagram:
-    """Curves, and where in them a state is.
+    """Curves, and the point of each state in them.
 
     Attributes:
-        title: Above it.
-        x_label: What goes to the right, and its unit.
-        y_label: What goes up.
-        curves: The lines.
-        at_x: Where each of the k states is, shape (k,).
-        at_y: Likewise, if a state is a point of a curve; else it is a line through the diagram.
+        title: Title.
+        x_label: Label of the horizontal axis, with its unit.
+        y_label: Label of the vertical axis.
+        curves: The curves.
+        at_x: Horizontal coordinate of each of the k states, shape (k,).
+        at_y: Vertical coordinate, if a state is a point of a curve; else it is a vertical line.
     """
 
     title: str
@@ -47,7 +47,7 @@ class Diagram:
     at_y: Array | None = None
 
     def content(self) -> dict[str, object]:
-        """As the page's script takes it."""
+        """The diagram as the page's script expects it."""
         return {
             "title": self.title,
             "x_label": self.x_label,
@@ -67,7 +67,7 @@ class Diagram:
 
 
 def _short(values: Array) -> list[float]:
-    """Numbers of seven digits: more is not seen, and makes the page larger."""
+    """Numbers with seven digits, for a small page."""
     return [float(f"{value:.7g}") for value in values]
 
 
@@ -77,10 +77,10 @@ def energies(
     """Energies over time, and the change of their sum.
 
     Args:
-        times: Of all states, shape (T,).
-        parts: Kinds of energy, each of shape (T,).
-        rows: Which states the page has.
-        units: For the axes.
+        times: Times of all states, shape (T,).
+        parts: Energies by name, each of shape (T,).
+        rows: Indices of the states of the page.
+        units: Units of the axes.
     """
     at, label = times[rows], f"time [{units.time}]"
     drawn = _drawn(len(times))
@@ -100,7 +100,7 @@ def energies(
 
 
 def along_a_load(displaced: Array, factors: Array, name: str, rows: Indices, unit: str) -> Diagram:
-    """Load factor over the amount of a displacement, both of all states, shape (k,)."""
+    """Load factor over the norm of a displacement, both at all states, shape (k,)."""
     curve = Curve("path", displaced, factors, COLOURS[0])
     at = displaced[rows], factors[rows]
     label = f"displacement of {name} [{unit}]"
@@ -115,19 +115,19 @@ def _drawn(count: int) -> slice:
 _TOTAL = "#333333"
 _MOST = 2000
 
-_HEIGHT = 640  # of a page within a notebook, pixels
+_HEIGHT = 640  # height of a page in a notebook, pixels
 
 
 @dataclass(frozen=True, eq=False)
 class Slider:
-    """How one goes through the states.
+    """Slider that selects the state.
 
     Attributes:
         values: Time or load factor of each of the k states, shape (k,).
-        label: What these are.
-        unit: Behind them; may be empty.
-        seconds: How long all states play.
-        plays: Whether they play when the page opens.
+        label: Name of these values.
+        unit: Unit; may be empty.
+        seconds: Duration of the animation.
+        plays: Whether the animation starts when the page opens.
     """
 
     values: Array
@@ -137,7 +137,7 @@ class Slider:
     plays: bool
 
     def content(self) -> Content:
-        """As the page's script takes it."""
+        """The slider as the page's script expects it."""
         return {
             "states": [float(f"{value:.7g}") for value in self.values],
             "state_label": self.label,
@@ -149,10 +149,10 @@ class Slider:
 
 @dataclass(frozen=True)
 class Page:
-    """A page, which notebooks show as it is.
+    """An HTML page, which notebooks display.
 
     Attributes:
-        text: The whole page.
+        text: Source of the page.
     """
 
     text: str
@@ -176,13 +176,13 @@ def page(
 
     Args:
         path: Name of the ``.html`` file.
-        content: What is drawn.
-        slider: How one goes through the states.
-        diagrams: Beside them.
-        title: Above all.
+        content: Bodies, paths and axes.
+        slider: Slider that selects the state.
+        diagrams: Diagrams next to the picture.
+        title: Title of the page.
 
     Raises:
-        ValueError: The name does not end in ``.html``, or it plays for no time.
+        ValueError: The name does not end in ``.html``, or the duration is not positive.
     """
     if not slider.seconds > 0.0:
         raise ValueError(f"seconds must be positive, got {slider.seconds!r}")
