@@ -72,8 +72,8 @@ class BeamFormulation(ABC):
         """
         if not self.bends:
             raise ValueError(
-                f"{what} is not available for {self}, whose elements have no bending stiffness: use "
-                "KirchhoffRod() or an element of beams"
+                f"{what} is not available for {self}, whose elements have no bending stiffness: "
+                "use KirchhoffRod() or an element of beams"
             )
 
     @property

@@ -1,1 +1,1 @@
-"""Elements along lines whose nodes are no frames."""
+"""Elements along lines without shear: cables and rods."""

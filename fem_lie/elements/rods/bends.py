@@ -1,13 +1,14 @@
-"""Springs between successive edges of discrete rods: bending without frames.
+"""Rotational springs between successive edges of discrete rods: bending without frames.
 
-Between edges ``e`` and ``f`` that turn by the angle ``φ`` the curvature over the length ``ℓ``, half
-of both edges, is that of ``κb = 2 e × f/(|e||f| + e·f)``, whose length is ``2 tan φ/2``::
+For edges ``e`` and ``f`` at an angle ``φ``, the curvature over the length ``ℓ``, half of both
+edges, is that of ``κb = 2 e × f/(|e||f| + e·f)``, whose norm is ``2 tan φ/2``::
 
     W = ½ EI/ℓ (|κb| − κ₀)²,    |κb|² = 4 (1 − x)/(1 + x),    x = e·f/(|e||f|)
 
-with the natural one ``κ₀``, without a direction. (Bergou, Wardetzky, Robinson, Audoly & Grinspun,
-*ACM Trans. Graph.* 27 (2008) 63; Jawed, Novelia & O'Reilly, *A Primer on the Kinematics of Discrete
-Elastic Rods*, 2018.) At a clamped end ``e`` is fixed in space, and ``ℓ`` is half of ``f``.
+with the natural curvature ``κ₀``, which has no direction. (Bergou, Wardetzky, Robinson, Audoly &
+Grinspun, *ACM Trans. Graph.* 27 (2008) 63; Jawed, Novelia & O'Reilly, *A Primer on the Kinematics
+of Discrete Elastic Rods*, 2018.) At a clamped end ``e`` is fixed in space, and ``ℓ`` is half of
+``f``.
 """
 
 from __future__ import annotations
@@ -30,14 +31,14 @@ from fem_lie.lie.node_types.node_type import NodeType
 class _Data(Protocol):
     @property
     def nodes(self) -> Indices:
-        """Of each spring, shape (b, 3)."""
+        """Nodes of each spring, shape (b, 3)."""
 
 
 class Springs(CellTerm):
-    """What kernels of energy, forces and matrix sum over nodes.
+    """Term of springs: energy, forces and matrix summed over springs.
 
     Attributes:
-        springs: What they are.
+        springs: Record of the springs.
     """
 
     of_bodies = True
@@ -47,8 +48,8 @@ class Springs(CellTerm):
 
         Args:
             kernels: Compiled functions for energy, forces and matrix.
-            values: Of each spring, which come behind the rows of its nodes, shape (b, any).
-            springs: What they are.
+            values: Data of each spring behind the coordinates of its nodes, shape (b, any).
+            springs: Record of the springs.
             count: Number of nodes of the assembly.
         """
         nodes, data = springs.nodes, np.ascontiguousarray(values, dtype=np.float64)
@@ -61,21 +62,21 @@ class Springs(CellTerm):
 
     @property
     def contents(self) -> _Data:
-        """The springs."""
+        """Record of the springs."""
         return self.springs
 
 
 _STRAIGHT = 1e-12
-"""Natural ``|κb|`` that is round-off of places along a straight line."""
+"""Natural ``|κb|`` below which a line is straight up to round-off."""
 
 
 class Successive(NamedTuple):
-    """Edges that bend together.
+    """Pairs of successive edges.
 
     Attributes:
-        nodes: Ends of the first edge and of the second one, which begins where the first ends,
+        nodes: Ends of the first edge and of the second one, which starts where the first ends,
             shape (b, 3).
-        edges: Both, shape (b, 2).
+        edges: Both edges, shape (b, 2).
     """
 
     nodes: Indices
@@ -83,14 +84,14 @@ class Successive(NamedTuple):
 
 
 class Bends(NamedTuple):
-    """Springs between edges.
+    """Rotational springs between edges.
 
     Attributes:
-        nodes: As of :class:`Successive`; at a clamped end the first two are the same.
-        stiffness: ``EI/ℓ``, shape (b,).
+        nodes: As of :class:`Successive`; at a clamped end the first two are equal.
+        stiffness: ``EI/ℓ``, shape (b,), N m.
         natural: ``κ₀``, shape (b,).
         fixed: First edges where they are fixed in space, zero elsewhere, shape (b, 3).
-        laid: Lengths of both edges as laid, shape (b, 2).
+        laid: Initial lengths of both edges, shape (b, 2).
     """
 
     nodes: Indices
@@ -101,13 +102,13 @@ class Bends(NamedTuple):
 
     @classmethod
     def between(cls, places: Array, along: Successive, flexibility: Array, natural: bool) -> Bends:
-        """Of successive edges.
+        """Springs between successive edges.
 
         Args:
-            places: Of the nodes, as laid, shape (n, 3).
-            along: Which.
+            places: Initial positions of the nodes, shape (n, 3).
+            along: Pairs of edges.
             flexibility: ``ℓ/EI`` of each edge, shape (m,).
-            natural: Whether they are naturally as they are laid.
+            natural: Whether the initial curvature is the natural one.
         """
         e, f = np.diff(places[along.nodes], axis=1).swapaxes(0, 1)
         u, v = (a / np.linalg.norm(a, axis=1, keepdims=True) for a in (e, f))
@@ -119,28 +120,28 @@ class Bends(NamedTuple):
 
     @classmethod
     def at_ends(cls, nodes: Indices, fixed: Array, flexibility: Array) -> Bends:
-        """Of ends whose direction does not change, over half of their edges.
+        """Springs at clamped ends, over half of their edges.
 
         Args:
-            nodes: The end, and the other node of its edge, shape (b, 2).
-            fixed: First edges, as long as those that they bend with, shape (b, 3).
+            nodes: End node, and the other node of its edge, shape (b, 2).
+            fixed: Fixed first edges, as long as the edges at the ends, shape (b, 3).
             flexibility: ``ℓ/EI`` of the edges, shape (b,).
         """
-        # as long as the edges beside them
+        # as long as the adjacent edges
         laid = np.repeat(np.linalg.norm(fixed, axis=1)[:, np.newaxis], 2, axis=1)
         stiffness = np.asarray(2.0 / flexibility)
         return cls(nodes[:, [0, 0, 1]], stiffness, np.zeros(len(nodes)), fixed, laid)
 
     @classmethod
     def joined(cls, parts: Sequence[Bends]) -> Bends:
-        """All of them."""
+        """Concatenation of several records."""
         return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 def _vectors(bends: Bends) -> tuple[Array, Array]:
-    """``T`` and ``z₀`` of ``e/|e|`` and ``f/|f| − e/|e|``, with the lengths of edges as laid.
+    """``T`` and ``z₀`` of ``e/|e|`` and ``f/|f| − e/|e|``, with initial lengths of edges.
 
-    Where a rod is laid straight the second one is nil, so that its products have all digits.
+    For a straight initial line the second vector is zero, so that its products lose no digits.
     """
     e, f = (1.0 / size[:, np.newaxis] for size in bends.laid.T)
     free = (np.linalg.norm(bends.fixed, axis=1, keepdims=True) == 0).astype(float)
@@ -152,7 +153,7 @@ def _vectors(bends: Bends) -> tuple[Array, Array]:
 
 @compiled
 def _squared_curvature(products: tuple[float, ...], parameters: tuple[float, ...]) -> tuple[float]:
-    """``|κb|²``."""
+    """Squared curvature ``|κb|²`` from the products."""
     ee, eg, gg = products
     along = ee + eg
     sum_ = math.sqrt(ee * (ee + 2.0 * eg + gg)) + along
@@ -161,7 +162,7 @@ def _squared_curvature(products: tuple[float, ...], parameters: tuple[float, ...
 
 @compiled
 def _bending(strains: tuple[float, ...], parameters: tuple[float, ...]) -> float:
-    """``½ EI/ℓ (|κb| − κ₀)²``; straight it is bent alike to all sides."""
+    """Energy ``½ EI/ℓ (|κb| − κ₀)²``; smooth and isotropic at a straight line."""
     stiffness, natural = parameters
     if natural > 0.0:
         if strains[0] > 0.0:
@@ -206,7 +207,7 @@ class BendingSprings(Springs):
     label = "bending springs"
 
     def __init__(self, bends: Bends, count: int) -> None:
-        """Pack the springs, on the nodes of an assembly of so many."""
+        """Pack the springs, on an assembly with ``count`` nodes."""
         tables, constant = _vectors(bends)
         parameters = np.column_stack([bends.stiffness, bends.natural])[:, np.newaxis]
         values = cell_data(ELEMENT, tables, parameters, offsets=constant)

@@ -1,34 +1,33 @@
-"""Cable in positions and slopes: two nodes, cubic Hermite interpolation, stretch and bending.
+"""Cable element with positions and position gradients: cubic Hermite, axial and bending strain.
 
-With ``s`` the unstretched arc length, ``ε = |x′| − 1`` and ``κ = |x′ × x″|/|x′|²``, the rate at
-which the tangent turns per unstretched length; naturally straight, without shear or torsion::
+With the unstretched arc length ``s``, ``ε = |x′| − 1`` and ``κ = |x′ × x″|/|x′|²``, the rotation of
+the tangent per unstretched length; naturally straight, without shear or torsion::
 
     W = ∫ ½ EA ε² ds + ∫ ½ EI κ² ds
 
-The first is integrated at the three Lobatto points, the second at three Gauss points. In a slender
-cable that bends without stretching ``|x′|`` of a cubic cannot be one everywhere: at the Lobatto
-points, of which two are the nodes, it can be, and nothing locks; at five Gauss points it does. A
-free end that carries no tension is kept from turning by its bending stiffness alone.
-Where it is pushed see :mod:`.cable_law`.
+The first term is integrated at three Lobatto points, the second at three Gauss points. In a slender
+cable that bends without stretch, ``|x′|`` of a cubic cannot be one everywhere. It can be one at the
+Lobatto points, two of which are the nodes, so that the element does not lock; with five Gauss
+points it does. The direction of a free end without tension is determined by its bending stiffness
+only. For compression see :mod:`.cable_law`.
 
-(Gerstmayr & Irschik, *J. Sound Vib.* 318 (2008) 461: the strains; Gerstmayr &
-Shabana, *Nonlinear Dyn.* 45 (2006) 109: reduced integration of the stretch.)
+(Gerstmayr & Irschik, *J. Sound Vib.* 318 (2008) 461: the strains; Gerstmayr & Shabana, *Nonlinear
+Dyn.* 45 (2006) 109: reduced integration of the axial strain.)
 
-Forces of the cable of places and slopes, by hand: the gradient of its energy in closed form.
-
-With ``c`` the chord over the length, ``T = A + B`` and ``D = B − A`` of the end slopes ``A`` and
-``B``, slope and bend of the cubic (the latter times the length) are, ``σ`` from the middle::
+Forces are hand-written, as the gradient of the energy in closed form. With the chord ``c`` over the
+length, ``T = A + B`` and ``D = B − A`` of the end gradients ``A`` and ``B``, the first derivative
+of the cubic and the second one times the length are, with ``σ`` from the midpoint::
 
     f = (3/2 − 6 σ²) c + (3 σ² − ¼) T + σ D,    g = D − σ (12 c − 6 T).
 
-Stretch counts at Lobatto's points, where ``f`` is ``A``, ``3/2 c − T/4`` and ``B``; bending at
-Gauss' points, ``½ β |f × g|²/|f|⁴`` each, whose gradients are with ``ρ = f·g/|f|²``::
+Axial strain is sampled at the Lobatto points, where ``f`` is ``A``, ``3/2 c − T/4`` and ``B``;
+bending at the Gauss points, ``½ β |f × g|²/|f|⁴`` each, whose gradients are with ``ρ = f·g/|f|²``::
 
     ∂f = β/|f|² ((2 ρ² − |g|²/|f|²) f − ρ g),    ∂g = β/|f|² (g − ρ f).
 
-What is derived here is what UFL derives of :mod:`.cable` in six times the time. The small-energy
-kernel (``docs/how_to/gradient_element.py``) takes 2.15 times as long for forces, which is what an
-explicit step takes, 1.2 times for forces and energy, and half as long for forces and tangent.
+UFL's code for the same takes six times as long. The small-energy kernel
+(``docs/how_to/gradient_element.py``) takes 2.15 times as long for forces, which an explicit step
+needs, 1.2 times for forces and energy, and half as long for forces and tangent.
 """
 
 from __future__ import annotations
@@ -78,18 +77,18 @@ _SIGMA = 0.5 * sqrt(0.6)
 
 _LENGTH, _STRETCH_AT, _SPEED, _BENDING_AT, _SLACK, _SIZE = 24, 25, 28, 31, 34, 35
 
-"""Where numbers of a cell are, behind the rows of both nodes; and how many."""
+"""Offsets of the data of a cell, behind the coordinates of both nodes; and their number."""
 
 
 def packed(lengths: Array, stiffness: Array, speeds: Array | None, slack: float | None) -> Array:
-    """What the kernel reads of each cell, shape (m, 11).
+    """Data of each cell for the kernel, shape (m, 11).
 
     Args:
-        lengths: In the parameter, negative where slopes point from the second end to the first,
+        lengths: Parameter length, negative if gradients point from the second end to the first,
             shape (m,).
-        stiffness: Of the section, shape (m, 6, 6).
+        stiffness: Section stiffness, shape (m, 6, 6).
         speeds: Unstretched arc length per parameter at the points of both rules, in order, shape
-            (m, 5), or ``None`` where it is one.
+            (m, 5), or ``None`` if it is one.
         slack: See :class:`~fem_lie.elements.HermiteCable`.
     """
     J = np.ones((len(lengths), 5)) if speeds is None else speeds
@@ -103,7 +102,7 @@ def packed(lengths: Array, stiffness: Array, speeds: Array | None, slack: float 
 
 @inlined
 def _stress(ε: float, slack: float) -> float:
-    """Over ``EA``; see :mod:`.cable_law`."""
+    """Axial force over ``EA``; see :mod:`.cable_law`."""
     width, beyond = 0.5 * slack, ε - slack
     if ε > slack + width:
         return ε
@@ -114,14 +113,14 @@ def _stress(ε: float, slack: float) -> float:
 
 @inlined
 def _pulled(data: Array, k: int, f: Vector) -> Vector:
-    """Gradient in the slope at Lobatto's point ``k``."""
+    """Gradient in the first derivative at the ``k``-th Lobatto point."""
     n = sqrt(dot(f, f))
     return scaled(data[_STRETCH_AT + k] * _stress(n * data[_SPEED + k] - 1.0, data[_SLACK]) / n, f)
 
 
 @inlined
 def _bent(data: Array, k: int, f: Vector, g: Vector) -> tuple[Vector, Vector]:
-    """Gradients in slope and bend at Gauss' point ``k``."""
+    """Gradients in the first and second derivative at the ``k``-th Gauss point."""
     inverse = 1.0 / dot(f, f)
     scale, ρ = data[_BENDING_AT + k] * inverse, dot(f, g) * inverse
     own = 2.0 * ρ * ρ - dot(g, g) * inverse
@@ -132,7 +131,7 @@ def _bent(data: Array, k: int, f: Vector, g: Vector) -> tuple[Vector, Vector]:
 def force_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
-    """Forces on places and slopes of both nodes, along their axes."""
+    """Forces on positions and gradients of both nodes, along their axes."""
     H, data = numba.carray(w, (2, 4, 3)), numba.carray(w, (_SIZE,))
     out = numba.carray(A, (2, 6))
     first, last = load_row(H[0], 1), load_row(H[1], 1)
@@ -164,14 +163,14 @@ def force_kernel(
 
 
 _STRETCH, _BENDING = 0, 4
-"""Where they are in a section's stiffness on (Γ, κ)."""
+"""Indices of ``EA`` and ``EI`` in the section stiffness on (Γ, κ)."""
 _THIN = 1e-12
-"""Of the metric of rotations, about an axis along which all of a cell lies."""
+"""Least relative metric of rotations; below it all of a cell is along one axis."""
 
 
 @frame_function
 def pull_back_vectors(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
-    """Forces on places and slopes, along the axes of their nodes."""
+    """Forces on positions and gradients, along the axes of their nodes."""
     H, f = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 4, 3))
     r = numba.carray(out, (nodes, 6))
     for i in range(nodes):
@@ -182,7 +181,7 @@ def pull_back_vectors(state: Pointer, y: Pointer, given: Pointer, out: Pointer, 
 def push_forward_vectors(
     state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int
 ) -> None:
-    """Increments along these axes as those of places and slopes."""
+    """Increments of positions and gradients from those along nodal axes."""
     H, h = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 6))
     rates = numba.carray(out, (nodes, 4, 3))
     for i in range(nodes):
@@ -205,20 +204,20 @@ _SLOPES = FrameMap(
     values=12,
     unknowns=6,
 )
-"""Flat coordinates are position and slope of each node, the first two of its four rows."""
+"""Map with position and gradient of each node, the first two of its four vectors."""
 
 
 @dataclass(frozen=True)
 class HermiteCable(BeamFormulation):
-    """Cable element of two nodes with position and slope.
+    """Cable element with two nodes that have a position and a position gradient.
 
     Attributes:
-        degree: One, there are no nodes inside.
-        slack: Strain below which it is a weak spring instead of being pushed; default: it is
-            pushed.
+        degree: One: there are no nodes inside.
+        slack: Strain below which it is a weak spring instead of resisting compression; default: it
+            resists compression.
 
     Raises:
-        ValueError: The strain is not positive.
+        ValueError: ``slack`` is not positive.
     """
 
     node_type = NodeType.POSITION_GRADIENT
@@ -226,17 +225,17 @@ class HermiteCable(BeamFormulation):
     slack: float | None = None
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` if the strain is not positive, ``TypeError`` if it is none."""
+        """Raise ``ValueError`` if ``slack`` is not positive, ``TypeError`` if no number."""
         if self.slack is not None:
             positive(self.slack, "HermiteCable: slack")
 
     @property
     def slackens(self) -> bool:
-        """With ``slack``."""
+        """Whether it is tension-only: with ``slack``."""
         return self.slack is not None
 
     def check(self, stiffness: Array) -> None:
-        """Refuse what couples stretch and bending, or bends otherwise about other axes.
+        """Raise ``ValueError`` for coupled axial strain and bending, or unequal bending stiffness.
 
         Args:
             stiffness: Section stiffness, shape (6, 6).
@@ -244,13 +243,13 @@ class HermiteCable(BeamFormulation):
         check_section(stiffness)
 
     def placed(self, frames: Array, stretch: float) -> Array:
-        """Slopes are as long as the line over the cable."""
+        """Coordinates whose gradients are as long as the ratio of line and cable."""
         rows = frames.copy()
         rows[:, 1] *= stretch
         return rows
 
     def attachment(self, node: int) -> AttachmentFrame:
-        """Place and tangent, without a rotation about it.
+        """Attachment frame with position and tangent, without rotation about the tangent.
 
         Args:
             node: Number of the node.
@@ -258,24 +257,24 @@ class HermiteCable(BeamFormulation):
         return along_tangent(node)
 
     def levers(self, ends: Array, lengths: Array) -> Array:
-        """On slopes: ``±ℓ²/12``, integrals of their cubics."""
+        """Consistent weights on gradients: ``±ℓ²/12``, integrals of their cubics."""
         levers = np.zeros((len(lengths), 2, 3))
         levers[:, 0, 0] = lengths**2 / 12
         levers[:, 1, 0] = -levers[:, 0, 0]
         return levers
 
     def speeds(self, ends: Array, lengths: Array, along: Array) -> Array | None:
-        """Unstretched arc length per parameter, shape (m, p), or ``None`` where it is one.
+        """Unstretched arc length per parameter, shape (m, p), or ``None`` if it is one.
 
         Args:
-            ends: Rows of both ends of the cells, unloaded, shape (m, 2, 4, 3).
-            lengths: Of the cells, in the parameter, shape (m,).
-            along: Places on a cell from 0 to 1, shape (p,).
+            ends: Unloaded coordinates of both ends of the cells, shape (m, 2, 4, 3).
+            lengths: Parameter lengths of the cells, shape (m,).
+            along: Parameters in a cell from 0 to 1, shape (p,).
         """
         return None
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Energy, forces and tangent; of the stiffness only stretch and bending count."""
+        """Energy, forces and tangent; of the stiffness only ``EA`` and ``EI`` are used."""
         mesh = nodal.function.function_space.mesh
         first, second, arms = _hermite(nodal, cells)
         EA, EI = (cellwise(mesh, cells.stiffness[:, k, k]) for k in (_STRETCH, _BENDING))
@@ -310,7 +309,7 @@ class HermiteCable(BeamFormulation):
         return LocalFrameForms(energy, nodal.function, nodal.increment, _SLOPES)
 
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
-        """Mass of the interpolated line, ``∫ ρA Nᵢ Nⱼ ds``; the section does not resist turning."""
+        """Mass matrix of the interpolated line, ``∫ ρA Nᵢ Nⱼ ds``, without rotary inertia."""
         slopes = signs(nodal.frames[_nodes(nodal)]) * cells.lengths
         found = np.zeros((len(slopes), 2, 4, 2, 4))
         scale = np.stack([np.ones_like(slopes), slopes, np.ones_like(slopes), slopes], axis=1)
@@ -323,7 +322,7 @@ class HermiteCable(BeamFormulation):
 def _viscosity(
     mesh: dolfinx.mesh.Mesh, viscosity: Array | None, shares: list[fem.Function]
 ) -> Expr | None:
-    """Stress per rate of ``(ε, κ)``, each with the points of its rule."""
+    """Viscosity on the rates of ``(ε, κ)``, each at the points of its rule."""
     if viscosity is None:
         return None
     stretch, bending = (
@@ -335,16 +334,16 @@ def _viscosity(
 
 @dataclass(frozen=True)
 class _CableEnergy(StrainEnergy):
-    """With points of its own.
+    """Strain energy with its own quadrature points.
 
     Attributes:
-        arms: Vectors that turn with a cell: chord and slopes, as long as it is.
+        arms: Vectors that rotate with a cell: chord and gradients, scaled to its length.
     """
 
     arms: tuple[Expr, ...] = ()
 
     def rate(self, y: fem.Function, dy: fem.Function | ufl.Argument) -> Expr:
-        """The curvature is a vector in space: its rate without the turning of the cell."""
+        """Strain rate; from the rate of curvature, a vector, the cell's rotation is removed."""
         spin, moments = ufl.as_vector([0.0] * 3), 0.0 * ufl.Identity(3)
         for arm in self.arms:
             spin += ufl.cross(arm, ufl.derivative(arm, y, dy))
@@ -357,13 +356,13 @@ class _CableEnergy(StrainEnergy):
         return self.change(y, dy) - ufl.as_vector([0.0, *turned])
 
     def quadrature_element(self) -> basix.ufl._ElementBase:
-        """Element of the stress: its values at the points of both rules."""
+        """Quadrature element with the points of both rules."""
         points = np.array(self.dx.metadata()["quadrature_points"])
         return _element_of(points, self.strain.ufl_shape)
 
 
 def _both_rules() -> tuple[Array, Array, Array]:
-    """Points of Lobatto's and Gauss' rules on (0, 1), shape (5, 1), and weights of each there."""
+    """Points of the Lobatto and Gauss rules on (0, 1), shape (5, 1), and weights of each."""
     outer = 0.5 * np.sqrt(0.6)
     points = np.array([[0.0], [0.5 - outer], [0.5], [0.5 + outer], [1.0]])
     return points, np.array([1.0, 0, 4, 0, 1]) / 6, np.array([0.0, 5, 8, 5, 0]) / 18
@@ -375,7 +374,7 @@ def _element_of(points: Array, shape: tuple[int, ...]) -> basix.ufl._ElementBase
 
 
 def _at_points(mesh: dolfinx.mesh.Mesh, points: Array, values: Array) -> fem.Function:
-    """The same values at the points of each cell."""
+    """Values per cell as a function at the quadrature points."""
     f = fem.Function(fem.functionspace(mesh, _element_of(points, ())))
     f.x.array[f.function_space.dofmap.list] = values
     return f
@@ -384,16 +383,16 @@ def _at_points(mesh: dolfinx.mesh.Mesh, points: Array, values: Array) -> fem.Fun
 _SQUARES = (
     np.array([[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420
 )
-"""Integrals of products of the cubics of place and slope of one end, then of the other."""
+"""Integrals of products of the cubics of position and gradient of one end, then of the other."""
 
 
 def _nodes(nodal: NodalFrames) -> Indices:
-    """Both ends of each cell, shape (m, 2)."""
+    """Both end nodes of each cell, shape (m, 2)."""
     return np.asarray(nodal.function.function_space.dofmap.list, dtype=np.int64)
 
 
 def signs(ends: Array) -> Array:
-    """Of each cell: 1 if the slopes point from its first end to its second one, else −1.
+    """Sign of each cell: 1 if gradients point from its first end to its second one, else −1.
 
     Args:
         ends: Rows of both ends, shape (m, 2, 4, 3).
@@ -403,7 +402,7 @@ def signs(ends: Array) -> Array:
 
 
 def _hermite(nodal: NodalFrames, cells: CellData) -> tuple[Expr, Expr, tuple[Expr, ...]]:
-    """``x′`` and ``x″`` of the cubic through places and slopes of both ends; chord and slopes."""
+    """``x′`` and ``x″`` of the Hermite cubic; chord and end gradients."""
     mesh = nodal.function.function_space.mesh
     space = fem.functionspace(mesh, ("DG", 1))
     along = fem.Function(space)

@@ -1,16 +1,15 @@
-"""Law of threads: they resist stretch and bending, and may slacken.
+"""Axial law of cables, which may be tension-only.
 
-Where a cable is pushed it buckles within its elements, and its matrix is singular where
-tension vanishes. With ``slack``, a strain ``δ``, it is a weak spring there that pulls its ends
-together::
+Under compression a cable buckles within its elements, and its matrix is singular where tension
+vanishes. With ``slack``, a strain ``δ``, it is replaced there by a weak spring that contracts it::
 
     N = EA ε (ε > 3/2 δ),    N = k |x′| (ε < ½ δ),    k = EA δ/(1 + δ),
 
-and a parabola between. Below, the force ``k x′`` is linear in the places, and everywhere the energy
-is convex in them but for the bending: under dead loads there is one equilibrium, its matrix is
-definite, and Newton's method finds it from wherever a cable is laid. (Not so across joints, whose
-forces turn with the tangents while they are sought.) The price is a tension of about ``EA δ`` where
-there was none.
+with a parabola between. Below, the force ``k x′`` is linear in the positions, and the energy is
+convex in them everywhere, except for bending: under dead loads there is one equilibrium, its matrix
+is positive definite, and Newton's method finds it from any initial position. (This does not hold
+across joints, whose forces rotate with the tangents during the iteration.) The price is a tension
+of about ``EA δ`` where there was none.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ _ALIKE = 1e-9  # relative, as sections that are meant to be round
 
 
 def stretch_energy(strain: Expr, slack: float | None) -> Expr:
-    """``W/EA``; without slack it is ``½ ε²``.
+    """Energy density ``W/EA``; without slack it is ``½ ε²``.
 
     Args:
         strain: ``ε``.
@@ -43,7 +42,7 @@ def stretch_energy(strain: Expr, slack: float | None) -> Expr:
 
 
 def check_section(stiffness: Array) -> None:
-    """Raise ``ValueError`` if a section has directions across, or couples stretch and bending."""
+    """Raise ``ValueError`` for unequal bending stiffness, or coupled stretch and bending."""
     EA, EI, other = (float(stiffness[k, k]) for k in (0, 4, 5))
     if abs(EI - other) > _ALIKE * max(EI, other):
         raise ValueError(
@@ -53,6 +52,6 @@ def check_section(stiffness: Array) -> None:
     coupling = np.abs(stiffness[[0, 0, 4], [4, 5, 5]]).max()
     if coupling > _ALIKE * max(EI, np.sqrt(EA * EI)):
         raise ValueError(
-            "a Cable is stretched along its centre: its section must not couple stretch and "
+            "a Cable is along the centre of its section, which must not couple stretch and "
             f"bending, got the stiffness\n{stiffness}"
         )

@@ -1,23 +1,24 @@
-"""Springs between successive edges of discrete rods that have axes: bending and twist.
+"""Springs in bending and torsion between successive edges of discrete rods with axes.
 
-An edge between two places has the unit tangent ``t``, and the frame ``(D, d₂, d₃)`` of its first
-node turned on to it by the smallest rotation, ``M_k = d_k − (d_k·t)/(1 + D·t) (D + t)``. The frame
-turns about ``D`` alone; where a state is accepted ``D`` becomes ``t``, so that it is carried in
-parallel through time. At the ends of a rod an edge meets the frame of the end itself. Between the
-frames ``e`` and ``f`` of two edges, with ``Q_ij = e_i·f_j`` and ``X = 1 + e₁·f₁``::
+An edge between two positions has the unit tangent ``t``, and the frame ``(D, d₂, d₃)`` of its first
+node rotated onto it by the smallest rotation, ``M_k = d_k − (d_k·t)/(1 + D·t) (D + t)``. The
+frame's unknown is its rotation about ``D``; where a state is accepted ``D`` becomes ``t``, so that
+it is transported in parallel through time. At the ends of a rod an edge meets the frame of the end
+itself. For the frames ``e`` and ``f`` of two edges, with ``Q_ij = e_i·f_j`` and ``X = 1 + e₁·f₁``::
 
     z = (angle(Q₃₂ − Q₂₃, Q₂₂ + Q₃₃), (Q₁₃ − Q₃₁)/X, (Q₂₁ − Q₁₂)/X),    W = ½ (z − z₀)·B (z − z₀)
 
 are twist, and the components of ``κb = 2 e₁ × f₁/X`` along the mean axes. The torque between them
-is ``μ = S₁ (e₁ + f₁)/X + S₂ ∂z₂ + S₃ ∂z₃``, ``S = B (z − z₀)``; an edge ``x`` feels it as::
+is ``μ = S₁ (e₁ + f₁)/X + S₂ ∂z₂ + S₃ ∂z₃``, ``S = B (z − z₀)``; on an edge ``x`` and its frame it
+is::
 
-    ∂W/∂x = (μ × t − (μ·t)/(1 + D·t) D × t)/|x|,    and the frame as    (μ·t)/(1 + D·t) (D + t)
+    ∂W/∂x = (μ × t − (μ·t)/(1 + D·t) D × t)/|x|,    and on the frame    (μ·t)/(1 + D·t) (D + t)
 
-The small-energy kernel has no version of it: its 24 scalar products would be as many variables.
-The matrix has the derivative of these forces at a stress ``S`` that is carried from iterate to
-iterate, by complex steps, which is exact. (Bergou, Wardetzky,
-Robinson, Audoly & Grinspun, *ACM Trans. Graph.* 27 (2008) 63; Jawed, Novelia & O'Reilly, *A Primer
-on the Kinematics of Discrete Elastic Rods*, 2018.)
+The small-energy kernel has no version of it: its 24 scalar products would be as many variables. The
+matrix is the derivative of these forces at a stress ``S`` that is updated linearly between
+iterates, by complex steps, which are exact. (Bergou, Wardetzky, Robinson, Audoly & Grinspun, *ACM
+Trans. Graph.* 27 (2008) 63; Jawed, Novelia & O'Reilly, *A Primer on the Kinematics of Discrete
+Elastic Rods*, 2018.)
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ from fem_lie.lie.tuples import (
 )
 
 _DATA = 36
-"""Numbers of the cell follow the rows of its three nodes: B, z₀, whether e and f are frames, S."""
+"""Offsets of the data of a cell behind its three nodes: B, z₀, whether e and f are frames, S."""
 
 _SIZE = _DATA + 17
 _TINY = 1e-30  # a complex step: its square is nothing
@@ -57,11 +58,11 @@ _Numbers = Any
 
 
 class Corners(NamedTuple):
-    """Springs between edges.
+    """Springs in bending and torsion between edges.
 
     Attributes:
-        nodes: Ends of the first edge and of the second one; where one of them is the frame of a
-            node that node twice, shape (b, 3).
+        nodes: Ends of the first edge and of the second one; a node twice for the frame of a node,
+            shape (b, 3).
         frames: Whether the first and the second are frames of nodes, shape (b, 2).
         stiffness: ``B``, shape (b, 3, 3).
         natural: ``z₀``, shape (b, 3).
@@ -75,7 +76,7 @@ class Corners(NamedTuple):
 
 @inlined
 def _edge(P: _Numbers, Q: _Numbers, own: float) -> _Numbers:
-    """Axes ``t, M₂, M₃`` of the edge from P to Q, one over its length, and ``1 + D·t``."""
+    """Axes ``t, M₂, M₃`` of the edge from P to Q, its inverse length, and ``1 + D·t``."""
     D, d2, d3 = P[1], P[2], P[3]
     way = plus(minus(Q[0], P[0]), scaled(own, D))  # Q is P then
     inverse = 1.0 / np.sqrt(dot(way, way))
@@ -110,7 +111,7 @@ def _stress(data: Array, z: _Numbers) -> _Numbers:
 
 @inlined
 def _torque(e: _Numbers, f: _Numbers, z: _Numbers, S: _Numbers) -> _Numbers:
-    """``μ``: what the energy changes by where ``f`` turns."""
+    """Torque ``μ``: derivative of the energy in a rotation of ``f``."""
     X, both = z[0], cross(f[0], e[0])
     second = minus(minus(cross(f[2], e[0]), cross(f[0], e[2])), scaled(z[2], both))
     third = minus(minus(cross(f[0], e[1]), cross(f[1], e[0])), scaled(z[3], both))
@@ -120,7 +121,7 @@ def _torque(e: _Numbers, f: _Numbers, z: _Numbers, S: _Numbers) -> _Numbers:
 
 @inlined
 def _pull(P: _Numbers, edge: _Numbers, μ: _Numbers, own: float) -> _Numbers:
-    """Force on the end of an edge, and moment on the frame that it has its axes of."""
+    """Force on the end of an edge, and moment on the frame whose axes it has."""
     t, inverse, near = edge[0], edge[3], edge[4]
     about = dot(μ, t) / near
     force = scaled((1.0 - own) * inverse, minus(cross(μ, t), scaled(about, cross(P[1], t))))
@@ -130,7 +131,7 @@ def _pull(P: _Numbers, edge: _Numbers, μ: _Numbers, own: float) -> _Numbers:
 
 @inlined
 def _sides(A: _Numbers, B: _Numbers, C: _Numbers, data: Array) -> _Numbers:
-    """Both edges, and ``X`` and ``z``."""
+    """Both edges, ``X`` and ``z``."""
     e, f = _edge(A, B, data[12]), _edge(C if data[13] > 0.0 else B, C, data[13])
     return e, f, _strains(e, f)
 
@@ -139,7 +140,7 @@ def _sides(A: _Numbers, B: _Numbers, C: _Numbers, data: Array) -> _Numbers:
 def _forces(
     A: _Numbers, B: _Numbers, C: _Numbers, sides: _Numbers, S: _Numbers, data: Array
 ) -> _Numbers:
-    """Forces on the places of three nodes, then moments on their frames, in their axes."""
+    """Forces on the positions of three nodes, then moments on their frames, along their axes."""
     first, last = data[12], data[13]
     start = C if last > 0.0 else B
     e, f, z = sides
@@ -173,7 +174,7 @@ def energy_kernel(
 def force_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
-    """Its forces and moments on three nodes."""
+    """Forces and moments of a spring on its three nodes."""
     H, data = numba.carray(w, (3, 4, 3)), numba.carray(w, (_SIZE,))[_DATA:]
     out = numba.carray(A, (3, 6))
     a, b, c_ = load_frame(H[0]), load_frame(H[1]), load_frame(H[2])
@@ -187,7 +188,7 @@ def force_kernel(
 
 @inlined
 def _moved(H: Array, h: Array) -> _Numbers:
-    """A frame, by a tiny imaginary part of the increment, to first order."""
+    """A frame after a tiny imaginary increment, to first order."""
     place, d1, d2, d3 = load_frame(H)
     ι = complex(0.0, _TINY)
     u, η = (ι * h[0], ι * h[1], ι * h[2]), (ι * h[3], ι * h[4], ι * h[5])
@@ -203,7 +204,7 @@ def _moved(H: Array, h: Array) -> _Numbers:
 def matrix_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
-    """Derivative of forces at the carried stress, column by column, and ``ZᵀBZ``, ``Z = z'``."""
+    """Derivative of forces at the independent stress, by columns, and ``ZᵀBZ``, ``Z = z'``."""
     H, data = numba.carray(w, (3, 4, 3)), numba.carray(w, (_SIZE,))[_DATA:]
     K, Z = numba.carray(A, (18, 18)), numba.carray(stack(18 * 3), (18, 3))
     h = numba.carray(stack(18), (3, 6))
@@ -229,7 +230,7 @@ def matrix_kernel(
 
 @compiled
 def _carry(H: Array, nodes: Indices, h: Array, values: Array) -> None:
-    """Stress at the end of the increments ``h`` (n, 6), to first order, to where it is packed."""
+    """Write the stress after increments ``h`` (n, 6), to first order, to the packed data."""
     for i in range(nodes.shape[0]):
         data = values[i]
         a, b, c = nodes[i]
@@ -249,7 +250,7 @@ class CornerSprings(LinearisedCellTerm, Springs):
     label, conserved = "discrete rods (DiscreteRod)", True
 
     def __init__(self, corners: Corners, count: int) -> None:
-        """Pack the springs, on the nodes of an assembly of so many."""
+        """Pack the springs, on an assembly with ``count`` nodes."""
         b = len(corners.nodes)
         parts = corners.stiffness.reshape(b, 9), corners.natural, corners.frames.astype(float)
         kernels = energy_kernel, force_kernel, matrix_kernel
@@ -258,5 +259,5 @@ class CornerSprings(LinearisedCellTerm, Springs):
         self._stress = self._matrix.values[:, 14:]
 
     def carry(self, H: Array, h: Array) -> None:
-        """Carry the stress on to the end of the increment ``h`` (count, 6) from frames ``H``."""
+        """Update the independent stress for the increment ``h`` (count, 6) from frames ``H``."""
         _carry(H, self.springs.nodes, h.reshape(-1, 6), self._matrix.values)

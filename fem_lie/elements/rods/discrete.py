@@ -1,12 +1,12 @@
-"""Discrete rod without twist: places alone, stretch of edges, springs between these for bending.
+"""Discrete cable: positions only, axial stiffness of edges, bending by springs between them.
 
 With ``ε = |b − a|/ℓ − 1`` of an edge of unstretched length ``ℓ``::
 
     W = Σ ½ EA ε² ℓ + Σ ½ EI/ℓ (|κb| − κ₀)²
 
-the second sum over successive edges (:mod:`fem_lie.elements.rods.bends`). Three unknowns of each
-node, and no direction across: for ropes and nets. Of second order. (Bergou et al., *ACM Trans.
-Graph.* 27 (2008) 63, without twist.) Slack edges are as those of
+where the second sum is over successive edges (:mod:`fem_lie.elements.rods.bends`). Three unknowns
+per node, and no direction across: for ropes and nets. Of second order. (Bergou et al., *ACM Trans.
+Graph.* 27 (2008) 63, without twist.) Tension-only edges are as in
 :mod:`fem_lie.elements.rods.cable`.
 """
 
@@ -32,15 +32,16 @@ _PLACES = FrameMap(None, pull_back_vectors, push_forward_vectors, None, values=1
 
 @dataclass(frozen=True)
 class DiscreteCable(BeamFormulation):
-    """Edges between places, with springs between them.
+    """Edges between positions, with rotational springs between them.
 
     Attributes:
-        natural: Whether it is naturally as bent as it is laid, to whatever side; default: straight.
-        degree: One, there are no nodes inside.
+        natural: Whether the initial curvature is the natural one, in any direction; default:
+            naturally straight.
+        degree: One: there are no nodes inside.
         slack: As of :class:`~fem_lie.elements.HermiteCable`.
 
     Raises:
-        ValueError: The strain is not positive.
+        ValueError: ``slack`` is not positive.
     """
 
     node_type = NodeType.POSITION
@@ -50,17 +51,17 @@ class DiscreteCable(BeamFormulation):
     slack: float | None = None
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` if the strain is not positive, ``TypeError`` if it is none."""
+        """Raise ``ValueError`` if ``slack`` is not positive, ``TypeError`` if no number."""
         if self.slack is not None:
             positive(self.slack, "DiscreteCable: slack")
 
     @property
     def slackens(self) -> bool:
-        """With ``slack``."""
+        """Whether it is tension-only: with ``slack``."""
         return self.slack is not None
 
     def check(self, stiffness: Array) -> None:
-        """Refuse what couples stretch and bending, or bends otherwise about other axes.
+        """Raise ``ValueError`` for coupled axial strain and bending, or unequal bending stiffness.
 
         Args:
             stiffness: Section stiffness, shape (6, 6).
@@ -68,7 +69,7 @@ class DiscreteCable(BeamFormulation):
         check_section(stiffness)
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Stretch of the edges; of the stiffness only that counts here."""
+        """Energy, forces and tangent of the axial strain of edges."""
         mesh = nodal.function.function_space.mesh
         length = cellwise(mesh, cells.lengths)
         EA = cellwise(mesh, cells.stiffness[:, 0, 0])

@@ -4,10 +4,10 @@ With ``ε = |b − a|/ℓ − 1`` of an edge of unstretched length ``ℓ``::
 
     W = Σ ½ EA ε² ℓ + Σ ½ (z − z₀)·B (z − z₀)
 
-the second sum over successive edges, which bend and twist against each other
-(:mod:`fem_lie.elements.rods.corners`), and over both ends, whose frames the first and the last edge
-meet. Four unknowns of each node inside: its place, and the turn of the edge that follows it. Ends
-have frames, and are clamped, driven and joined by them. Of second order.
+where the second sum is over successive edges, for bending and torsion between them
+(:mod:`fem_lie.elements.rods.corners`), and over both ends, where the first and the last edge meet
+the frames of the end nodes. Nodes inside have four unknowns: position, and rotation of the edge
+that follows. End nodes have frames, which clamps, drives and joints act on. Of second order.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ from fem_lie.lie.tuples import load_row, minus
 
 @compiled
 def edge_axes(rows: Array, a: Indices, b: Indices) -> Array:
-    """Axes of edges from nodes to nodes, or of nodes themselves, shape (k, 3, 3): as rows.
+    """Axes of edges between nodes, or of nodes themselves, as rows, shape (k, 3, 3).
 
     Args:
-        rows: Of the nodes, shape (n, 4, 3).
-        a: First nodes, whose axes are turned on to the edges by the smallest rotation, shape (k,).
-        b: Second nodes; where one is the first, the axes of the node, shape (k,).
+        rows: Nodal coordinates, shape (n, 4, 3).
+        a: First nodes, whose axes are rotated onto the edges by the smallest rotation, shape (k,).
+        b: Second nodes; equal to the first for the axes of the node, shape (k,).
     """
     out = np.empty((a.shape[0], 3, 3))
     for k in range(a.shape[0]):
@@ -55,13 +55,13 @@ _CENTRED = 1e-9  # relative, as sections that are meant to be held at their cent
 
 @dataclass(frozen=True)
 class DiscreteRod(BeamFormulation):
-    """Edges between places, with springs between them that bend and twist.
+    """Edges between positions, with springs in bending and torsion between them.
 
     Attributes:
-        natural: ``(τ, κ₂, κ₃)`` of the rod unloaded, 1/length; default: as it is laid.
+        natural: Unloaded ``(τ, κ₂, κ₃)``, 1/length; default: the initial ones.
 
     Raises:
-        ValueError: They are not three finite numbers.
+        ValueError: ``natural`` is not three finite numbers.
     """
 
     degree: ClassVar[int] = 1  # type: ignore[misc]
@@ -75,7 +75,7 @@ class DiscreteRod(BeamFormulation):
             vector(self.natural, 3, "DiscreteRod: natural curvature")
 
     def place(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
-        """There is none: an edge has its frame from both of its ends.
+        """Refuse points within edges, whose frame depends on both ends.
 
         Raises:
             ValueError: Always.
@@ -83,7 +83,7 @@ class DiscreteRod(BeamFormulation):
         raise ValueError(f"{self} is held at its nodes, and not between them")
 
     def check(self, stiffness: Array) -> None:
-        """Refuse what couples stretch with bending or torsion.
+        """Raise ``ValueError`` if the section couples axial strain with bending or torsion.
 
         Args:
             stiffness: Section stiffness, shape (6, 6).
@@ -96,7 +96,7 @@ class DiscreteRod(BeamFormulation):
             )
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Stretch of the edges."""
+        """Energy, forces and tangent of the axial strain of edges."""
         mesh = nodal.function.function_space.mesh
         length, EA = cellwise(mesh, cells.lengths), cellwise(mesh, cells.stiffness[:, 0, 0])
         chord = ufl.dot(ufl.grad(nodal.position), ufl.Jacobian(mesh)[:, 0])
@@ -112,9 +112,9 @@ class DiscreteRod(BeamFormulation):
         return local_frame_forms(energy, nodal)
 
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
-        """Halves of the mass at both ends; what turns with an edge at its first node.
+        """Half the mass of an edge at both ends; rotary inertia about the edge at its first node.
 
-        The frame of the last node takes a half of what turns with the last edge.
+        Half of that of the last edge is at the frame of the last node.
         """
         nodes = nodal.function.function_space.dofmap.list
         weighted = cells.lengths[:, np.newaxis, np.newaxis] * cells.density
@@ -134,17 +134,17 @@ def corners(
     laid: Array,
     natural: Sequence[float] | None,
 ) -> Corners:
-    """Of edges that follow each other from one end to the other.
+    """Springs between successive edges from one end to the other.
 
     The frame of the first node is that of its edge, too, so that twist of the first half of that
-    edge is in the next spring.
+    edge belongs to the next spring.
 
     Args:
-        elements: Their ends, shape (m, 2).
-        lengths: Unstretched, shape (m,).
-        stiffness: Of their sections, shape (m, 6, 6).
-        laid: Rows of the nodes as they are laid, shape (n, 4, 3).
-        natural: ``(τ, κ₂, κ₃)``, or ``None`` for what they are laid with.
+        elements: Ends of the edges, shape (m, 2).
+        lengths: Unstretched lengths, shape (m,).
+        stiffness: Section stiffness, shape (m, 6, 6).
+        laid: Initial nodal coordinates, shape (n, 4, 3).
+        natural: ``(τ, κ₂, κ₃)``, or ``None`` for the initial ones.
     """
     a, b = elements.T
     m = len(elements)
@@ -177,7 +177,7 @@ def corners(
 
 
 def _laid(rows: Array, nodes: Indices) -> Array:
-    """``z`` of the springs as they are laid, shape (b, 3)."""
+    """Initial ``z`` of the springs, shape (b, 3)."""
     e, f = edge_axes(rows, *nodes[:, :2].T), edge_axes(rows, *nodes[:, 1:].T)
     Q = np.einsum("bia,bja->bij", e, f)
     X = 1 + Q[:, 0, 0]

@@ -1,15 +1,15 @@
-"""Cable along a spline: cubic, once continuously differentiable, of any parameter.
+"""Isogeometric cable: cubic spline, continuously differentiable, of any parametrisation.
 
-A cubic spline whose inner knots are doubled is, between two of them, the cubic through places and
-slopes ``dr/du`` at both. So its nodes are those of the cable with places and slopes, which is this
-element where the parameter ``u`` is arc length. With ``J = |dr/du|`` of the curve as it is laid,
-unstretched, strains are per arc length::
+Between two knots a cubic spline with double inner knots is the cubic through positions and
+derivatives ``dr/du`` at both. So its nodes are those of the Hermite cable, which is this element
+with the arc length as parameter ``u``. With ``J = |dr/du|`` of the initial, unstretched curve,
+strains are per arc length::
 
     ε = |r_u|/J − 1,    κ = |r_u × r_uu|/(|r_u|² J),    ds = J du
 
-so that a curve of any speed is without stretch as it is laid, and stays the same curve with more
-knots. Points of both integrals, and slackness, are as there. (Isogeometric cables: Raknes, Deng,
-Bazilevs, Benson, Mathisen & Kvamsdal, CMAME 263 (2013) 127.)
+so that a curve of any parameter speed is initially unstretched, and knot insertion does not change
+it. Quadrature points and the tension-only law are those of the Hermite cable. (Isogeometric cables:
+Raknes, Deng, Bazilevs, Benson, Mathisen & Kvamsdal, CMAME 263 (2013) 127.)
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class IsogeometricCable(HermiteCable):
     """Cable element of a cubic spline; options as of :class:`~fem_lie.elements.HermiteCable`."""
 
     def speeds(self, ends: Array, lengths: Array, along: Array) -> Array:
-        """Those of the curve as it is laid."""
+        """Arc length per parameter of the initial curve, shape (m, p)."""
         (a, b), ξ = ends.swapaxes(0, 1), along[:, np.newaxis]
         length = (signs(ends) * lengths)[:, np.newaxis, np.newaxis]
         chord = (b[:, 0] - a[:, 0])[:, np.newaxis] / length
@@ -40,7 +40,7 @@ class IsogeometricCable(HermiteCable):
         return np.asarray(np.linalg.norm(rate + (3 * ξ**2 - 2 * ξ) * b[:, np.newaxis, 1], axis=-1))
 
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
-        """``∫ ρA Nᵢ Nⱼ J du``."""
+        """Mass matrix ``∫ ρA Nᵢ Nⱼ J du``."""
         ends = nodal.frames[np.asarray(nodal.function.function_space.dofmap.list)]
         shapes, weights = self._shapes(ends, cells.lengths)
         found = np.zeros((len(ends), 2, 4, 2, 4))
@@ -49,19 +49,19 @@ class IsogeometricCable(HermiteCable):
         return found
 
     def shares(self, ends: Array, lengths: Array) -> Array:
-        """``∫ Nᵢ J du`` of the places."""
+        """Consistent weights ``∫ Nᵢ J du`` on positions."""
         shapes, weights = self._shapes(ends, lengths)
         return np.asarray(np.einsum("mp,mpi->mi", weights, shapes[..., 0]))
 
     def levers(self, ends: Array, lengths: Array) -> Array:
-        """``∫ Nᵢ J du`` of the slopes."""
+        """Consistent weights ``∫ Nᵢ J du`` on derivatives."""
         shapes, weights = self._shapes(ends, lengths)
         levers = np.zeros((len(lengths), 2, 3))
         levers[:, :, 0] = np.einsum("mp,mpi->mi", weights, shapes[..., 1])
         return levers
 
     def _shapes(self, ends: Array, lengths: Array) -> tuple[Array, Array]:
-        """Cubics of place and slope of both ends, (m, p, 2, 2), and weights of arc, (m, p)."""
+        """Cubics of position and derivative of both ends, (m, p, 2, 2), and arc weights, (m, p)."""
         ξ, slope = _POINTS, (signs(ends) * lengths)[:, np.newaxis]
         found = np.empty((len(ends), len(ξ), 2, 2))
         found[:, :, 0, 0], found[:, :, 1, 0] = (1 - ξ) ** 2 * (1 + 2 * ξ), ξ**2 * (3 - 2 * ξ)

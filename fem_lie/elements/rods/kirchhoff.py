@@ -1,33 +1,34 @@
-"""Kirchhoff rod: two nodes with frames, a cubic between them whose tangents are their first axes.
+"""Kirchhoff rod: two nodes with frames, and a cubic whose end tangents are their first axes.
 
-No shear: ``e₁`` of a node *is* the tangent there. With ``ℓ`` the unstretched length, ``c`` the
-chord and ``t`` the tangents, all along the axes half-way between the nodes, the axis is the cubic
-with end slopes ``m t_A`` and ``m t_B``, as fast in its middle as there::
+There is no shear: ``e₁`` of a node *is* the tangent there. With the unstretched length ``ℓ``, the
+chord ``c`` and the tangents ``t``, all along the midpoint axes between the nodes, the axis is the
+cubic with end derivatives ``m t_A`` and ``m t_B`` whose speed at the midpoint is the same::
 
     |3/2 c/ℓ − m (t_A + t_B)/4| = m,
 
-so that the strain ``ε = m − 1`` is constant, and an inextensible rod can bend: nothing locks. (The
-family is that of Meier, Popp & Wall, *Arch. Comput. Methods Eng.* 26 (2019) 163; the condition on
-the slopes takes the place of their unknown lengths.) Of a spline the slopes are as long, one
-against the other, as it is laid, ``m J_A t_A`` and ``m J_B t_B`` per parameter, and in its middle
-it is ``m J``; all is per ``ds = J dξ`` then, and the rod unloaded is the spline. Axes
-within are those of the geodesic rotation, whose first one is ``D``, turned on to the tangent by the
-smallest rotation. They bend by the components of ``t′`` and are twisted by::
+so that the strain ``ε = m − 1`` is constant, and an inextensible rod can bend: the element does not
+lock. (The family is that of Meier, Popp & Wall, *Arch. Comput. Methods Eng.* 26 (2019) 163; the
+condition on the speeds replaces their unknown lengths.) For a spline, the ratios of the speeds are
+those of the initial curve: derivatives by the parameter are ``m J_A t_A`` and ``m J_B t_B``, and
+``m J`` at the midpoint; all strains are then per ``ds = J dξ``, and the unloaded rod is the spline.
+Axes within the element are those of the geodesic rotation, with first axis ``D``, rotated onto the
+tangent by the smallest rotation. Bending is given by the components of ``t′`` along them, and the
+twist is::
 
     τ = θ₁/ℓ − (D × t)·(D′ + t′)/(1 + D·t)
 
-All are functions of the relative motion ``log(H_A⁻¹ H_B)`` alone, hence invariant under superposed
-rigid motion, and are counted from their values unloaded. Bending is of fourth order; torsion that
-varies along an element, as it does where a bent rod is bent further, is of second, and so is an
-axis off the tension centres that is curved or laid twisted.
+All strains are functions of the relative motion ``log(H_A⁻¹ H_B)`` only, hence invariant under
+superposed rigid motion; their unloaded values are subtracted. Bending is of fourth order. Torsion
+that varies along an element, as when an already bent rod is bent further, is of second order, and
+so is an axis off the tension centres that is curved or initially twisted.
 
-Stretch is that of the line of tension centres, where an axial force does not bend: at
+Axial strain is that of the line of tension centres, where an axial force does not bend: at
 ``r = (0, r₂, r₃)`` from the axis the strains of a section are ``(Γ + κ × r, κ)``. Along any other
-line stretch would vary with the curvature, of which the element has one value for all of its
-length, and shear with torsion, of which it has none: it would be too stiff in both. So the cubic
-joins points that are fixed to the nodes at ``r_A`` and ``r_B``: at ``r`` in its mean over the
-unloaded element, parallel to each other there, so that the cubic is as it is laid. That a section
-has no shear then is that of ``Γ + (κ − κ₀) × r``, twisted and curved rods among them.
+line axial strain would vary with the curvature, for which the element has one value along its
+length, and shear with torsion, for which it has none: it would be too stiff in both. So the cubic
+joins points that are fixed to the nodes at ``r_A`` and ``r_B``, which are the mean of ``r`` over
+the unloaded element, parallel to each other there, so that the unloaded cubic is the initial line.
+Zero shear of a section then refers to ``Γ + (κ − κ₀) × r``, also for twisted and curved rods.
 """
 
 from __future__ import annotations
@@ -56,18 +57,18 @@ from fem_lie.forms.local_forms import LocalFrameForms
 
 _TERMS = 9  # of the series below: 1e-14 up to a turn of π from end to end
 _POINTS = 3  # degree to which two Gauss points are exact
-_SHEAR = (1, 2)  # where it is in a section's stiffness
+_SHEAR = (1, 2)  # index in the section stiffness
 _GAUSS = 0.5 / sqrt(3.0)
 _FOLDS = 2.7  # rad: from end to end of an arc, beyond which its moment falls
 
 
 class Speeds(NamedTuple):
-    """Unstretched arc length per parameter, over that in the middle.
+    """Unstretched arc length per parameter, relative to that at the midpoint.
 
     Attributes:
         start: At the first end.
         end: At the second end.
-        here: At the place of the strains.
+        here: At the point of the strains.
     """
 
     start: Expr | float = 1.0
@@ -76,11 +77,11 @@ class Speeds(NamedTuple):
 
 
 class LineOfCentres(NamedTuple):
-    """What the cubic of each cell joins, DG0 functions.
+    """Points that the cubic of each cell joins, as DG0 functions.
 
     Attributes:
         centre: Tension centre of the section from the axis, shape ``(3,)``.
-        at_ends: What the cubic joins, from both nodes in their frames, shape ``(2, 3)``.
+        at_ends: Ends of the cubic in the frames of both nodes, shape ``(2, 3)``.
     """
 
     centre: fem.Function
@@ -91,9 +92,9 @@ class LineOfCentres(NamedTuple):
 class KirchhoffRod(BeamFormulation):
     """Rod element without shear: cubic between two frames.
 
-    Shear stiffness of the section is not used, and the shear force is that of the balance. The
-    section twists about its tension centre, which is to be its shear centre as well. A place within
-    an element is held on the geodesic between its ends.
+    The shear stiffness of the section is not used; the shear force follows from equilibrium. The
+    section twists about its tension centre, which should be its shear centre as well. Joints at a
+    point within an element act on the geodesic between its ends.
     """
 
     degree: ClassVar[int] = 1  # type: ignore[misc]
@@ -101,11 +102,14 @@ class KirchhoffRod(BeamFormulation):
 
     @property
     def largest_turn(self) -> float:
-        """Less than π: the cubic of a tighter arc has a moment that falls."""
+        """Largest rotation along an element, rad: less than π.
+
+        For a tighter arc the moment of the cubic decreases.
+        """
         return _FOLDS
 
     def place(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
-        """On the geodesic from end to end."""
+        """Attachment frame on the geodesic from end to end."""
         a, b = nodes
         return on_geodesic(int(a), int(b), ξ)
 
@@ -125,7 +129,7 @@ class KirchhoffRod(BeamFormulation):
         return LocalFrameForms(energy, nodal.function, nodal.increment, GEODESIC, coordinates=d)
 
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
-        """That of the geodesic beam with the same bending, which has no shear either.
+        """Mass matrix of the geodesic beam with the same bending stiffness, without shear.
 
         Its axis is the line of tension centres, ``x + r₂ d₂ + r₃ d₃``.
         """
@@ -153,18 +157,18 @@ def rod_energy(
     speeds: fem.Function | None = None,
     centres: LineOfCentres | None = None,
 ) -> StrainEnergy:
-    """``½ ∫ ε·Dε ds`` of every element; as they are now they are unloaded.
+    """Energy ``½ ∫ ε·Dε ds`` of every element, unloaded in the current configuration.
 
     Args:
-        d: Relative motion of both ends, unloaded, shape ``(6,)``, a DG0 function.
-        length: Arc length, unstretched, or what it is per parameter in the middle, a DG0 function
+        d: Unloaded relative motion of both ends, shape ``(6,)``, a DG0 function.
+        length: Unstretched arc length, or arc length per parameter at the midpoint, a DG0 function
             as all others.
-        stiffness: Of the section, shape ``(6, 6)``.
-        eigenstrain: Strain without stress, shape ``(6,)``; default: none.
-        viscosity: Stress per strain rate, shape ``(6, 6)``; default: none.
-        speeds: Of the parameter at both ends and at Gauss' points over that in the middle, shape
-            ``(4,)``; default: all one.
-        centres: Where the cubic runs; default: along the axis.
+        stiffness: Section stiffness, shape ``(6, 6)``.
+        eigenstrain: Eigenstrain, shape ``(6,)``; default: none.
+        viscosity: Viscosity, shape ``(6, 6)``; default: none.
+        speeds: Speed of the parameter at both ends and at the Gauss points, relative to that at the
+            midpoint, shape ``(4,)``; default: all one.
+        centres: Points that the cubic joins; default: along the axis.
     """
     mesh = d.function_space.mesh
     along = fem.Function(fem.functionspace(mesh, ("DG", 1)))
@@ -195,26 +199,26 @@ def rod_energy(
 
 
 def _on_axis(strain: Expr, r: Expr) -> Expr:
-    """Strain ``(Γ − κ × r, κ)`` on the axis of ``(Γ, κ)`` at ``r`` from it."""
+    """Strain ``(Γ − κ × r, κ)`` on the axis of a strain ``(Γ, κ)`` at ``r`` from it."""
     Γ, κ = (ufl.as_vector([strain[k + i] for i in range(3)]) for k in (0, 3))
     return ufl.as_vector([*(Γ - ufl.cross(κ, r)), *κ])
 
 
 def lengths_along(ends: Array, lengths: Array, slopes: Array) -> Array:
-    """Unstretched arc length per ``ξ`` at one end, Gauss, middle, Gauss, and the other, (m, 5).
+    """Unstretched arc length per ``ξ`` at end, Gauss, midpoint, Gauss, end, (m, 5).
 
     Args:
-        ends: Frames of both ends, unloaded, shape (m, 2, 4, 3).
-        lengths: Of the cells, shape (m,).
-        slopes: Of their cubics, ``|dr/dξ|`` at both ends, zero where the lengths are all that is
-            known, shape (m, 2).
+        ends: Unloaded frames of both ends, shape (m, 2, 4, 3).
+        lengths: Lengths of the cells, shape (m,).
+        slopes: ``|dr/dξ|`` of their cubics at both ends, zero if only the lengths are known, shape
+            (m, 2).
     """
     ξ = 0.5 + np.array([-0.5, -_GAUSS, 0.0, _GAUSS, 0.5])
     return np.where(slopes[:, :1] > 0, speeds_of_cubics(ends, slopes, ξ), lengths[:, np.newaxis])
 
 
 def speeds_of_cubics(ends: Array, slopes: Array, ξ: Array) -> Array:
-    """``|dr/dξ|`` at places (p,), shape (m, p); arguments as of :func:`lengths_along`."""
+    """``|dr/dξ|`` at parameters (p,), shape (m, p); arguments as of :func:`lengths_along`."""
     chord = ends[:, 1, 0] - ends[:, 0, 0]
     a, b = (slopes[:, k, np.newaxis] * ends[:, k, 1] for k in range(2))
     shapes = np.stack([6 * ξ * (1 - ξ), 1 - 4 * ξ + 3 * ξ**2, 3 * ξ**2 - 2 * ξ])
@@ -223,14 +227,14 @@ def speeds_of_cubics(ends: Array, slopes: Array, ξ: Array) -> Array:
 
 
 def rod_strains(d: Expr, length: Expr, along: Expr, speeds: Speeds, at_ends: Expr) -> Expr:
-    """``(m, 0, 0, τ, κ₂, κ₃)``, shape ``(6,)``; the first is one where nothing is strained.
+    """Strains ``(m, 0, 0, τ, κ₂, κ₃)``, shape ``(6,)``; ``m`` is one without axial strain.
 
     Args:
         d: Relative motion of both ends, shape ``(6,)``.
-        length: Arc length, unstretched, or what it is per parameter in the middle.
-        along: Place, −½ to ½ from end to end.
-        speeds: Of the parameter.
-        at_ends: What the cubic joins, from both nodes in their frames, shape ``(2, 3)``.
+        length: Unstretched arc length, or arc length per parameter at the midpoint.
+        along: Parameter, −½ to ½ from end to end.
+        speeds: Speed of the parameter.
+        at_ends: Ends of the cubic in the frames of both nodes, shape ``(2, 3)``.
     """
     u, θ = (ufl.as_vector([d[k + i] for i in range(3)]) for k in (0, 3))
     x = ufl.dot(θ, θ)
@@ -261,14 +265,14 @@ def rod_strains(d: Expr, length: Expr, along: Expr, speeds: Speeds, at_ends: Exp
 
 
 def _speed(chord: Expr, tangents: Expr) -> Expr:
-    """``m`` of the chord over the length, and the sum of both tangents."""
+    """Speed ``m`` from the chord over the length, and the sum of both tangents."""
     square = 1 - ufl.dot(tangents, tangents) / 16
     half = 3 * ufl.dot(chord, tangents) / 8
     return (ufl.sqrt(half**2 + 9 * square * ufl.dot(chord, chord) / 4) - half) / square
 
 
 def _turned(φ: Expr, e: Expr) -> Expr:
-    """``exp(φ̂) e``."""
+    """Rotated vector ``exp(φ̂) e``."""
     x, across = ufl.dot(φ, φ), ufl.cross(φ, e)
     return e + _series(x, 1) * across + _series(x, 2) * ufl.cross(φ, across)
 

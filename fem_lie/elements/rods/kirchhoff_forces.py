@@ -1,21 +1,20 @@
-"""Forces of the Kirchhoff rod, by hand: the gradient of its energy in closed form.
+"""Forces of the Kirchhoff rod, hand-written: gradient of its energy in closed form.
 
-Along the axes half-way between the nodes, with the rotation ``exp(θ/2) = (q, v)`` as a quaternion,
+Along the midpoint axes between the nodes, with the rotation ``exp(θ/2) = (q, v)`` as a quaternion,
 ``c`` the chord over the length, ``T`` and ``G`` the sum and difference of the end tangents, each
-as long as the parameter of a spline is fast there, slope
-and bend of the cubic at Gauss' points ``σ = ± 1/√12`` are::
+scaled by the parameter speed of a spline, the first and second derivative of the cubic at the Gauss
+points ``σ = ± 1/√12`` are::
 
     c + m σ G,    (m G + σ (6 m T − 12 c))/ℓ.
 
-``S`` and ``B`` are these along axes that turn as the geodesic does, ``exp(σθ)``; there, with
+``S`` and ``B`` are these along axes that rotate with the geodesic, ``exp(σθ)``; there, with
 ``n = |S|``, ``p = (S₂, S₃)/(n + S₁)`` and ``g = S·B/n²``, curvatures and torsion are::
 
     κ₃ = (B₂ − B₁ p₂)/n − g p₂,    κ₂ = −(B₃ − B₁ p₃)/n + g p₃,
     τ = (θ₁ + p₂ θ₂ + p₃ θ₃)/ℓ + (p₃ B₂ − p₂ B₃)/n.
 
-What is derived here is what UFL derives of :func:`~fem_lie.elements.rods.kirchhoff.rod_strains` in
-three times the time for forces, and twice the time for forces and energy. Gradients are named as
-what they belong to, with a bar.
+UFL's code of :func:`~fem_lie.elements.rods.kirchhoff.rod_strains` takes three times as long for
+forces, and twice as long for forces and energy. A gradient has the name of its variable with a bar.
 
 The cubic joins points at ``r_A`` and ``r_B`` from the nodes, on the line of tension centres.
 """
@@ -52,14 +51,14 @@ _FLAT = 0.5  # 1 + trace: below it a quaternion loses digits
 _SMALL = 1e-4  # sin² α, below which a few terms are α/sin α to round-off
 _F = tuple(1.0 / factorial(k) for k in range(18))
 _LENGTH, _D, _EIGENSTRAIN, _PRESENT, _SPEEDS, _CENTRE, _ENDS = 30, 31, 67, 73, 85, 89, 92
-"""Where numbers of a cell are, behind the rows of both nodes and their relative motion."""
+"""Offsets of the data of a cell, behind the coordinates of both nodes and their relative motion."""
 
 _Bar: TypeAlias = tuple[tuple[Vector, Vector, Vector, Vector], float]
 
 
 @inlined
 def _quaternion(columns: tuple[Vector, Vector, Vector]) -> tuple[float, Vector]:
-    """Of half the angle of a rotation."""
+    """Quaternion of a rotation."""
     b1, b2, b3 = columns
     w = 1.0 + b1[0] + b2[1] + b3[2]
     if w < _FLAT:
@@ -136,9 +135,9 @@ def _speed(c: Vector, T: Vector) -> tuple[float, float, float, float]:
 
 @inlined
 def _stress(data: Array, at: int, pace: float, ε: tuple[float, Vector]) -> tuple[float, Vector]:
-    """Force along the axis, and moments, of strain ``m`` and ``(τ, κ₂, κ₃)`` at a point.
+    """Axial force and moments at a point for strain ``m`` and ``(τ, κ₂, κ₃)``.
 
-    Both at the tension centre; the stiffness is that on the strains at the axis of the rod.
+    All are at the tension centre; the stiffness is on the strains at the axis of the rod.
     """
     r2, r3 = data[_CENTRE + 1], data[_CENTRE + 2]
     τ, κ2, κ3 = ε[1]
@@ -174,21 +173,21 @@ def _row(data: Array, i: int, a: float, b: float, c: float, d: float, e: float, 
 def _at_point(
     data: Array, at: int, pace: float, m: float, θ: Vector, E: Matrix, slope: Vector, bend: Vector
 ) -> _Bar:
-    """Gradients of the energy of one of Gauss' points.
+    """Gradients of the energy at a Gauss point.
 
     Args:
-        data: Of the cell.
-        at: Where its strains unloaded are.
-        pace: Arc length per parameter, over that in the middle.
+        data: Data of the cell.
+        at: Offset of its unloaded strains.
+        pace: Arc length per parameter, relative to that at the midpoint.
         m: Speed.
         θ: Rotation over the length.
-        E: Axes there, as columns.
-        slope: Derivative of the place, over the length.
-        bend: That of the slope.
+        E: Axes at the point, as columns.
+        slope: Derivative of the position, over the length.
+        bend: Derivative of ``slope``.
 
     Returns:
-        Of slope and bend, of ``θ`` over the length directly, and by how the axes turn, along these;
-        and the axial force.
+        Gradients in ``slope`` and ``bend``, in ``θ`` over the length directly, and in rotations of
+        the axes, along these; and the axial force.
     """
     back = _transposed(E)
     # per arc length here
@@ -221,7 +220,7 @@ def _at_point(
 def force_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
-    """Forces and moments on both nodes, in their frames."""
+    """Add forces and moments on both nodes along their frames, and store the energy."""
     H, data = numba.carray(w, (2, 4, 3)), numba.carray(w, (_ENDS + 6,))
     out = numba.carray(A, (2, 6))
     xa, a1, a2, a3 = load_frame(H[0])
@@ -279,7 +278,7 @@ def force_kernel(
     on_T = plus(scaled(6.0 * m, bent), combined(0.375 * half_, chord, -0.125 * square_, T))
     on_G = scaled(m, both)
     on_T, on_G = combined(alike, on_T, unlike, on_G), combined(unlike, on_T, alike, on_G)
-    # axes at the points turn by J(±a) of the rotation
+    # axes at the points rotate by J(±a) of the rotation
     even_w, odd_w = plus(w1, w2), minus(w1, w2)
     turn = plus(combined(1.0, odd_w, c2, cross(a, even_w)), scaled(c3, cross(a, cross(a, odd_w))))
     on_θ = combined(inverse, plus(θ1, θ2), _SIGMA, turn)
