@@ -1,1 +1,1 @@
-"""Shells: strain measures, fields inside of cells, and the energies made of them."""
+"""Shell elements: strain measures, independent fields of cells, and energies."""

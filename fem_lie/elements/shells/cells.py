@@ -1,4 +1,4 @@
-"""The cells of a shell: flat coordinates, unloaded geometry, strains at integration points."""
+"""Cells of a shell: flat coordinates, unloaded geometry, strains at quadrature points."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ from fem_lie.forms.local_forms import LocalFrameForms
 
 @dataclass(frozen=True)
 class Mixed:
-    """Unknowns of the cells' own for a mixed energy.
+    """Element-local unknowns of a mixed energy.
 
     Attributes:
-        local: All of them, to be given to :meth:`ShellCells.forms`.
-        groups: The groups asked for, in UFL.
+        local: All local unknowns, for :meth:`ShellCells.forms`.
+        groups: Groups of unknowns that the caller requested, in UFL.
         strain: The eight strains, in terms of nodes and intermediate unknowns.
         density: Energy density to be added to the caller's.
     """
@@ -47,16 +47,16 @@ class Mixed:
 class ShellCells:
     """Flat coordinates, geometry and strains of the cells of a shell.
 
-    The frames are taken as they are for the unloaded state.
+    The current frames are the unloaded state.
 
     Attributes:
-        increment: Local-frame unknowns, five or six per node.
+        increment: Unknowns along nodal frames, five or six per node.
         y: Flat coordinates: positions and directors, or whole frames, of the nodes of each cell.
-        strain: ``(E₁₁, E₂₂, 2E₁₂, K₁₁, K₂₂, 2K₁₂, γ₁, γ₂)`` at the point of integration.
-        drilling: The drilling ``c`` of six parameters at that point, or ``None``.
-        drilling_stiffness: Its γ, or ``None``.
+        strain: ``(E₁₁, E₂₂, 2E₁₂, K₁₁, K₂₂, 2K₁₂, γ₁, γ₂)`` at the quadrature point.
+        drilling: Drilling strain ``c`` at that point, or ``None`` with five parameters.
+        drilling_stiffness: Drilling stiffness γ, or ``None``.
         dx: Measure of the mid-surface.
-        point: Reference coordinates of the point of integration.
+        point: Reference coordinates of the quadrature point.
         centroid: Reference coordinates of the cell's centroid.
     """
 
@@ -68,13 +68,13 @@ class ShellCells:
         drilling_stiffness: float | Array | None = None,
         directions: Array | None = None,
     ) -> None:
-        """Evaluate what does not change.
+        """Evaluate the unloaded geometry.
 
         Args:
             frames: Nodal frames of a surface mesh, the director third.
             measures: Strain measures.
-            drilling_stiffness: γ of :mod:`fem_lie.elements.shells.drilling`, force per
-                length, one or one for each cell, shape (cells,), for six parameters per node.
+            drilling_stiffness: γ of :mod:`fem_lie.elements.shells.drilling`, force per length, one
+                or one for each cell, shape (cells,), for six parameters per node.
             directions: Vector of each cell, shape (cells, 3), whose projection onto the surface is
                 e₁ of strains and stresses; default: the first edge direction.
 
@@ -131,7 +131,7 @@ class ShellCells:
 
     @property
     def jacobian(self) -> fem.Function:
-        """``J_αi = X,α·e_i`` of the cells' centres."""
+        """Jacobian ``J_αi = X,α·e_i`` at the cells' centres."""
         return self._jacobian
 
     def cellwise(self, values: Array) -> fem.Function:
@@ -142,10 +142,10 @@ class ShellCells:
         return f
 
     def mixed(self, *sizes: int) -> Mixed:
-        """Element-local unknowns for a mixed energy, and what the cells add of their own.
+        """Element-local unknowns of a mixed energy, with those of the strain measures.
 
         Args:
-            sizes: Sizes of the groups of unknowns that the caller wants.
+            sizes: Sizes of the groups of unknowns that the caller requests.
         """
         intermediate, drilling = self._measures.intermediate, self.drilling
         now = self._now
@@ -189,7 +189,7 @@ class ShellCells:
 
     @property
     def has_bubble(self) -> bool:
-        """Whether the cells have unknowns that only mixed elements know."""
+        """Whether the cells have local unknowns that only mixed elements support."""
         return self._measures.bubble
 
     def stress(self, parameters: Expr) -> Expr:
@@ -214,7 +214,7 @@ class ShellCells:
         )
 
     def at_points(self, value: Expr) -> fem.Function:
-        """What does not change with the state, evaluated once at the points of integration."""
+        """Value that does not depend on the state, evaluated once at the quadrature points."""
         degree = self.dx.metadata()["quadrature_degree"]
         element = basix.ufl.quadrature_element(
             self._cell.name, value_shape=value.ufl_shape, degree=degree
@@ -241,7 +241,7 @@ class ShellCells:
         return strains.to_local(self._inverse, m.membrane(s, p), m.bending(s, p), m.shear(s, p))
 
     def _drilling(self, nodal: Array, now: Surface) -> Expr:
-        """The nodes carry ``a_i = R A_i``, unloaded the axes of the cell's centre."""
+        """Drilling strain; unloaded nodal tangents ``a_i = R A_i`` are the axes of the centre."""
         positions = list(nodal[:, :, 0].swapaxes(0, 1))
         g1, g2 = (self._shapes.combine(positions, self._centre, k) for k in (0, 1))
         normal = np.cross(g1, g2)
@@ -259,7 +259,7 @@ class ShellCells:
         return drilling_strain.drilling(now, p, inverse, *axes) - rest
 
     def _turned(self, A: fem.Function) -> list[Expr]:
-        """``R A`` of the nodes, from components of ``A`` in their frames."""
+        """Nodal vectors ``R A``, from components of ``A`` in nodal frames."""
 
         def director(i: int, k: int) -> Expr:
             return ufl.as_vector([self.y[12 * i + 3 + 3 * k + j] for j in range(3)])
@@ -269,7 +269,7 @@ class ShellCells:
         ]
 
     def _skews(self, X: Array) -> Array:
-        """See :attr:`Surface.skew`; zero but for four-node quadrilaterals."""
+        """Values of :attr:`Surface.skew`; zero except for four-node quadrilaterals."""
         if X.shape[1] != 4:
             return np.zeros((len(X), 2))
         edges = np.stack(
@@ -279,7 +279,7 @@ class ShellCells:
         return np.einsum("caj,cj->ca", np.linalg.pinv(edges), diagonal)
 
     def _reference_coordinates(self) -> tuple[Expr, Expr]:
-        """FFCx has no reference coordinates: a function that is equal to them."""
+        """Functions equal to the reference coordinates, which FFCx does not provide."""
         element = basix.ufl.element("DG", self._cell, 1, shape=(2,))
         X = fem.Function(fem.functionspace(self._mesh, element))
         nodes = np.asarray(basix.geometry(self._cell))

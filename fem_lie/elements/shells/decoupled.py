@@ -1,7 +1,8 @@
-"""Bending strain of a four-node shell that membrane strain does not touch, in UFL.
+"""Bending strain of a four-node shell that is independent of membrane strain, in UFL.
 
-With the full form ``x,α·t,β`` a stretched shell bends; with this one it does not, and a single
-element bends to any angle exactly. It suits shells that bend much and stretch little.
+With the full form ``x,α·t,β`` a shell under membrane strain has bending strain; with this form it
+has none, and a single element bends to any angle exactly. It suits shells with much bending and
+little membrane strain.
 """
 
 from __future__ import annotations
@@ -16,19 +17,19 @@ EDGES = ((0, 1), (2, 3), (0, 2), (1, 3))
 
 
 def tangents_and_cosines(s: Surface) -> Expr:
-    """What :func:`decoupled_bending` is made of, shape (10,), for a four-node quadrilateral.
+    """Arguments of :func:`decoupled_bending`, shape (10,), for a four-node quadrilateral.
 
-    ``x,₁`` and ``x,₂`` at the centre, and the cosines of the angles between the directors at the
-    ends of each edge.
+    They are ``x,₁`` and ``x,₂`` at the centre, and the cosines of the angles between the directors
+    at the ends of each edge.
     """
     cosines = [ufl.dot(s.directors[a], s.directors[b]) for a, b in EDGES]
     return ufl.as_vector([*s.dx(0, CENTRE), *s.dx(1, CENTRE), *cosines])
 
 
 def decoupled_bending(s: Surface, p: Point) -> Expr:
-    """``½ (a_α·t,β + a_β·t,α)`` as (11, 22, 2·12), free of membrane strain.
+    """Bending strain ``½ (a_α·t,β + a_β·t,α)`` as (11, 22, 2·12), without membrane strain.
 
-    The tangents ``a_α`` are the unloaded ones, turned as the mid-surface turns at the cell's centre
+    The tangents ``a_α`` are the unloaded ones, rotated with the mid-surface at the cell's centre
     (polar decomposition), and ``t,α`` is the angle between the directors at the ends of an edge,
     interpolated to the opposite edge. A single four-node element under end moments bends to the
     exact angle. (Liu & Hu 2021, the simplified bending strain.)
@@ -45,7 +46,7 @@ def decoupled_bending(s: Surface, p: Point) -> Expr:
 
 
 def rotated_axes(J: Expr, g1: Expr, g2: Expr) -> tuple[Expr, Expr]:
-    """``Q e_i`` with the rotation ``Q`` of ``F = Q U``, ``F e_i = (J⁻¹)_iα g_α``.
+    """Axes ``Q e_i`` with the rotation ``Q`` of ``F = Q U``, ``F e_i = (J⁻¹)_iα g_α``.
 
     In two dimensions ``U = (C + √det C I)/√(tr C + 2 √det C)`` with ``C = FᵀF``.
     """
@@ -62,7 +63,7 @@ def rotated_axes(J: Expr, g1: Expr, g2: Expr) -> tuple[Expr, Expr]:
 
 
 def _arc(a: Expr, b: Expr, cosine: Expr) -> Expr:
-    """``b − a`` stretched from the chord between two unit vectors to the angle θ between them.
+    """Difference ``b − a`` of unit vectors, scaled from chord to the angle θ between them.
 
     ``θ/(2 sin θ/2) = (1 + u) atan(√u)/√u`` with ``u = tan² θ/4``; Gauss' continued fraction of the
     arcus tangent, which is smooth at 0, has an error of 1e-14 at a right angle.

@@ -53,10 +53,10 @@ from fem_lie.mesh.shapes import rule, tabulated
 
 
 def stress_modes(cell: basix.CellType, p: Point) -> list[Expr]:
-    """Functions whose combinations are τ: linear on triangles, bilinear on quadrilaterals.
+    """Shape functions of τ: linear on triangles, bilinear on quadrilaterals.
 
     Args:
-        cell: Of first degree.
+        cell: Cell of degree one.
         p: Point.
     """
     centre = 1 / 3 if cell == basix.CellType.triangle else 1 / 2
@@ -68,13 +68,13 @@ def stress_modes(cell: basix.CellType, p: Point) -> list[Expr]:
 def drilling(
     s: Surface, p: Point, inverse: Expr, first: Sequence[Expr], second: Sequence[Expr]
 ) -> Expr:
-    """``c = a₁·x,₂ − a₂·x,₁``.
+    """Drilling strain ``c = a₁·x,₂ − a₂·x,₁``.
 
     Args:
-        s: The cell.
+        s: Surface of the cell.
         p: Point.
-        inverse: ``J⁻¹`` there, see :func:`fem_lie.elements.shells.strains.local_jacobian`.
-        first: Tangents ``a₁`` that the nodes carry.
+        inverse: ``J⁻¹`` at the point, see :func:`fem_lie.elements.shells.strains.local_jacobian`.
+        first: Tangents ``a₁`` that rotate with the nodes.
         second: Tangents ``a₂``.
     """
     g = s.dx(0, p), s.dx(1, p)
@@ -84,12 +84,12 @@ def drilling(
 
 
 def perturbed_lagrangian(tau: Expr, modes: Sequence[Expr], c: Expr, stiffness: Expr) -> Expr:
-    """``τ c − τ²/2γ``.
+    """Density ``τ c − τ²/2γ``.
 
     Args:
-        tau: Parameters of a cell.
+        tau: Parameters of τ of a cell.
         modes: See :func:`stress_modes`.
-        c: Drilling there.
+        c: Drilling strain at the point.
         stiffness: γ.
     """
     τ = sum(tau[i] * mode for i, mode in enumerate(modes))
@@ -97,7 +97,7 @@ def perturbed_lagrangian(tau: Expr, modes: Sequence[Expr], c: Expr, stiffness: E
 
 
 FRACTION = 0.01
-"""γ over ``G t³/h²``; from 1 to 1e-8 nothing changes (docs/measured/six_parameters.md)."""
+"""γ over ``G t³/h²``; results do not change from 1 to 1e-8 (docs/measured/six_parameters.md)."""
 
 _SHEAR, _TWIST = 2, 5  # of the eight strains
 
@@ -105,13 +105,13 @@ _SHEAR, _TWIST = 2, 5  # of the eight strains
 def drilling_stiffness(
     stiffness: Array, areas: Array, cells: Indices, bound: Iterable[int]
 ) -> Array:
-    """γ of each cell, force per length, shape (m,).
+    """Drilling stiffness γ of each cell, force per length, shape (m,).
 
     Args:
         stiffness: Section stiffness of each cell, shape (m, 8, 8).
-        areas: Of the cells, shape (m,).
+        areas: Areas of the cells, shape (m,).
         cells: Nodes of each cell, shape (m, k).
-        bound: Nodes that take moments about their normals alone.
+        bound: Nodes with moments about their normals only.
     """
     membrane = stiffness[:, _SHEAR, _SHEAR]
     soft = FRACTION * 12.0 * stiffness[:, _TWIST, _TWIST] / areas
@@ -120,18 +120,18 @@ def drilling_stiffness(
 
 
 _A1, _A2, _X1, _X2 = range(4)
-"""Vectors at each point: tangents that nodes carry, and those of the surface."""
+"""Vectors at each point: tangents that rotate with the nodes, and those of the surface."""
 
 
 def _element(nodes: int, points: int) -> Element:
-    """That of cells with so many nodes and points of integration."""
+    """Element of cells with given numbers of nodes and quadrature points."""
     products = [(0, _A1, _X2, 1.0), (0, _A2, _X1, -1.0)]
     return element([NodeType.FRAME] * nodes, products, vectors=4, points=points)
 
 
 @inlined
 def _packed_element(c: Pointer) -> Element:
-    """The element whose constants are at ``c``."""
+    """Element whose constants are at the address ``c``."""
     return Element(unpacked(c), None, None, None, ((), (), (), ()), 1)
 
 
@@ -160,7 +160,7 @@ def stress_of_cell(A: Pointer, w: Pointer, c: Pointer, h: Pointer) -> None:
 
 
 class DrillingAssembly(ElementCells):
-    """Forces, tangent and energy on the nodes of an assembly of shells."""
+    """Forces, tangent and energy of drilling on the nodes of an assembly of shells."""
 
     label, of_bodies, conserved = "drilling of shells with six parameters", True, True
 
@@ -179,9 +179,9 @@ class DrillingAssembly(ElementCells):
         Args:
             frames: Unloaded frames of the nodes, shape (n, 4, 3).
             cells: Nodes of each cell, shape (m, k).
-            kind: Of the cells.
-            degree: Of their edges.
-            quadrature_degree: As of the element.
+            kind: Cell type.
+            degree: Degree of the interpolation.
+            quadrature_degree: Quadrature degree of the element.
             directions: Vector of each cell whose projection onto the surface is the first axis.
             stiffness: γ of each cell, shape (m,).
         """
@@ -216,15 +216,15 @@ class DrillingAssembly(ElementCells):
 
     @property
     def tables(self) -> None:
-        """None: the tangent takes the forces that were kept, see :meth:`tangent`."""
+        """``None``: the tangent needs the stored forces, see :meth:`tangent`."""
 
     @property
     def over_cells(self) -> tuple[FormTable, FormTable]:
-        """Of forces and of energy."""
+        """Tables of forces and of energy."""
         return self._forces.table, self._energy.table
 
     def room(self) -> Array:
-        """For all forces, shape (n, 6)."""
+        """Zero array for the forces of all nodes, shape (n, 6)."""
         return np.zeros((len(self._all), 6))
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
@@ -235,10 +235,10 @@ class DrillingAssembly(ElementCells):
         out += forces.reshape(out.shape)
 
     def tangent(self, H: Array, kept: Array) -> Array:
-        """Derivatives in twists with the linearised stress, shape (pairs, 6, 6), force per twist.
+        """Tangent stiffness in twists with the linearised stress, shape (pairs, 6, 6).
 
-        Of the kept forces, which are those of linear theory in :meth:`linear_forces`, the system
-        adds what they have of the rotation of frames.
+        For the stored forces, which are those of linear theory in :meth:`linear_forces`, the system
+        adds the terms from rotation of frames.
         """
         blocks = super().tangent(H, kept)
         forces = kept * self._matrix.share(len(self._all))
@@ -246,5 +246,5 @@ class DrillingAssembly(ElementCells):
         return blocks
 
     def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
-        """See the base class."""
+        """Add the tangent stiffness to blocks ``K`` at ``place``."""
         add_at(K, place, self.tangent(H, kept))

@@ -1,4 +1,4 @@
-"""Which shell element a body has: strain measures and the energy made of them, as options."""
+"""Shell elements as options of a body: strain measures and the energy."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ _PLAIN = {("quadrilateral", 1): MITC4, ("triangle", 2): MITC6, ("quadrilateral",
 
 @dataclass(frozen=True)
 class ShellFormulation(ABC):
-    """A shell element; use one of the subclasses.
+    """Shell element; use one of the subclasses.
 
     Attributes:
-        measures: Strain measures; default: those that are usual for the cells of the mesh.
+        measures: Strain measures; default: the usual ones for the cells of the mesh.
     """
 
     measures: StrainMeasures | None = None
@@ -39,7 +39,7 @@ class ShellFormulation(ABC):
 
     @abstractmethod
     def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
-        """Strain measures for each kind of cell and degree."""
+        """Default strain measures for each cell type and degree."""
 
     @abstractmethod
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
@@ -51,28 +51,28 @@ class ShellFormulation(ABC):
         """
 
     def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
-        """Stress resultants ``(N, M, Q)`` at the points of integration, shape (8,).
+        """Stress resultants ``(N, M, Q)`` at the quadrature points, shape (8,).
 
-        They are those that the forms carry: reset them to the frames before.
+        They are the independent stress of the forms: reset it to the frames before.
 
         Args:
-            cells: Those that :meth:`forms` was given.
-            forms: What it made of them.
+            cells: The argument of :meth:`forms`.
+            forms: Forms returned by :meth:`forms`.
         """
         carried = forms.stress
         assert carried is not None
         return ufl.as_vector([carried[i] for i in range(8)])
 
     def measures_for(self, cell: str, degree: int) -> StrainMeasures:
-        """The strain measures for these cells.
+        """Strain measures for these cells.
 
         Args:
             cell: Name of the cell, such as "quadrilateral".
             degree: Degree of the cell.
 
         Raises:
-            ValueError: There are none, or those that were given are for other cells or have no
-                stress fields where some are needed.
+            ValueError: There are none, or the user's measures are for other cells or have no stress
+                fields where they are needed.
         """
         if self.measures is None:
             found = self.defaults().get((cell, degree))
@@ -99,26 +99,29 @@ class ShellFormulation(ABC):
 
 @dataclass(frozen=True)
 class HellingerReissner(ShellFormulation):
-    """Stress resultants with 14 parameters per quadrilateral, 15 per triangle: the default."""
+    """Mixed element with independent stress: the default.
+
+    Stress resultants have 14 parameters per quadrilateral, 15 per triangle.
+    """
 
     def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
-        """Assumed strains for stress that is a field of its own."""
+        """Assumed strains for an independent stress field."""
         return _MIXED
 
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
-        """Energy, forces and tangent with stress as a field of its own, by the inverse law."""
+        """Energy, forces and tangent with independent stress and the inverse law."""
         return hellinger_reissner(
             cells, cells.cellwise(np.asarray(np.linalg.inv(stiffness), dtype=np.float64))
         )
 
     def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
-        """The stress that is a field of its own."""
+        """Independent stress field."""
         return cells.stress(_group(forms, 0))
 
 
 @dataclass(frozen=True)
 class _OfAnyLaw(ShellFormulation):
-    """With an energy that the user may give.
+    """Shell element with an optional user energy.
 
     Attributes:
         law: Energy per area as a UFL function of the eight strains; default: that of the section.
@@ -128,58 +131,58 @@ class _OfAnyLaw(ShellFormulation):
 
     @property
     def quadratic(self) -> bool:
-        """Whether the law is that of the section; nothing is known of a user's."""
+        """Whether the law is that of the section; a user's law need not be quadratic."""
         return self.law is None
 
     def law_for(self, cells: ShellCells, stiffness: Array) -> Law:
-        """The user's, or that of the section.
+        """Law of the user, or that of the section.
 
         Args:
-            cells: Number of equal elements.
-            stiffness: Section stiffness of each cell.
+            cells: Geometry and strains.
+            stiffness: Section stiffness of each cell, shape (m, 8, 8).
         """
         return self.law or linear_law(cells.cellwise(stiffness))
 
 
 @dataclass(frozen=True)
 class HuWashizu(_OfAnyLaw):
-    """Strains and stress resultants with parameters of their own, for any law."""
+    """Mixed element with independent strains and stress resultants, for any law."""
 
     def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
-        """Assumed strains for stress that is a field of its own."""
+        """Assumed strains for an independent stress field."""
         return _MIXED
 
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
-        """Energy, forces and tangent with strain and stress as fields of their own."""
+        """Energy, forces and tangent with independent strain and stress."""
         return hu_washizu(cells, self.law_for(cells, stiffness))
 
     def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
-        """The stress that is a field of its own."""
+        """Independent stress field."""
         return cells.stress(_group(forms, 1))
 
 
 @dataclass(frozen=True)
 class DisplacementBased(_OfAnyLaw):
-    """Strains from the nodes alone; with the default measures MITC4, MITC6 or MITC9."""
+    """Element with strains from the nodes only; by default MITC4, MITC6 or MITC9."""
 
     def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
-        """Strains that do not lock by themselves."""
+        """Assumed strains that do not lock without independent stress."""
         return _PLAIN
 
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
-        """Energy, forces and tangent with the law at strains of the nodes."""
+        """Energy, forces and tangent with the law at strains from the nodes."""
         return displacement(cells, self.law_for(cells, stiffness))
 
 
 def _elements_for(cell: str, degree: int) -> str:
-    """The elements with strain measures for these cells, for messages."""
+    """Elements that have strain measures for these cells, for messages."""
     elements = HellingerReissner(), HuWashizu(), DisplacementBased()
     found = [f"{type(e).__name__}()" for e in elements if (cell, degree) in e.defaults()]
     return " or ".join(found) or "none"
 
 
 def _group(forms: LocalFrameForms, number: int) -> Expr:
-    """A group of the cells' own unknowns."""
+    """Group of the cells' local unknowns."""
     assert forms.local is not None
     element = forms.local.function_space.ufl_element()
     several = isinstance(element, basix.ufl._MixedElement)
@@ -191,12 +194,12 @@ Law = Callable[[Expr], Expr]
 
 
 def linear_law(stiffness: Expr) -> Law:
-    """``½ ε·Dε`` with the section stiffness ``D``, shape (8, 8)."""
+    """Energy ``½ ε·Dε`` with the section stiffness ``D``, shape (8, 8)."""
     return lambda e: 0.5 * ufl.inner(e, stiffness * e)
 
 
 def displacement(cells: ShellCells, law: Law) -> LocalFrameForms:
-    """``∫ W(ε)`` with the stress carried at the points of integration.
+    """Forms of ``∫ W(ε)`` with an independent stress at the quadrature points.
 
     With the default measures this is MITC4.
 
@@ -223,7 +226,7 @@ def displacement(cells: ShellCells, law: Law) -> LocalFrameForms:
 
 
 def hellinger_reissner(cells: ShellCells, compliance: Expr) -> LocalFrameForms:
-    """``∫ S·ε − ½ S·D⁻¹S`` with 14 stress parameters per cell, 15 on triangles.
+    """Forms of ``∫ S·ε − ½ S·D⁻¹S`` with 14 stress parameters per cell, 15 on triangles.
 
     Args:
         cells: Four-node quadrilaterals or three-node triangles.
@@ -236,7 +239,7 @@ def hellinger_reissner(cells: ShellCells, compliance: Expr) -> LocalFrameForms:
 
 
 def hu_washizu(cells: ShellCells, law: Law) -> LocalFrameForms:
-    """``∫ W(e) + S·(ε − e)`` with 24 strain parameters and those of the stress per cell.
+    """Forms of ``∫ W(e) + S·(ε − e)`` with 24 strain parameters and those of the stress.
 
     With a quadratic law it is :func:`hellinger_reissner`.
 

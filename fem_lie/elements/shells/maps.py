@@ -1,21 +1,21 @@
-"""How positions and directors of a shell move with its nodes: five and six parameters per node.
+"""Maps of shells: positions and directors as functions of nodes with five or six parameters.
 
 Nodes store frames ``(x, d₁, d₂, d₃)``; the director is ``t = d₃``. Unknowns are ``(u, η)``, and the
-state moves by :func:`retract`, ``x ← x + R u``, ``R ← R exp(η₁, η₂, 0) exp(0, 0, η₃)``.
+state is updated by :func:`retract`, ``x ← x + R u``, ``R ← R exp(η₁, η₂, 0) exp(0, 0, η₃)``.
 
-*Five parameters.* No ``η₃``: ``δt = R (η × e₃) = η₂ d₁ − η₁ d₂``. The frame turns by the smallest
-rotation that takes the director to its new place, which moves along a geodesic of the sphere; the
-frame does not drill.
+*Five parameters.* Without ``η₃``, ``δt = R (η × e₃) = η₂ d₁ − η₁ d₂``. The frame rotates by the
+smallest rotation that moves the director to its new direction, along a geodesic of the sphere; the
+frame has no drilling rotation.
 
-*Six parameters.* The drilling ``η₃`` comes last, so that it does not move the director even to
-second order: what it does not stiffen it does not disturb.
+*Six parameters.* The drilling rotation ``η₃`` comes last, so that it does not move the director
+even to second order.
 
 **The tangent of an element is the second derivative of the energy along that motion.** It is
-symmetric in every state, in equilibrium or not. It is not ``∂(Lᵀf)/∂h``: that has in addition
-``(Rᵀf_x)^``, the turning of the axes in which an unbalanced force is written, and more of the kind,
-see :func:`add_turning`. At equilibrium all forces on a node together have none of it; off
-equilibrium it does harm: it binds the translation of a node to the rotation of its frame by forces
-that are an artefact of the iteration.
+symmetric in every state, in equilibrium or not. It is not ``∂(Lᵀf)/∂h``, which also contains
+``(Rᵀf_x)^``, the rotation of the axes in which an unbalanced force is written, and similar terms,
+see :func:`add_turning`. At equilibrium these terms cancel for the sum of all forces on a node; off
+equilibrium they slow down convergence: they couple the translation of a node to the rotation of its
+frame by forces that are an artefact of the iteration.
 """
 
 from __future__ import annotations
@@ -132,7 +132,7 @@ FIVE = FrameMap(
     values=12,
     unknowns=5,
 )
-"""Position and director; the rotation about the director is no unknown."""
+"""Map with position and director; the rotation about the director is not an unknown."""
 
 SIX = FrameMap(
     coordinates=_six_coordinates,
@@ -142,4 +142,4 @@ SIX = FrameMap(
     values=12,
     unknowns=6,
 )
-"""Position and all three directors."""
+"""Map with position and all three directors."""

@@ -1,4 +1,4 @@
-"""Which strains, stress fields and points of integration make which shell element."""
+"""Strain measures of shell elements: strains, stress fields and quadrature."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ from fem_lie.elements.shells.strains import Point, Surface
 from fem_lie.elements.shells.stress_modes import QUADRILATERAL, TRIANGLE, StressModes
 
 Measure = Callable[[Surface, Point], Expr]
-"""A covariant strain of a surface at a point, as in :mod:`fem_lie.elements.shells.strains`."""
+"""Covariant strain of a surface at a point, as in :mod:`fem_lie.elements.shells.strains`."""
 
 
 @dataclass(frozen=True)
 class StrainMeasures:
-    """What makes a shell element; the default is the four-node quadrilateral MITC4.
+    """Strain measures of a shell element; the default is the four-node quadrilateral MITC4.
 
     Attributes:
-        cell: Cell.
+        cell: Cell type.
         degree: Degree of the Lagrange nodes.
         quadrature_degree: 3 means 2×2 points on a quadrilateral.
         membrane: Membrane strain.
         bending: Bending strain.
         shear: Transverse shear strain.
-        intermediate: Quantities that the others take from :attr:`Surface.intermediate`. Mixed
-            elements have them as unknowns of their own, bound by multipliers: the chain rule
-            through a lengthy formula is then done with numbers, in the condensation, and FFCx has a
-            third of the code to write.
+        intermediate: Quantities that the others read from :attr:`Surface.intermediate`. Mixed
+            elements have them as local unknowns, constrained by multipliers: the chain rule through
+            a long formula is then evaluated numerically, in the condensation, and FFCx generates a
+            third of the code.
         stresses: Stress fields of mixed elements, or ``None`` if there are none for these cells.
-        largest_turn: Along an edge of a cell, rad: beyond it cells fold, see
+        largest_turn: Largest rotation along an edge of a cell, rad; beyond it cells fold, see
             :mod:`fem_lie.system.nodes.element_rotations`.
-        bubble: Whether three-node triangles have a director bubble as unknowns of their own.
+        bubble: Whether three-node triangles have a director bubble as local unknowns.
     """
 
     cell: basix.CellType = basix.CellType.quadrilateral
@@ -51,7 +51,7 @@ class StrainMeasures:
 
 
 MITC4 = StrainMeasures()
-"""Four nodes; the mixed elements with it are those of Gruttmann & Wagner."""
+"""Four nodes; the mixed elements with these measures are those of Gruttmann & Wagner."""
 
 MITC4_PLUS = StrainMeasures(membrane=strains.mitc4_plus_membrane)
 """Four nodes, also for distorted meshes of curved thin shells."""

@@ -1,7 +1,7 @@
-"""Assumed strains of shells with six-node triangles and nine-node quadrilaterals, in UFL.
+"""Assumed strains of six-node triangles and nine-node quadrilaterals, in UFL.
 
-MITC6: Lee & Bathe, Comput. Struct. 82 (2004) 945. MITC9: Bucalem & Bathe, IJNME 36 (1993) 3729. As
-there, covariant strains are sampled where the quadratic interpolation has them most accurate, and
+MITC6: Lee & Bathe, Comput. Struct. 82 (2004) 945. MITC9: Bucalem & Bathe, IJNME 36 (1993) 3729.
+Covariant strains are sampled where those of the quadratic interpolation are most accurate, and
 interpolated from there.
 """
 
@@ -32,13 +32,13 @@ def _shear(s: Surface, along: int) -> Sample:
 
 
 def _ends(low: Expr, high: Expr) -> tuple[Expr, Expr]:
-    """Values at 0 and 1 of what is linear through values at the two Gauss points."""
+    """Values at 0 and 1 of the linear function through values at the two Gauss points."""
     mean, rise = (low + high) / 2, sqrt(3) / 2 * (high - low)
     return mean - rise, mean + rise
 
 
 def mitc6_shear(s: Surface, p: Point) -> Expr:
-    """``x,α·t`` of a six-node triangle, linear; along each edge as at its two Gauss points."""
+    """Shear ``x,α·t`` of a six-node triangle, linear, sampled at two Gauss points of each edge."""
     first, second = _shear(s, 0), _shear(s, 1)
 
     def across(σ: float) -> Expr:
@@ -58,9 +58,9 @@ def mitc6_shear(s: Surface, p: Point) -> Expr:
 
 
 def mitc6_membrane(s: Surface, p: Point) -> Expr:
-    """``½ x,α·x,β`` as (11, 22, 2·12) of a six-node triangle, linear.
+    """Membrane strain ``½ x,α·x,β`` as (11, 22, 2·12) of a six-node triangle, linear.
 
-    The stretch along each edge's direction is sampled at the edge's Gauss points and at the point
+    The strain along each edge's direction is sampled at the edge's Gauss points and at the point
     ``1/√3`` towards the opposite corner.
     """
     ξ, η = p
@@ -98,7 +98,7 @@ def mitc9_shear(s: Surface, p: Point) -> Expr:
 
 
 def _tensor(sample: Sample, first: Sequence[float], second: Sequence[float], p: Point) -> Expr:
-    """Polynomial of products through samples at ``first`` × ``second``."""
+    """Product polynomial through samples at ``first`` × ``second``."""
     return sum(
         _lagrange(first, i, p[0]) * _lagrange(second, k, p[1]) * sample(a, b)
         for i, a in enumerate(first)

@@ -6,14 +6,14 @@ With convected coordinates ``ξ^α`` of the mid-surface, and capitals for the un
     K_αβ = ½ (x,α·t,β + x,β·t,α) − reference          bending
     γ_α  = x,α·t − X,α·D                              transverse shear
 
-All are quadratic in ``(x, t)`` and do not change when both turn together. (Simo & Fox, CMAME 72
-(1989) 267.) Functions here return them in Voigt's order as ``(11, 22, 2·12)`` and ``(1, 2)``, for
-one state; the unloaded state's are subtracted later, and :func:`to_local` takes them to a Cartesian
-basis.
+All are quadratic in ``(x, t)`` and invariant under rigid rotation of both. (Simo & Fox, CMAME 72
+(1989) 267.) Functions here return them in Voigt order as ``(11, 22, 2·12)`` and ``(1, 2)``, for one
+state; those of the unloaded state are subtracted later, and :func:`to_local` transforms them to a
+Cartesian basis.
 
 A point of a cell is a pair of reference coordinates: numbers, for tying points, or UFL expressions,
-for quadrature points. That is why shape functions are spelled out as polynomials
-(:class:`ShapeFunctions`): UFL's ``grad`` knows quadrature points only.
+for quadrature points. Therefore shape functions are written as polynomials
+(:class:`ShapeFunctions`): UFL's ``grad`` is available at quadrature points only.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ Point: TypeAlias = Sequence[Any]
 """Reference coordinates: two numbers or two UFL expressions."""
 
 CENTRE = (0.5, 0.5)
-"""Of a quadrilateral."""
+"""Centre of a quadrilateral."""
 
 
 @dataclass(frozen=True)
 class ShapeFunctions:
-    """Lagrange's shape functions of a cell, ``N_i = Σ_k c_ki ξ^a_k η^b_k``.
+    """Lagrange shape functions of a cell, ``N_i = Σ_k c_ki ξ^a_k η^b_k``.
 
     Attributes:
         powers: Exponents ``(a, b)`` of the monomials.
@@ -57,7 +57,7 @@ class ShapeFunctions:
 
     @classmethod
     def of(cls, cell: basix.CellType, degree: int) -> ShapeFunctions:
-        """Those of DOLFINx's nodes.
+        """Shape functions of DOLFINx's nodes.
 
         Args:
             cell: Triangle or quadrilateral.
@@ -68,11 +68,11 @@ class ShapeFunctions:
         powers = tuple((a, b) for a in every for b in every if a + b <= total)
         nodes = nodes_of(cell.name, degree)
         monomials = np.array([[x**a * y**b for a, b in powers] for x, y in nodes])
-        # they are small integers, spoiled by round-off
+        # they are small integers, up to round-off
         return cls(powers, np.asarray(np.round(np.linalg.inv(monomials), 10), dtype=np.float64))
 
     def combine(self, values: Sequence[Expr], p: Point, along: int | None = None) -> Expr:
-        """``Σ N_i(p) value_i``, or its derivative along reference coordinate 0 or 1."""
+        """Interpolation ``Σ N_i(p) value_i``, or its derivative in coordinate 0 or 1."""
         weights = [self._monomial(k, p, along) for k in range(len(self.powers))]
         terms: list[Expr] = []
         for i, value in enumerate(values):
@@ -105,14 +105,15 @@ class Surface:
         shapes: Shape functions.
         positions: ``x`` of the nodes, each of shape (3,).
         directors: ``t`` of the nodes, each of shape (3,).
-        jacobian: ``J_αi = X,α·e_i`` of the unloaded cell's centre, shape (2, 2).
-        jacobian_here: The same at the point of integration.
+        jacobian: ``J_αi = X,α·e_i`` at the unloaded cell's centre, shape (2, 2).
+        jacobian_here: ``J_αi`` at the quadrature point.
         skew: ``(c₁, c₂)``: the part ``c_α X,α/2`` in the plane of the centre of
             ``¼ (X₀ − X₁ − X₂ + X₃)``, unloaded; zero for a parallelogram.
-        intermediate: Values of a function of the surface as unknowns of their own, or ``None``: see
+        intermediate: Values of a function of the surface as local unknowns, or ``None``: see
             :mod:`fem_lie.elements.shells.decoupled`.
-        bubble: ``w`` of ``t = Σ N_i t_i + 27 ξ η (1 − ξ − η) w^α x,α`` on a three-node triangle, or
-            ``None``. With components along ``x,α`` it turns with the surface.
+        bubble: ``w`` of ``t = Σ N_i t_i + 27 ξ η (1 − ξ − η) w^α
+            x,α`` on a three-node triangle, or ``None``. With components along ``x,α`` it rotates
+            with the surface.
     """
 
     shapes: ShapeFunctions
@@ -130,11 +131,11 @@ class Surface:
         return self._with_bubble(self.shapes.combine(self.directors, p), ξ * η * (1 - ξ - η))
 
     def dx(self, along: int, p: Point) -> Expr:
-        """``x,α``."""
+        """Tangent ``x,α``."""
         return self.shapes.combine(self.positions, p, along)
 
     def dt(self, along: int, p: Point) -> Expr:
-        """``t,α``."""
+        """Derivative of the director, ``t,α``."""
         mine, other = p[along], p[1 - along]
         t = self.shapes.combine(self.directors, p, along)
         return self._with_bubble(t, other * (1 - 2 * mine - other))
@@ -148,7 +149,7 @@ class Surface:
 
 
 def membrane(s: Surface, p: Point) -> Expr:
-    """``½ x,α·x,β`` as (11, 22, 2·12).
+    """Membrane strain ``½ x,α·x,β`` as (11, 22, 2·12).
 
     Args:
         s: The surface, with its coordinates and directors.
@@ -159,10 +160,10 @@ def membrane(s: Surface, p: Point) -> Expr:
 
 
 def mitc4_plus_membrane(s: Surface, p: Point) -> Expr:
-    """``½ x,α·x,β`` as (11, 22, 2·12) of a four-node quadrilateral, from five points.
+    """Membrane strain ``½ x,α·x,β`` as (11, 22, 2·12) of a quadrilateral, from five points.
 
-    A warped cell does not feel its warping: without this, distorted meshes of curved thin shells
-    lock. (Ko, Lee & Bathe, Comput. Struct. 182 (2017) 404: MITC4+.)
+    It is independent of the warping of a cell, with which distorted meshes of curved thin shells
+    would lock. (Ko, Lee & Bathe, Comput. Struct. 182 (2017) 404: MITC4+.)
     """
 
     def at(first: int, second: int, *q: float) -> Expr:
@@ -185,7 +186,9 @@ def mitc4_plus_membrane(s: Surface, p: Point) -> Expr:
 
 
 def bending(s: Surface, p: Point) -> Expr:
-    """``½ (x,α·t,β + x,β·t,α)`` as (11, 22, 2·12): the full form, it feels membrane strain.
+    """Bending strain ``½ (x,α·t,β + x,β·t,α)`` as (11, 22, 2·12), full form.
+
+    It depends on membrane strain.
 
     Args:
         s: The surface, with its coordinates and directors.
@@ -195,13 +198,13 @@ def bending(s: Surface, p: Point) -> Expr:
 
 
 def shear(s: Surface, p: Point) -> Expr:
-    """``x,α·t``."""
+    """Transverse shear strain ``x,α·t``."""
     t = s.t(p)
     return ufl.as_vector([ufl.dot(s.dx(0, p), t), ufl.dot(s.dx(1, p), t)])
 
 
 def mitc4_shear(s: Surface, p: Point) -> Expr:
-    """``x,α·t`` of a four-node quadrilateral, each taken at the middles of two edges.
+    """Shear ``x,α·t`` of a four-node quadrilateral, sampled at the midpoints of two edges.
 
     (Bathe & Dvorkin, IJNME 21 (1985) 367.)
 
@@ -246,7 +249,7 @@ def mitc3_shear(s: Surface, p: Point) -> Expr:
 
 
 def symmetric_product(a: tuple[Expr, Expr], b: tuple[Expr, Expr]) -> Expr:
-    """``½ (a_α·b_β + a_β·b_α)`` as (11, 22, 2·12)."""
+    """Symmetric product ``½ (a_α·b_β + a_β·b_α)`` as (11, 22, 2·12)."""
     return ufl.as_vector(
         [
             ufl.dot(a[0], b[0]),
@@ -257,10 +260,10 @@ def symmetric_product(a: tuple[Expr, Expr], b: tuple[Expr, Expr]) -> Expr:
 
 
 def local_jacobian(unloaded: Surface, p: Point, direction: Expr) -> Expr:
-    """``J_αi = X,α·e_i`` with e₁ along the projection of ``direction`` onto the surface at ``p``.
+    """Jacobian ``J_αi = X,α·e_i`` with e₁ along the projection of ``direction`` at ``p``.
 
     Args:
-        unloaded: The unloaded surface.
+        unloaded: Unloaded surface.
         p: Point.
         direction: Vector of shape (3,), not normal to the surface: the axis e₁ of the material.
     """
@@ -276,7 +279,7 @@ def _unit(v: Expr) -> Expr:
 
 
 def to_local(inverse: Expr, m: Expr, k: Expr, g: Expr) -> Expr:
-    """Covariant membrane, bending and shear strains as eight Cartesian ones.
+    """Eight Cartesian strains of covariant membrane, bending and shear strains.
 
     ``E_ij = (J⁻¹)_iα E_αβ (J⁻¹)_jβ``, ``γ_i = (J⁻¹)_iα γ_α``; the result is
     ``(E₁₁, E₂₂, 2E₁₂, K₁₁, K₂₂, 2K₁₂, γ₁, γ₂)``.

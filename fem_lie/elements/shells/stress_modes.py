@@ -1,7 +1,8 @@
-"""Stress and strain fields inside a four-node shell quadrilateral, in UFL.
+"""Independent stress and strain fields of shell elements with four and three nodes, in UFL.
 
-Stress resultants ``(N, M, Q)``, eight Cartesian components of the point, from 14 parameters: five
-each for membrane and bending, four for shear (Gruttmann & Wagner, CMAME 194 (2005) 4279)::
+Stress resultants ``(N, M, Q)`` of quadrilaterals, eight Cartesian components at a point, have 14
+parameters: five each for membrane and bending, four for shear (Gruttmann & Wagner, CMAME 194 (2005)
+4279)::
 
     N, M = [I₃, v₁ (η − η̄), v₂ (ξ − ξ̄)] s        v_α = (J_α1², J_α2², J_α1 J_α2)
     Q    = [I₂, J₁ (η − η̄), J₂ (ξ − ξ̄)] s
@@ -9,10 +10,10 @@ each for membrane and bending, four for shear (Gruttmann & Wagner, CMAME 194 (20
 with the Jacobian ``J`` of the cell's centre and the centroid ``(ξ̄, η̄)``: the linear parts do no
 work on constant strains.
 
-Strains from 24: all eight components linear in ``ξ`` and ``η``. They hold ``D⁻¹`` times any of
-those stresses, so that with a quadratic law and a constant ``D`` Hu-Washizu is Hellinger-Reissner.
-With the 14 modes of the stresses alone it would be stiffer: bending in the plane goes with a
-contraction across that these modes do not have.
+Strains have 24 parameters: all eight components are linear in ``ξ`` and ``η``. They contain ``D⁻¹``
+times any of these stresses, so that with a quadratic law and a constant ``D`` Hu-Washizu is
+Hellinger-Reissner. With the 14 modes of the stresses only it would be stiffer: bending in the plane
+has a transverse contraction that these modes do not contain.
 """
 
 from __future__ import annotations
@@ -30,11 +31,12 @@ STRAINS = 24
 
 @dataclass(frozen=True)
 class StressModes:
-    """Stress resultants of a kind of cell.
+    """Stress resultants of a cell type.
 
     Attributes:
         size: Number of parameters.
-        field: ``(parameters, point, centroid, J of the centre)`` to stress resultants, shape (8,).
+        field: Function ``(parameters, point, centroid, J of the centre)`` that returns stress
+            resultants, shape (8,).
     """
 
     size: int
@@ -42,7 +44,7 @@ class StressModes:
 
 
 def quadrilateral_stress(s: Sequence[Expr], p: Point, centroid: Expr, J: Expr) -> Expr:
-    """Stress resultants, shape (8,).
+    """Stress resultants of a quadrilateral, shape (8,).
 
     Args:
         s: 14 parameters.
@@ -70,7 +72,7 @@ def strain(a: Sequence[Expr], p: Point, centroid: Expr) -> Expr:
 
 
 def triangle_stress(s: Sequence[Expr], p: Point, centroid: Expr, J: Expr) -> Expr:
-    """Constant membrane stress, linear moments, and shear as MITC3+ assumes its strain.
+    """Constant membrane stress, linear moments, and shear like the strain of MITC3+.
 
     Args:
         s: 15 parameters.

@@ -1,1 +1,1 @@
-"""Elements that fill volumes, and materials for them."""
+"""Elements of solids."""

@@ -1,20 +1,18 @@
 """Elements of solids: strains of hexahedra and tetrahedra of degree 1 and 2.
 
-The strain is Green's, ``E = ½ (C − 1)``, in fixed axes of the unloaded body; stress is carried from
-iterate to iterate. Cells of degree 1 that follow their nodes' interpolation lock: hexahedra of
-nearly incompressible material do not with a mean dilatation, see :class:`MeanDilatation`. In
-bending degree 2 is what helps. (Simo, Taylor & Pister, CMAME 51 (1985) 177: the mean dilatation;
-Moran, Ortiz & Shih, IJNME 29 (1990) 483: of large deformations.)
+The strain is Green's, ``E = ½ (C − 1)``, in fixed axes of the unloaded body; the stress in the
+tangent is independent and updated linearly between iterates. Isoparametric cells of degree 1 lock.
+Hexahedra of nearly incompressible material do not with a mean dilatation, see
+:class:`MeanDilatation`; bending needs degree 2. (Simo, Taylor & Pister, CMAME 51 (1985) 177: the
+mean dilatation; Moran, Ortiz & Shih, IJNME 29 (1990) 483: large deformations.)
 
-How places of nodes, and the volumes of cells, move with nodes of kind ``POSITION``.
-
-Nodes store four rows, of which the first is the place and the others are axes ``R``; unknowns are
-displacements along these, ``δx = R h``. Flat coordinates are the places, and for
-:data:`PLACES_AND_VOLUME` the volume of a cell with eight nodes beside them::
+The nodes are of type ``POSITION``: their coordinates are the position and axes ``R``; unknowns are
+displacements along these, ``δx = R h``. Flat coordinates are the positions and, for
+:data:`PLACES_AND_VOLUME`, the volume of a cell with eight nodes::
 
     v = Σ_g w_g g₁·(g₂ × g₃),    g_b = Σ_i x_i ∂N_i/∂ξ_b
 
-which two points along each direction integrate exactly.
+which two points per direction integrate exactly.
 """
 
 from __future__ import annotations
@@ -57,7 +55,7 @@ _NODES = 8
 
 
 def _slopes() -> tuple[Array, Array]:
-    """Slopes of the shape functions at the points of integration, (g, 8, 3), and weights (g,)."""
+    """Derivatives of the shape functions at the quadrature points, (g, 8, 3), and weights (g,)."""
     points, weights = rule("hexahedron", 3)
     slopes = tabulated("hexahedron", 1, points)[1:]
     return np.ascontiguousarray(slopes.transpose(1, 2, 0)), weights
@@ -68,7 +66,7 @@ _SLOPES, _WEIGHTS = _slopes()
 
 @compiled
 def _tangents(x: Array, g: int) -> tuple[Vector, Vector, Vector]:
-    """``g_b`` at a point of integration, of places in the first rows of ``x`` (8, ≥ 1, 3)."""
+    """Tangents ``g_b`` at a quadrature point for positions ``x[:, 0]`` (8, 3)."""
     a = b = c = (0.0, 0.0, 0.0)
     for i in range(_NODES):
         place, d = load_row(x[i], 0), load_row(_SLOPES[g], i)
@@ -85,7 +83,7 @@ def volume(x: Array) -> float:
     """Volume of a cell with eight nodes, negative if its first three edges are left-handed.
 
     Args:
-        x: Rows of its nodes, of which the first is the place, shape (8, any, 3).
+        x: Coordinates of its nodes, with positions in row 0, shape (8, any, 3).
     """
     total = 0.0
     for g in range(_WEIGHTS.shape[0]):
@@ -96,7 +94,7 @@ def volume(x: Array) -> float:
 
 @compiled
 def _volume_slopes(x: Array, out: Array) -> None:
-    """``∂v/∂x_i``, shape (8, 3)."""
+    """Derivatives ``∂v/∂x_i`` of the volume, shape (8, 3)."""
     out[:] = 0.0
     for g in range(_WEIGHTS.shape[0]):
         a, b, c = _tangents(x, g)
@@ -109,7 +107,7 @@ def _volume_slopes(x: Array, out: Array) -> None:
 
 @compiled
 def _add_volume_bend(H: Array, force: float, A: Array) -> None:
-    """``A += force · R_iᵀ (∂²v/∂x_i∂x_j) R_j``, shape (8, 6, 8, 6)."""
+    """Add ``force · R_iᵀ (∂²v/∂x_i∂x_j) R_j`` to ``A`` (8, 6, 8, 6)."""
     for i in range(_NODES):
         for j in range(_NODES):
             lever = (0.0, 0.0, 0.0)
@@ -127,7 +125,7 @@ def _add_volume_bend(H: Array, force: float, A: Array) -> None:
 
 @compiled
 def _add_pulled(H: Array, f: Array, r: Array) -> None:
-    """``r_i += R_iᵀ f_i`` for each node, shapes (n, 4, 3), (n, 3) and (n, 6)."""
+    """Add ``R_iᵀ f_i`` of each node to ``r``, shapes (n, 4, 3), (n, 3) and (n, 6)."""
     for i in range(f.shape[0]):
         own = rotate_back(load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3), load_row(f, i))
         store(r[i], 0, plus(load(r[i], 0), own))
@@ -135,7 +133,7 @@ def _add_pulled(H: Array, f: Array, r: Array) -> None:
 
 @compiled
 def _push_places(H: Array, h: Array, out: Array) -> None:
-    """``δx_i = R_i h_i``."""
+    """Displacements ``δx_i = R_i h_i``."""
     for i in range(h.shape[0]):
         moved = rotate(load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3), load(h[i], 0))
         store_row(out, i, moved)
@@ -201,12 +199,12 @@ def _bend_volume(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes
 
 
 PLACES = FrameMap(_places, _pull, _push, None, values=12, unknowns=6)
-"""Flat coordinates are the places of the nodes, whatever cell and degree."""
+"""Map with the positions of the nodes, for any cell and degree."""
 
 PLACES_AND_VOLUME = FrameMap(
     _with_volume, _pull_volume, _push_volume, _bend_volume, values=12, unknowns=6
 )
-"""Places of the eight nodes of a cell, then its volume."""
+"""Map with the positions of the eight nodes of a cell, then its volume."""
 
 QUADRATURE = {
     ("tetrahedron", 1): 1,
@@ -214,9 +212,9 @@ QUADRATURE = {
     ("hexahedron", 1): 3,
     ("hexahedron", 2): 5,
 }
-"""Degree of integration of the energy: 1, 4, 8 and 27 points."""
+"""Quadrature degree of the energy: 1, 4, 8 and 27 points."""
 
-_MOST_INCOMPRESSIBLE = 20.0  # Poisson's ratio of 0.475: a third of a deflection is missing
+_MOST_INCOMPRESSIBLE = 20.0  # Poisson's ratio of 0.475, where deflections are a third too small
 
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
@@ -226,9 +224,9 @@ class Strains:
     """Strain measures of the cells of a mesh.
 
     Attributes:
-        coordinates: Flat coordinates of a cell, what its nodes are for UFL.
-        frame_map: How they follow from the nodes' rows.
-        gradient: Deformation gradient ``F``, as far as the element knows it; ``C = FᵀF``.
+        coordinates: Flat coordinates of a cell, in UFL.
+        frame_map: Map from nodal coordinates to them.
+        gradient: Deformation gradient ``F`` of the element; ``C = FᵀF``.
     """
 
     coordinates: fem.Function
@@ -237,19 +235,19 @@ class Strains:
 
     @property
     def voigt(self) -> Expr:
-        """``E`` as (11, 22, 33, 2·12, 2·13, 2·23)."""
+        """Strain ``E`` as (11, 22, 33, 2·12, 2·13, 2·23)."""
         E = 0.5 * (self.gradient.T * self.gradient - ufl.Identity(3))
         return ufl.as_vector([E[i, j] * (1 if i == j else 2) for i, j in _PAIRS])
 
     def cauchy(self, material: SolidMaterial, parameters: Sequence[Expr]) -> Expr:
-        """``σ = F S Fᵀ/J`` with ``S = 2 ∂W/∂C``, global components, a matrix (3, 3)."""
+        """Cauchy stress ``σ = F S Fᵀ/J`` with ``S = 2 ∂W/∂C``, global components, (3, 3)."""
         F = self.gradient
         C = ufl.variable(F.T * F)
         S = 2 * ufl.diff(material.energy(C, *parameters), C)
         return F * (0.5 * (S + S.T)) * F.T / ufl.det(F)
 
     def place(self, rows: Array) -> None:
-        """Set the coordinates to those of the cells' nodes, rows (m, k, 4, 3)."""
+        """Set the coordinates to those of the cells' nodes, ``rows`` (m, k, 4, 3)."""
         dofmap = self.coordinates.function_space.dofmap
         at = dofmap.list[:, :, np.newaxis] * dofmap.bs + np.arange(dofmap.bs)
         at = at.reshape(len(rows), -1)
@@ -260,11 +258,11 @@ class Strains:
 
 
 class SolidFormulation(ABC):
-    """An element of solids: subclass it in one file, as a frozen dataclass of its options."""
+    """Element of solids: subclass it in one file, as a frozen dataclass of its options."""
 
     @abstractmethod
     def check(self, cell: str, degree: int) -> None:
-        """Raise ``ValueError`` if it is not for such cells.
+        """Raise ``ValueError`` if the element does not support such cells.
 
         Args:
             cell: Name of the cell, such as "quadrilateral".
@@ -273,11 +271,11 @@ class SolidFormulation(ABC):
 
     @abstractmethod
     def strains(self, nodal: NodalFrames, degree: int) -> Strains:
-        """Its strain measures.
+        """Strain measures of the element.
 
         Args:
-            nodal: Rows of the nodes, in the unloaded configuration.
-            degree: Of the interpolation.
+            nodal: Nodal coordinates in the unloaded configuration.
+            degree: Degree of the interpolation.
         """
 
     def forms(
@@ -286,10 +284,10 @@ class SolidFormulation(ABC):
         """Energy, forces and tangent.
 
         Args:
-            nodal: Rows of the nodes, in the unloaded configuration.
-            degree: Of the interpolation.
-            material: Its law.
-            parameters: That the law takes in each cell, shape (m, p).
+            nodal: Nodal coordinates in the unloaded configuration.
+            degree: Degree of the interpolation.
+            material: Constitutive law.
+            parameters: Parameters of the law in each cell, shape (m, p).
         """
         mesh, strains = nodal.function.function_space.mesh, self.strains(nodal, degree)
         given = [cellwise(mesh, column) for column in parameters.T]
@@ -309,13 +307,14 @@ class SolidFormulation(ABC):
 
 @dataclass(frozen=True)
 class Isoparametric(SolidFormulation):
-    """Strain of the interpolation as it is, for all cells and both degrees.
+    """Isoparametric element, for all cells and both degrees.
 
-    Degree 2 is good in bending. Degree 1 locks in bending, and with nearly incompressible material.
+    Degree 2 is accurate in bending. Degree 1 locks in bending, and with nearly incompressible
+    material.
     """
 
     def check(self, cell: str, degree: int) -> None:
-        """All cells will do.
+        """Accept all cells.
 
         Args:
             cell: Name of the cell, such as "quadrilateral".
@@ -323,21 +322,21 @@ class Isoparametric(SolidFormulation):
         """
 
     def strains(self, nodal: NodalFrames, degree: int) -> Strains:
-        """See the base class."""
+        """Strains of the isoparametric interpolation."""
         x = fem.Function(fem.functionspace(nodal.function.function_space.mesh, ("P", degree, (3,))))
         return Strains(x, PLACES, ufl.grad(x))
 
 
 @dataclass(frozen=True)
 class MeanDilatation(SolidFormulation):
-    """Hexahedra of degree 1 whose change of volume is that of the whole cell.
+    """Hexahedra of degree 1 with the mean dilatation of the cell.
 
-    ``F̄ = (θ/J)^⅓ F`` with ``θ = v/v₀`` of the volume of the cell; it does not lock with nearly
+    ``F̄ = (θ/J)^⅓ F`` with ``θ = v/v₀`` from the volume of the cell; it does not lock with nearly
     incompressible material.
     """
 
     def check(self, cell: str, degree: int) -> None:
-        """Hexahedra of degree 1 alone.
+        """Raise ``ValueError`` unless the cells are hexahedra of degree 1.
 
         Args:
             cell: Name of the cell, such as "quadrilateral".
@@ -350,7 +349,7 @@ class MeanDilatation(SolidFormulation):
             )
 
     def strains(self, nodal: NodalFrames, degree: int) -> Strains:
-        """See the base class."""
+        """Strains with the mean dilatation."""
         mesh = nodal.function.function_space.mesh
         cell = mesh.basix_cell()
         places = basix.ufl.element("Lagrange", cell, 1, shape=(3,))
@@ -372,10 +371,10 @@ def from_voigt(ε: Expr) -> Expr:
 def default_formulation(
     cell: str, degree: int, materials: Iterable[SolidMaterial]
 ) -> SolidFormulation:
-    """What suits a cell of any of these materials.
+    """Default element for a cell and materials.
 
     Raises:
-        ValueError: None does: tetrahedra of degree 1 lock where volumes hardly change.
+        ValueError: There is none: tetrahedra of degree 1 lock with nearly incompressible material.
     """
     if (cell, degree) == ("tetrahedron", 1):
         for material in materials:
@@ -390,13 +389,13 @@ def default_formulation(
 
 
 def measure(mesh: dolfinx.mesh.Mesh, degree: int) -> ufl.Measure:
-    """With the points of integration of the energy."""
+    """Cell measure with the quadrature degree of the energy."""
     points = QUADRATURE[mesh.topology.cell_name(), degree]
     return ufl.Measure("dx", mesh, metadata={"quadrature_degree": points})
 
 
 def cellwise(mesh: dolfinx.mesh.Mesh, values: Array) -> fem.Function:
-    """Numbers, one for each cell, as a function."""
+    """DG0 function of one number for each cell."""
     f = fem.Function(fem.functionspace(mesh, ("DG", 0)))
     f.x.array[:] = values
     return f

@@ -1,1 +1,1 @@
-"""Thin shells without shear: a file for each element."""
+"""Elements of thin shells without transverse shear, and their pressure and coupling."""

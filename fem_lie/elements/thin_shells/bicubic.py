@@ -1,20 +1,20 @@
-"""Thin shell of bicubic Hermite patches: which strains it has, and its geometry.
+"""Thin-shell element of bicubic Hermite patches: assumed strains and geometry.
 
-Four corners with twelve unknowns each: place, two slopes and the mixed derivative, continuous with
-its first derivatives from cell to cell. Without shear: the director is the normal. Membrane strains
-of such an element cannot vanish in a thin shell that bends, except at the points of certain sets;
-they are sampled there and interpolated. ``E₁₁``: three points of Lobatto's rule along ξ, of which
-two are nodes, as in :mod:`fem_lie.elements.rods.cable`, on four lines through Gauss points; ``E₂₂``
-likewise along η; ``2 E₁₂``: 2×2 Gauss points.
+It has four corners with twelve unknowns each: position, two gradients and the mixed derivative, so
+that the surface is continuously differentiable across cells. There is no transverse shear: the
+director is the normal. Membrane strains of such an element cannot vanish in a thin shell that
+bends, except at the points of certain sets; they are sampled there and interpolated. ``E₁₁``: three
+Lobatto points along ξ, two of which are nodes, as in :mod:`fem_lie.elements.rods.cable`, on four
+lines through Gauss points; ``E₂₂`` likewise along η; ``2 E₁₂``: 2×2 Gauss points.
 
-A free cell then has two motions without strain beside the six rigid ones. A small share of the
-strains at the points of integration themselves gives them stiffness, for hardly more locking. With
-3×3 points for ``2 E₁₂`` there are no such motions, and three times the error where a radius is a
-thousand thicknesses; with three lines instead of four there are three.
+A free cell then has two zero-energy modes besides the six rigid ones. A small fraction of the
+strains at the quadrature points themselves gives them stiffness, with hardly more locking. With 3×3
+points for ``2 E₁₂`` there are no such modes, and three times the error where a radius is a thousand
+thicknesses; with three lines instead of four there are three modes.
 
 The energy is that of W. T. Koiter; on assumed strains: E. N. Dvorkin & K.-J. Bathe, *Eng. Comput.*
-1 (1984) 77. Derivatives are written by hand: in UFL they are those of 48 coordinates of each cell,
-2304 entries of a matrix which a compiler takes minutes for.
+1 (1984) 77. Derivatives are hand-written: in UFL they would be in 48 coordinates of each cell, 2304
+entries of a matrix whose compilation takes minutes.
 """
 
 from __future__ import annotations
@@ -30,17 +30,18 @@ from fem_lie.mesh.bicubic import hermite
 
 @dataclass(frozen=True)
 class BicubicHermite:
-    """The thin shell element.
+    """Bicubic Hermite element of thin shells.
 
     Attributes:
-        share: How much of the membrane strains is that at the points of integration themselves, and
-            not assumed, between 0 and 1.
+        share: Fraction of the membrane strains at the quadrature points themselves, not assumed,
+            between 0 and 1.
         across: Gauss points across of the sets of ``E₁₁`` and ``E₂₂``.
-        shear: Gauss points of the set of ``2 E₁₂`` in either direction.
-        points: Gauss points of integration in either direction.
+        shear: Gauss points of the set of ``2 E₁₂`` per direction.
+        points: Gauss quadrature points per direction.
 
     Raises:
-        ValueError: The share is not between 0 and 1, or a count too small for the cubics.
+        ValueError: ``share`` is not between 0 and 1, or a number of points is too small for the
+            cubics.
     """
 
     share: float = 0.02
@@ -49,7 +50,7 @@ class BicubicHermite:
     points: int = 4
 
     def __post_init__(self) -> None:
-        """Check the numbers."""
+        """Check the options."""
         if not 0.0 <= number(self.share, "BicubicHermite: share") <= 1.0:
             raise ValueError(f"the share must lie between 0 and 1, got {self.share!r}")
         for name, least in (("across", 3), ("shear", 2), ("points", 3)):
@@ -89,10 +90,10 @@ class BicubicHermite:
         )
 
     def surface_rule(self, more: int = 0) -> tuple[Array, Array, Array]:
-        """Values (g, 16), slopes (g, 2, 16) and weights (g,) for integrals over a cell.
+        """Values (g, 16), slopes (g, 2, 16) and weights (g,) of a quadrature rule over a cell.
 
         Args:
-            more: Points in either direction beside those of the energy.
+            more: Points per direction in addition to those of the energy.
         """
         x, w = hermite.gauss(self.points + more)
         found = hermite.table(hermite.products(x, x))
@@ -100,17 +101,17 @@ class BicubicHermite:
         return found[:, hermite.VALUE], slopes, np.asarray(np.outer(w, w)).ravel()
 
     def weights(self) -> Array:
-        """Of the points of integration on the unit square, shape (g,)."""
+        """Quadrature weights on the unit square, shape (g,)."""
         _, w = hermite.gauss(self.points)
         return np.asarray(np.outer(w, w)).ravel()
 
 
 def unloaded(rule: Rule, q: Array) -> tuple[Array, Array, Array]:
-    """Strains of cells as they are made, and derivatives at the points.
+    """Strains of unloaded cells, and derivatives at the points.
 
     Args:
-        rule: Of the element.
-        q: Vectors of the interpolation, shape (m, 16, 3).
+        rule: Tables of the element.
+        q: Hermite vectors, shape (m, 16, 3).
 
     Returns:
         Membrane strains at the samples (m, s), all strains at the points (m, g, 6), and ``z``
@@ -130,10 +131,10 @@ def unloaded(rule: Rule, q: Array) -> tuple[Array, Array, Array]:
 
 
 def to_axes(z: Array, along: Array) -> tuple[Array, Array]:
-    """From covariant strains to those along the section's axes.
+    """Transformation of covariant strains to the section axes.
 
     Args:
-        z: Derivatives of the unloaded place, shape (m, g, 5, 3).
+        z: Derivatives of the unloaded position, shape (m, g, 5, 3).
         along: Vector of each cell whose projection onto the surface is e₁, shape (m, 3).
 
     Returns:

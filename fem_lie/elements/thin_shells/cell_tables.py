@@ -1,4 +1,4 @@
-"""What kernels of cells read: tables of an element, and the numbers of one cell, at addresses."""
+"""Tables of an element and data of a cell, as kernels read them at addresses."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from fem_lie.elements.thin_shells.rows import NODES, SIZES, VECTORS
 from fem_lie.forms.kernels.addresses import Pointer, shift
 
 HEAD = 5
-"""Numbers before the tables of an element: samples of each strain, points, share at the points."""
+"""Numbers before the tables: samples of each strain, points, fraction at the points."""
 HALF = 21
-"""Entries of a symmetric matrix (6, 6) that are not below its diagonal."""
+"""Number of entries of the upper half of a symmetric matrix (6, 6)."""
 _ROWS = 12 * NODES
 
 
 class Rule(NamedTuple):
     """Tables of an element, the same for all cells.
 
-    Derivatives ``d = table q`` are, in this order: ∂ξ at the samples of E₁₁, ∂η at those of E₂₂,
-    ∂ξ and then ∂η at those of 2 E₁₂, and ∂ξ, ∂η, ∂ξξ, ∂ηη, ∂ξη at the points of integration, each
-    at all of them.
+    Derivatives ``d = table q`` are, in this order: ∂ξ at the samples of E₁₁, ∂η at those of E₂₂, ∂ξ
+    and then ∂η at those of 2 E₁₂, and ∂ξ, ∂η, ∂ξξ, ∂ηη, ∂ξη at the quadrature points, each at all
+    of them.
 
     Attributes:
-        counts: Samples of E₁₁, of E₂₂ and of 2 E₁₂, and points of integration.
-        share: How much of the membrane strain is that at the points themselves.
-        table: Derivatives of the interpolation, shape (d, 16).
-        columns: The same, transposed: both are read along rows.
-        spread: Of each strain, values at the points of the polynomials that are one at a sample,
+        counts: Numbers of samples of E₁₁, of E₂₂ and of 2 E₁₂, and of quadrature points.
+        share: Fraction of the membrane strain at the points themselves.
+        table: Derivatives of the shape functions, shape (d, 16).
+        columns: Transpose of ``table``: both are read along rows.
+        spread: For each strain, values at the points of the polynomials that are one at a sample,
             shapes (g, s₁), (g, s₂), (g, s₃).
-        spread_columns: The same, transposed.
+        spread_columns: Transposes of ``spread``.
     """
 
     counts: tuple[int, int, int, int]
@@ -44,7 +44,7 @@ class Rule(NamedTuple):
     spread_columns: tuple[Array, Array, Array]
 
     def packed(self) -> Array:
-        """As the kernels read it."""
+        """Tables as one array for the kernels."""
         tables = self.table, self.columns, *self.spread, *self.spread_columns
         head = np.array([*self.counts, self.share])
         return np.concatenate([head, *(table.ravel() for table in tables)])
@@ -52,26 +52,26 @@ class Rule(NamedTuple):
 
 @inlined
 def first_point(counts: tuple[int, int, int, int]) -> int:
-    """Derivatives before those at the points of integration."""
+    """Number of derivatives before those at the quadrature points."""
     return counts[0] + counts[1] + 2 * counts[2]
 
 
 @inlined
 def derivatives(counts: tuple[int, int, int, int]) -> int:
-    """How many there are."""
+    """Number of derivatives."""
     return first_point(counts) + 5 * counts[3]
 
 
 class Data(NamedTuple):
-    """What the kernels read of one cell.
+    """Data of one cell.
 
     Attributes:
-        rows: Of its nodes, shape (8, 4, 3).
-        sizes: Of the cell in the patch's parameters, see :mod:`.rows`, shape (4,).
+        rows: Coordinates of its nodes, shape (8, 4, 3).
+        sizes: Sizes of the cell in the patch's parameters, see :mod:`.rows`, shape (4,).
         sampled: Membrane strains of the unloaded cell at the samples, shape (s,).
         unloaded: All strains of the unloaded cell at the points, shape (6, g).
-        stiffness: ``D`` at the points, row by row where it is not below the diagonal, (21, g).
-        stress: What is carried, shape (6, g).
+        stiffness: Upper half of ``D`` at the points, by rows, shape (21, g).
+        stress: Independent stress, shape (6, g).
     """
 
     rows: Array
@@ -83,13 +83,13 @@ class Data(NamedTuple):
 
 
 def stress_at(samples: int, points: int) -> int:
-    """Where the carried stress begins in a cell's data; it is the last of them."""
+    """Offset of the independent stress, the last of a cell's data."""
     return _ROWS + SIZES + samples + (6 + HALF) * points
 
 
 @inlined
 def read_rule(c: Pointer) -> Rule:
-    """What :meth:`Rule.packed` has made, at ``c``."""
+    """Tables at the address ``c``, see :meth:`Rule.packed`."""
     head = numba.carray(c, (HEAD,))
     n1, n2, n3, g = int(head[0]), int(head[1]), int(head[2]), int(head[3])
     count = derivatives((n1, n2, n3, g))
@@ -109,7 +109,7 @@ def read_rule(c: Pointer) -> Rule:
 
 @inlined
 def read_data(w: Pointer, counts: tuple[int, int, int, int]) -> Data:
-    """That of the cell whose numbers begin at ``w``."""
+    """Data of the cell at the address ``w``."""
     samples, points = counts[0] + counts[1] + counts[2], counts[3]
     at = _ROWS + SIZES
     sampled = numba.carray(shift(w, at), (samples,))
@@ -125,6 +125,6 @@ def read_data(w: Pointer, counts: tuple[int, int, int, int]) -> Data:
 
 @inlined
 def read_tables(w: Pointer, c: Pointer) -> tuple[Rule, Data]:
-    """Both, of a cell with the data at ``w``."""
+    """Tables and data of the cell at the address ``w``."""
     rule = read_rule(c)
     return rule, read_data(w, rule.counts)

@@ -1,13 +1,14 @@
-r"""Energy, forces and matrix of the cells of a thin shell: kernels of UFCx's signature.
+"""Energy, forces and tangent of the cells of a thin shell: kernels of UFCx's signature.
 
-With covariant strains ``ε = (E₁₁, E₂₂, 2 E₁₂, κ₁₁, κ₂₂, 2 κ₁₂)`` at the points of integration,
+With covariant strains ``ε = (E₁₁, E₂₂, 2 E₁₂, κ₁₁, κ₂₂, 2 κ₁₂)`` at the quadrature points,
 ``W = Σ_g ½ ε·D ε``. Membrane strains are sampled, ``E₁₁`` at the points of one set, ``E₂₂`` and
-``2 E₁₂`` at those of others, and interpolated to the points of integration; a share of the strains
+``2 E₁₂`` at those of others, and interpolated to the quadrature points; a fraction of the strains
 there themselves may be mixed in. Curvatures are those at the points. Weights, areas and the
-transformation to the section's axes are in ``D``.
+transformation to the section axes are in ``D``.
 
-The matrix has the geometric part of a linearised stress. The small-energy kernel has no version of
-this element: it has no strains that are sampled at points of their own and interpolated to others.
+The tangent has the geometric stiffness of a linearised stress. The small-energy kernel has no
+version of this element: it does not support strains sampled at other points than the quadrature
+points.
 """
 
 from __future__ import annotations
@@ -89,7 +90,7 @@ def force_kernel(
 def tangent_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
-    """Matrix of a cell, with the carried stress."""
+    """Tangent stiffness of a cell, with the independent stress."""
     rule, data = read_tables(w, c)
     points, S = rule.counts[3], data.stress
     work = room(stack(room_size(rule)), rule)
@@ -120,11 +121,11 @@ def tangent_kernel(
 
 @compiled
 def carry_stress(H: Array, h: Array, cells: Indices, place: tuple[int, int], c: int) -> None:
-    """Make the carried stress of all cells ``D (ε + ε' h)``.
+    """Set the independent stress of all cells to ``D (ε + ε' h)``.
 
     Args:
-        H: Rows of all nodes, shape (n, 4, 3).
-        h: Their motions, shape (n, 6).
+        H: Coordinates of all nodes, shape (n, 4, 3).
+        h: Increments of all nodes, shape (n, 6).
         cells: Nodes of each cell, shape (m, 8).
         place: Address and length of the cells' data.
         c: Address of the tables.
@@ -151,7 +152,7 @@ def carry_stress(H: Array, h: Array, cells: Indices, place: tuple[int, int], c: 
 
 @compiled
 def all_strains(H: Array, cells: Indices, place: tuple[int, int], c: int, out: Array) -> None:
-    """Strains at the points of all cells, shape (m, 6, g); arguments as :func:`carry_stress`."""
+    """Strains at the points of all cells, shape (m, 6, g); arguments as of :func:`carry_stress`."""
     rule = read_rule(pointer(c))
     work = room(stack(room_size(rule)), rule)
     for e in range(cells.shape[0]):

@@ -1,12 +1,12 @@
-r"""Patch coupling of thin shells: positions and normals of two cells at one point of their edges.
+"""Patch coupling of thin shells: positions and normals of two cells at one point of their edges.
 
-With positions ``r``, covariant slopes ``r₁, r₂`` and normals ``n`` of both sides at a point of the
-coupling, ``w`` its fraction of the length, ``N`` and ``M`` stiffness per length::
+With positions ``r``, covariant tangents ``r₁, r₂`` and normals ``n`` of both sides at a point of
+the coupling, ``w`` its fraction of the length, ``N`` and ``M`` stiffness per length::
 
     e = (r_A − r_B + D (r₁, r₂, n)_A, n_A − n_B + C (r₁, r₂, n)_A),    W = ½ w (N |e_r|² + M |e_n|²)
 
-where the numbers ``D``, ``C`` are such that the unloaded shell has ``e = 0``: nothing is strained
-as it lies, nor by rigid motion. Parametrisations of the sides may be any.
+where the constants ``D``, ``C`` are such that the unloaded shell has ``e = 0``; rigid motion causes
+no strain either. Both sides may have any parametrisations.
 """
 
 from __future__ import annotations
@@ -35,15 +35,15 @@ from fem_lie.mesh.bicubic.patch_coupling import CouplingPoints
 
 @compiled
 def _unit_normal(slopes: tuple[float, float, float, float, float, float]) -> Vector:
-    """Unit normal of both slopes."""
+    """Unit normal of two tangents."""
     m = cross(slopes[:3], slopes[3:])
     return scaled(1.0 / math.sqrt(dot(m, m)), m)
 
 
 _GAP, _TURN = 4, 5
-"""Linear vectors: the slopes of both sides, then ``r_A − r_B + D (r₁, r₂)`` and ``C (r₁, r₂)``."""
+"""Linear vectors: tangents of both sides, then ``r_A − r_B + D (r₁, r₂)`` and ``C (r₁, r₂)``."""
 _UNIT, _UNIT_D, _UNIT_C = 6, 9, 12
-"""Constant ones: unit vectors, and these times the factors of ``n_A`` in both strains."""
+"""Constant vectors: unit vectors, and these times the factors of ``n_A`` in both strains."""
 _NORMALS = 15, 16
 _LINEAR, _CONSTANT, _STRAINS = 6, 9, 6
 
@@ -128,12 +128,12 @@ def stress_of_point(A: Pointer, w: Pointer, h: Pointer) -> None:
 
 
 class CouplingSprings(ElementCells):
-    """Points along couplings, on the nodes of their assembly."""
+    """Springs at the points of couplings, on the nodes of their assembly."""
 
     label, of_bodies = "couplings", True
 
     def __init__(self, points: CouplingPoints, count: int) -> None:
-        """Pack the points, on the nodes of an assembly of so many."""
+        """Pack the points, on an assembly with ``count`` nodes."""
         self._pattern, self._points = Pattern.of(points.nodes, count), points
         functions = CellFunctions(
             energy_of_point, forces_of_point, tangent_of_point, stress_of_point
@@ -142,5 +142,5 @@ class CouplingSprings(ElementCells):
 
     @property
     def contents(self) -> CouplingPoints:
-        """The points."""
+        """Record of the points."""
         return self._points

@@ -37,7 +37,7 @@ from fem_lie.lie.tuples import (
 
 _ROWS, _PRESSURE = 12 * NODES, 4
 _HEAD = 2
-"""Of the constants: amplitude, and number of points."""
+"""Number of constants before the tables: amplitude, and number of points."""
 
 
 @inlined
@@ -52,7 +52,7 @@ def _sum(table: Array, q: Array) -> Vector:
 
 @inlined
 def _parts(w: Pointer, c: Pointer) -> tuple[Array, Array, Array, Array]:
-    """Rows, sizes, pressure, and the tables of value, slopes and weight of each point (g, 49)."""
+    """Coordinates, sizes, pressure, and tables of value, slopes and weight, (g, 49)."""
     rows, sizes = numba.carray(w, (NODES, 4, 3)), numba.carray(shift(w, _ROWS), (SIZES,))
     pressure = numba.carray(shift(w, _ROWS + SIZES), (_PRESSURE,))
     points = int(numba.carray(c, (_HEAD,))[1])
@@ -63,7 +63,7 @@ def _parts(w: Pointer, c: Pointer) -> tuple[Array, Array, Array, Array]:
 def force_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
-    """Forces, with the sign of a residual."""
+    """Add the forces, with the sign of a residual."""
     rows, sizes, pressure, tables = _parts(w, c)
     q = numba.carray(stack(UNKNOWNS), (VECTORS, 3))
     f = numba.carray(stack(UNKNOWNS), (VECTORS, 3))
@@ -80,7 +80,7 @@ def force_kernel(
 
 @compiled
 def _change(tables: Array, q: Array, pressure: Array, factor: float, change: Array) -> None:
-    """Of the push at a point along each component of ``q``, as rows, shape (48, 3)."""
+    """Derivative of the force at a point in each component of ``q``, as rows, shape (48, 3)."""
     N, first, second = tables[:16], tables[16:32], tables[32:48]
     r1, r2, gradient = _sum(first, q), _sum(second, q), load(pressure, 1)
     normal = cross(r1, r2)
@@ -99,7 +99,7 @@ def _change(tables: Array, q: Array, pressure: Array, factor: float, change: Arr
 def tangent_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
-    """Their derivative."""
+    """Add the load stiffness."""
     rows, sizes, pressure, tables = _parts(w, c)
     q = numba.carray(stack(UNKNOWNS), (VECTORS, 3))
     K = numba.carray(stack(UNKNOWNS * UNKNOWNS), (UNKNOWNS, UNKNOWNS))
@@ -116,18 +116,18 @@ def tangent_kernel(
 
 
 class ThinPushes(Term):
-    """The forces of one pressure on thin shells."""
+    """Forces of one pressure on thin shells."""
 
     label, load, of_bodies = "pressure on thin shells", True, True
 
     def __init__(
         self, cells: Indices, sizes: Array, pressure: Array, rule: tuple[Array, Array, Array]
     ) -> None:
-        """Keep what does not change.
+        """Pack the data of the cells.
 
         Args:
             cells: Nodes of each cell, shape (m, 8).
-            sizes: Of the cells, see :mod:`.rows`, shape (m, 4).
+            sizes: Sizes of the cells, see :mod:`.rows`, shape (m, 4).
             pressure: p₀ and its gradient of each cell, shape (m, 4).
             rule: Values (g, 16), slopes (g, 2, 16) and weights (g,) at points of a cell.
         """
@@ -148,20 +148,20 @@ class ThinPushes(Term):
 
     @property
     def pairs(self) -> Pairs:
-        """See the base class."""
+        """First and second node of each block of the pattern."""
         return self._pairs
 
     @property
     def contents(self) -> tuple[Array | Indices, ...]:
-        """See the base class."""
+        """Data of the cells, for fingerprints."""
         return self._contents
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
-        """See the base class."""
+        """Add the pressure forces at nodal coordinates ``H`` to ``out``."""
         self._constants[0] = self.amplitude
         self._forces.add_vector(H, out.reshape(-1))
 
     def tangent(self, H: Array, kept: Array) -> Array:
-        """See the base class."""
+        """Load stiffness at nodal coordinates ``H``, shape (pairs, 6, 6)."""
         self._constants[0] = self.amplitude
         return self._matrix.matrix(H, self._pattern)

@@ -23,34 +23,34 @@ from fem_lie.lie.tuples import load, load_row, rotate, rotate_back, scaled, stor
 
 CORNERS, VECTORS, NODES, UNKNOWNS = 4, 16, 8, 48
 SIZES = 4
-"""Numbers of a cell: what ∂u, ∂v and the mixed derivative are multiplied by, and which hang."""
+"""Sizes of a cell: factors of ∂u, ∂v and the mixed derivative, and a code of hanging corners."""
 COORDINATES: Indices = np.concatenate(
     [4 * np.arange(CORNERS)[:, np.newaxis] + pair for pair in ((0, 1), (3, 2))]
 ).ravel()
-"""Vector of the interpolation of each coordinate vector of the nodes, one node after the other."""
+"""Index of the Hermite vector of each coordinate vector, one node after the other."""
 
 
 @inlined
 def node_of(a: int) -> int:
-    """Which node of the cell has the vector ``a`` of the interpolation."""
+    """Node of the cell that has the Hermite vector ``a``."""
     return a // 4 + (CORNERS if a % 4 >= 2 else 0)
 
 
 @inlined
 def half_of(a: int) -> int:
-    """Whether its motion is the first or the second half of the node's."""
+    """Index (0 or 1) of the Hermite vector ``a`` among the vectors of its node."""
     return 1 if a % 4 == 1 or a % 4 == 2 else 0
 
 
 @inlined
 def row_of(a: int) -> int:
-    """In which of the node's rows it stands."""
+    """Row of the node's coordinates with the Hermite vector ``a``."""
     return half_of(a) + (1 if a % 4 >= 2 else 0)
 
 
 @inlined
 def scale_of(a: int, sizes: Array) -> float:
-    """What the row is multiplied by; ``sizes`` (≥ 3,): of ∂ξ, ∂η and both."""
+    """Factor of that row; ``sizes`` (≥ 3,): of ∂ξ, ∂η and both."""
     return 1.0 if a % 4 == 0 else sizes[a % 4 - 1]
 
 
@@ -61,9 +61,10 @@ def _hangs(code: int, k: int) -> bool:
 
 @inlined
 def _places(code: int, k: int, m: int) -> tuple[int, int, int, float]:
-    """Vectors at the corner that stays and at the one that hangs, the slope after these; side.
+    """Hermite vectors at the regular and the hanging corner, derivative along the edge; side.
 
-    Along the edge values have slopes (``m`` 0), and slopes across it mixed derivatives (``m`` 1).
+    Along the edge the derivatives of positions are gradients (``m`` 0), and those of gradients
+    across are mixed derivatives (``m`` 1).
     """
     own = code & 3
     first = m * (2 >> k)
@@ -73,21 +74,21 @@ def _places(code: int, k: int, m: int) -> tuple[int, int, int, float]:
 
 @compiled
 def fill_hanging(code: int, q: Array) -> None:
-    """Vectors of corners that hang, from those of both ends of their edges; ``q`` (16, any)."""
+    """Set vectors of hanging corners from those of both ends of their edges; ``q`` (16, any)."""
     for k in range(2):
         if _hangs(code, k):
             for m in range(2):
                 own, end, slope, side = _places(code, k, m)
                 for j in range(q.shape[1]):
                     a, da, b, db = q[own, j], q[own + slope, j], q[end, j], q[end + slope, j]
-                    # slopes are of the quarter, half as long as the edge
+                    # derivatives are in the parameters of the quarter, half those of the edge
                     q[end, j] = 0.5 * (a + b) + 0.25 * side * (da - db)
                     q[end + slope, j] = 0.75 * side * (b - a) - 0.25 * (da + db)
 
 
 @compiled
 def pull_hanging(code: int, f: Array) -> None:
-    """The transpose of :func:`fill_hanging`: forces ``f`` (16, any) on vectors of the ends."""
+    """Transpose of :func:`fill_hanging`: forces ``f`` (16, any) on vectors of the ends."""
     for k in range(2):
         if _hangs(code, k):
             for m in range(2):
@@ -107,7 +108,7 @@ def _kind(node: int) -> int:
 
 @compiled
 def gather(H: Array, sizes: Array, q: Array) -> None:
-    """``q`` (16, 3) from the rows of a cell's nodes (8, 4, 3)."""
+    """Hermite vectors ``q`` (16, 3) of the coordinates of a cell's nodes (8, 4, 3)."""
     for a in range(VECTORS):
         store(q[a], 0, scaled(scale_of(a, sizes), load_row(H[node_of(a)], row_of(a))))
     fill_hanging(int(sizes[3]), q)
@@ -115,7 +116,7 @@ def gather(H: Array, sizes: Array, q: Array) -> None:
 
 @compiled
 def gather_motion(H: Array, sizes: Array, h: Array, q: Array) -> None:
-    """``δq`` (16, 3) from motions ``h`` (8, 6) of the nodes along their axes."""
+    """Changes ``δq`` (16, 3) by increments ``h`` (8, 6) of the nodes along their axes."""
     for a in range(VECTORS):
         node = node_of(a)
         d1, d2, d3 = axes(_kind(node), H[node])
@@ -126,7 +127,7 @@ def gather_motion(H: Array, sizes: Array, h: Array, q: Array) -> None:
 
 @compiled
 def pull(H: Array, sizes: Array, f: Array, out: Array) -> None:
-    """Add forces ``f`` (16, 3) on the vectors to those on the nodes, ``out`` (8, 6).
+    """Add forces ``f`` (16, 3) on the vectors as forces on the nodes to ``out`` (8, 6).
 
     ``f`` is overwritten.
     """
@@ -144,7 +145,7 @@ def pull(H: Array, sizes: Array, f: Array, out: Array) -> None:
 def pull_matrix(H: Array, sizes: Array, K: Array, R: Array, out: Array) -> None:
     """Add ``K`` (48, 48) on the vectors to the matrix of the nodes, ``out`` (8, 6, 8, 6).
 
-    ``K`` is overwritten; ``R``: work, shape (8, 3, 3).
+    ``K`` is overwritten; ``R``: workspace, shape (8, 3, 3).
     """
     for k in range(3):
         pull_hanging(int(sizes[3]), K[k::3])
@@ -173,7 +174,7 @@ def pull_matrix(H: Array, sizes: Array, K: Array, R: Array, out: Array) -> None:
 
 @compiled
 def pull_symmetric(H: Array, sizes: Array, K: Array, out: Array) -> None:
-    """As :func:`pull_matrix`, of a symmetric ``K`` that has components first, ``[16 i + a, …]``.
+    """:func:`pull_matrix` for a symmetric ``K`` with components first, ``[16 i + a, …]``.
 
     It is read where ``j ≥ i``, and overwritten.
     """

@@ -1,7 +1,7 @@
-"""Parts of a cell's matrix on its vectors: of the material, and of stresses that turn.
+"""Parts of a cell's stiffness on its Hermite vectors: material and geometric.
 
 ``K`` is symmetric, shape (3, 16, 3, 16) or (48, 48): components first, so that the innermost loops
-are long. Only ``K[i, :, j, :]`` with ``j ≥ i`` is found here.
+are long. Only ``K[i, :, j, :]`` with ``j ≥ i`` is computed.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from fem_lie.elements.thin_shells.rows import UNKNOWNS, VECTORS
 
 @inlined_series
 def add_material(rows: Array, half: Array, g: int, D: Array, stress_rows: Array, K: Array) -> None:
-    """``K += rowsᵀ D rows`` with rows (6, 48) and half of ``D`` (21, :) at the point ``g``.
+    """Add ``rowsᵀ D rows`` with rows (6, 48) and the upper half of ``D`` (21, :) at point ``g``.
 
-    ``D``, (6, 6), and ``stress_rows``, (6, 48), are work.
+    ``D``, (6, 6), and ``stress_rows``, (6, 48), are workspaces.
     """
     entry = 0
     for i in range(6):
@@ -32,7 +32,7 @@ def add_material(rows: Array, half: Array, g: int, D: Array, stress_rows: Array,
         x0, x1, x2 = rows[0, a], rows[1, a], rows[2, a]
         x3, x4, x5 = rows[3, a], rows[4, a], rows[5, a]
         for j in range(a // VECTORS, 3):
-            # of a length that the compiler knows
+            # of a length known to the compiler
             for k in range(VECTORS):
                 b = VECTORS * j + k
                 plane = x0 * stress_rows[0, b] + x1 * stress_rows[1, b] + x2 * stress_rows[2, b]
@@ -42,9 +42,9 @@ def add_material(rows: Array, half: Array, g: int, D: Array, stress_rows: Array,
 
 @inlined_series
 def add_geometric(rule: Rule, g: int, G: Array, half: Array, K: Array) -> None:
-    """``K += tableᵀ G table`` at a point, with ``G`` (5, 3, 5, 3) and ``K`` (48, 48).
+    """Add ``tableᵀ G table`` at a point, with ``G`` (5, 3, 5, 3), to ``K`` (48, 48).
 
-    ``half``: work, shape (5, 3, 16).
+    ``half``: workspace, shape (5, 3, 16).
     """
     points, T = rule.counts[3], rule.table
     r0 = first_point(rule.counts) + g
@@ -68,7 +68,10 @@ def add_geometric(rule: Rule, g: int, G: Array, half: Array, K: Array) -> None:
 
 @inlined_series
 def add_geometric_of_samples(rule: Rule, s: Array, P: Array, K: Array) -> None:
-    """That of stresses (s,) on the samples, the same in all directions; ``P``: work, (16, 16)."""
+    """Add the geometric stiffness of stresses (s,) at the samples; ``P``: workspace, (16, 16).
+
+    It is the same for all components.
+    """
     n1, n2, n3, _ = rule.counts
     T = rule.table
     P[:] = 0.0

@@ -1,10 +1,8 @@
 """Strains of one cell of a thin shell, with their derivatives; compiled.
 
-Numbers of all points stand side by side, so that loops run over points.
+Data of all points are contiguous, so that loops run over points.
 
-Curvatures of a surface at a point, with their derivatives: compiled.
-
-Of ``z = (r₁, r₂, r₁₁, r₂₂, r₁₂)``, derivatives of the place, with the normal ``n = m/|m|``,
+Of ``z = (r₁, r₂, r₁₁, r₂₂, r₁₂)``, derivatives of the position, with the normal ``n = m/|m|``,
 ``m = r₁ × r₂``, changes of curvature are those of ``κ = −(r₁₁·n, r₂₂·n, 2 r₁₂·n)``. For moments
 ``M`` let ``Q = M₁ r₁₁ + M₂ r₂₂ + 2 M₃ r₁₂``; then ``M·κ = −Q·n`` and, with
 ``P = (Q − n n·Q)/|m|``::
@@ -29,12 +27,12 @@ from fem_lie.forms.kernels.addresses import Pointer, shift
 from fem_lie.lie.tuples import Vector, combined, cross, dot, minus, plus, scaled
 
 Derivatives: TypeAlias = tuple[Vector, Vector, Vector, Vector, Vector]
-"""``z``, or what belongs to it."""
+"""Derivatives ``z``, or forces on them."""
 
 
 @inlined
 def normal(z: Derivatives) -> tuple[Vector, float]:
-    """Unit normal, and the area ``|m|`` per area of parameters."""
+    """Unit normal, and area ``|m|`` per parameter area."""
     m = cross(z[0], z[1])
     size = np.sqrt(dot(m, m))
     return scaled(1.0 / size, m), size
@@ -42,21 +40,21 @@ def normal(z: Derivatives) -> tuple[Vector, float]:
 
 @inlined
 def curvatures(z: Derivatives) -> Vector:
-    """``κ`` at ``z``."""
+    """Curvatures ``κ`` at ``z``."""
     n, _ = normal(z)
     return -dot(z[2], n), -dot(z[3], n), -2.0 * dot(z[4], n)
 
 
 @inlined
 def _of_moments(z: Derivatives, M: Vector) -> Vector:
-    """``Q``."""
+    """Vector ``Q`` of moments ``M``."""
     bent = combined(M[0], z[2], M[1], z[3])
     return plus(bent, scaled(2.0 * M[2], z[4]))
 
 
 @inlined
 def pull_moments(z: Derivatives, M: Vector) -> Derivatives:
-    """``∂(M·κ)/∂z``."""
+    """Derivative ``∂(M·κ)/∂z``."""
     n, size = normal(z)
     Q = _of_moments(z, M)
     P = scaled(1.0 / size, minus(Q, scaled(dot(Q, n), n)))
@@ -80,7 +78,7 @@ def _store_hat(A: Array, factor: float, a: Vector) -> None:
 
 @compiled
 def geometric(z: Derivatives, M: Vector, G: Array, work: Array) -> None:
-    """``G = ∂²(M·κ)/∂z²``, shape (5, 3, 5, 3); ``work``: shape (5, 3, 3)."""
+    """Set ``G = ∂²(M·κ)/∂z²``, shape (5, 3, 5, 3); ``work``: shape (5, 3, 3)."""
     n, size = normal(z)
     Q = _of_moments(z, M)
     along = dot(Q, n)
@@ -126,13 +124,13 @@ def _multiply(A: Array, X: Array, out: Array) -> None:
 
 
 class Work(NamedTuple):
-    """What is found of a cell on the way.
+    """Intermediate quantities of a cell.
 
     Attributes:
-        q: Vectors of the interpolation, shape (3, 16).
+        q: Hermite vectors, shape (3, 16).
         d: Their derivatives, as in :class:`Rule`, shape (3, d).
         samples: Membrane strains at the samples, shape (s,).
-        strains: At the points, shape (6, g).
+        strains: Strains at the points, shape (6, g).
     """
 
     q: Array
@@ -143,13 +141,13 @@ class Work(NamedTuple):
 
 @inlined
 def column(d: Array, r: int) -> Vector:
-    """One derivative."""
+    """Derivative ``r`` as a vector."""
     return d[0, r], d[1, r], d[2, r]
 
 
 @inlined
 def at_point(rule: Rule, d: Array, g: int) -> Derivatives:
-    """All five at a point."""
+    """All five derivatives at point ``g``."""
     points, r = rule.counts[3], first_point(rule.counts) + g
     return (
         column(d, r),
@@ -175,7 +173,7 @@ def differentiate(rule: Rule, q: Array, d: Array) -> None:
 
 @inlined
 def _spread(table: Array, samples: Array, first: int, rest: float, out: Array) -> None:
-    """Add strains at all points (g,) that are interpolated from samples; ``table`` (s, g)."""
+    """Add strains at all points (g,), interpolated from samples; ``table`` (s, g)."""
     for i in range(table.shape[0]):
         x = rest * samples[first + i]
         for g in range(table.shape[1]):
@@ -184,7 +182,7 @@ def _spread(table: Array, samples: Array, first: int, rest: float, out: Array) -
 
 @inlined
 def find_strains(rule: Rule, data: Data, work: Work) -> None:
-    """All strains of a cell whose ``q`` is known."""
+    """Set all strains of a cell from its Hermite vectors ``q``."""
     n1, n2, n3, points = rule.counts
     d, samples, strains, zero = work.d, work.samples, work.strains, data.unloaded
     differentiate(rule, work.q, d)
@@ -209,7 +207,7 @@ def find_strains(rule: Rule, data: Data, work: Work) -> None:
 
 @inlined
 def find_stress(D: Array, strains: Array, out: Array) -> None:
-    """``D ε`` at all points, with half of the symmetric ``D`` (21, g) and both others (6, g)."""
+    """Set ``D ε`` at all points, from the upper half of ``D`` (21, g); both others (6, g)."""
     entry = 0
     for i in range(6):
         for g in range(D.shape[1]):
@@ -226,7 +224,7 @@ def find_stress(D: Array, strains: Array, out: Array) -> None:
 
 @inlined
 def room(place: Pointer, rule: Rule) -> Work:
-    """In memory of :func:`room_size`."""
+    """:class:`Work` in memory of size :func:`room_size`."""
     n1, n2, n3, points = rule.counts
     count = derivatives(rule.counts)
     at = UNKNOWNS + 3 * count
@@ -238,7 +236,7 @@ def room(place: Pointer, rule: Rule) -> Work:
 
 @inlined
 def room_size(rule: Rule) -> int:
-    """Numbers that :func:`room` needs."""
+    """Size of the memory for :func:`room`."""
     n1, n2, n3, points = rule.counts
     return UNKNOWNS + 3 * derivatives(rule.counts) + n1 + n2 + n3 + 6 * points
 
@@ -247,7 +245,7 @@ def room_size(rule: Rule) -> int:
 def _add(table: Array, r: int, factor: float, direction: Vector, out: Array) -> None:
     """``out += factor direction ⊗ table[r]``, shape (3, 16)."""
     if factor == 0.0:
-        # most samples are on other lines of points
+        # most samples are on other lines than the points
         return
     x, y, z = scaled(factor, direction)
     for a in range(VECTORS):
@@ -259,7 +257,7 @@ def _add(table: Array, r: int, factor: float, direction: Vector, out: Array) -> 
 
 @inlined
 def change_rows(rule: Rule, work: Work, g: int, out: Array) -> None:
-    """``∂ε/∂q`` at a point, shape (6, 3, 16)."""
+    """Set ``∂ε/∂q`` at a point, shape (6, 3, 16)."""
     n1, n2, n3, points = rule.counts
     rest, share, d, T = 1.0 - rule.share, rule.share, work.d, rule.table
     out[:] = 0.0
@@ -286,7 +284,7 @@ def change_rows(rule: Rule, work: Work, g: int, out: Array) -> None:
 
 @inlined
 def _gathered(spread: Array, S: Array, first: int, rest: float, out: Array) -> None:
-    """Stresses at all points (g,) on the samples from ``first`` on; ``spread`` (g, s)."""
+    """Forces at the samples from ``first`` on of stresses at all points (g,); ``spread`` (g, s)."""
     for g in range(spread.shape[0]):
         x = rest * S[g]
         for i in range(spread.shape[1]):
@@ -295,7 +293,7 @@ def _gathered(spread: Array, S: Array, first: int, rest: float, out: Array) -> N
 
 @inlined
 def on_samples(rule: Rule, S: Array, out: Array) -> None:
-    """What stresses (6, g) at the points are on the samples, shape (s,)."""
+    """Forces at the samples (s,) of stresses at the points (6, g)."""
     n1, n2, _, _ = rule.counts
     rest = 1.0 - rule.share
     out[:] = 0.0
@@ -311,7 +309,7 @@ def _store(F: Array, r: int, a: Vector) -> None:
 
 @inlined
 def on_derivatives(rule: Rule, d: Array, S: Array, s: Array, F: Array) -> None:
-    """What stresses at the points (6, g) and samples (s,) are on the derivatives, (3, d)."""
+    """Forces on derivatives (3, d) of stresses at points (6, g) and samples (s,)."""
     n1, n2, n3, points = rule.counts
     for i in range(n1 + n2):
         _store(F, i, scaled(s[i], column(d, i)))
@@ -332,7 +330,7 @@ def on_derivatives(rule: Rule, d: Array, S: Array, s: Array, F: Array) -> None:
 
 @inlined
 def on_vectors(table: Array, F: Array, f: Array) -> None:
-    """``f = F table``, shape (3, 16): what forces on the derivatives are on the vectors."""
+    """Forces ``f = F table`` (3, 16) on Hermite vectors of forces on derivatives."""
     f[:] = 0.0
     even = 4 * (table.shape[0] // 4)
     # four at a time, for fewer loads and stores of ``f``
