@@ -18,6 +18,7 @@ RENAMED = {
     "Geodesic": "fl.elements.GeodesicBeam",
     "Hierarchical": "fl.adaptivity.HierarchicalEstimate",
     "Index": "fl.schemes.ConstraintIndex",
+    "Instant": "fl.extend.TimeState",
     "Jumps": "fl.loads.PiecewiseSmooth",
     "Kirchhoff": "fl.elements.KirchhoffRod",
     "Limit": "fl.schemes.IterationLimit",
