@@ -30,8 +30,11 @@ scenes are in :mod:`fem_lie` itself; this module has what scenes do not show.
 * **Diagrams** beside those of results: :data:`COLOURS`, in which these draw their curves.
 """
 
+from typing import TYPE_CHECKING
+
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, compiled
+from fem_lie._renamed import unknown_name
 from fem_lie._state import attributes
 from fem_lie.adaptivity.estimates.estimate import ElementErrors
 from fem_lie.bodies.body import Body, Point
@@ -157,3 +160,6 @@ __all__ = [
     "tuples",
     "unknown_scaling",
 ]
+
+if not TYPE_CHECKING:  # for users; type checkers know what there is
+    __getattr__ = unknown_name(__name__)
