@@ -1,4 +1,4 @@
-"""Cross-sections, layers, solid materials and damping: what bodies are made of."""
+"""Cross-sections, shell sections, solid materials and damping."""
 
 from typing import TYPE_CHECKING
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _CHORDS = 5  # points of a curved edge
 
 
-_GREEN = "#009E73"  # of Okabe & Ito's colours, told apart by everyone
+_GREEN = "#009E73"  # colours of Okabe & Ito, which colour-blind readers can distinguish
 
 
 class Warped(Protocol):
@@ -32,7 +32,7 @@ class Warped(Protocol):
 
 
 def picture(warping: Warped, path: str | os.PathLike[str] | None = None) -> Figure:
-    """A figure of its own, written to a file if one is given."""
+    """Figure of a section, written to a file if ``path`` is given."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -45,14 +45,14 @@ def picture(warping: Warped, path: str | os.PathLike[str] | None = None) -> Figu
 
 
 def draw(warping: Warped, axes: Axes) -> None:
-    """Draw into given axes: e₂ to the right, e₃ upwards, seen against e₁."""
+    """Draw a section into axes: e₂ to the right, e₃ upwards, seen against e₁."""
     from matplotlib.collections import LineCollection
     from matplotlib.ticker import ScalarFormatter
     from matplotlib.tri import Triangulation
 
     properties, largest = warping.properties, np.abs(warping.function).max()
     size = float(np.linalg.norm(np.ptp(warping.points, axis=0)))
-    # a section that does not warp is one colour, not rounding errors in all colours
+    # a section that does not warp is one colour: round-off is not drawn
     limit = max(largest, 1e-3 * size**2)
     colours = axes.tripcolor(
         Triangulation(warping.points[:, 0], warping.points[:, 1], warping.triangles),
@@ -89,7 +89,7 @@ def draw(warping: Warped, axes: Axes) -> None:
 
 
 def _names(axes: Axes, warping: Warped) -> None:
-    """The name of each region, to the right of its upper right cell."""
+    """Write the name of each region, to the right of its upper right cell."""
     mesh = warping.mesh
     middles = mesh.points[mesh.cells].mean(axis=1)
     for region, name in enumerate(mesh.names):
@@ -114,7 +114,7 @@ def _curves(edges: Array) -> Array:
 
 
 def _axes_of(axes: Axes, centre: Array, angle: float, length: float) -> None:
-    """Cross of the principal axes, the one of the larger ∫η² drawn through."""
+    """Draw the cross of the principal axes; the axis of the larger ∫η² is a solid line."""
     for turned, style, label in ((0.0, "-", "principal axes"), (0.5 * np.pi, "--", None)):
         direction = length * np.array([np.cos(angle + turned), np.sin(angle + turned)])
         line = np.array([centre - direction, centre + direction]).T

@@ -1,4 +1,4 @@
-"""Meshes of outlines by gmsh: sizes of cells, and named groups of surfaces."""
+"""Meshes of section outlines by gmsh: cell sizes, and named groups of surfaces."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _WALL_CELL = 0.5  # size of cells in a wall over its thickness
 _CORNER_CELL = 0.01  # the same at a re-entrant corner
 _LARGEST_CELL = 0.125  # size of cells over the diameter of the outline
 _MOST_CELLS = 100_000
-_SHARP = 0.3  # angle; more than chords of an arc turn by
+_SHARP = 0.3  # angle, larger than between chords of an arc
 _CLOSE = 1e-6  # of the length of a chord
 _SIZE_STEP = 0.1  # sizes that differ by less are the same
 GROWTH = 0.35  # of the cell's size per distance
@@ -28,12 +28,12 @@ GROWTH = 0.35  # of the cell's size per distance
 
 @dataclass(frozen=True, eq=False)
 class CellSizes:
-    """Size of cells: given at segments, growing with the distance from them.
+    """Cell sizes at segments, which grow with the distance from them.
 
     Attributes:
-        start: Ends of the segments, shape (n, 2).
-        along: Vectors from there to their other ends, shape (n, 2).
-        size: Shape (n,).
+        start: First ends of the segments, shape (n, 2).
+        along: Vectors to their other ends, shape (n, 2).
+        size: Cell size at each segment, shape (n,).
     """
 
     start: Array
@@ -42,10 +42,10 @@ class CellSizes:
 
     @classmethod
     def of(cls, parts: Sequence[Part], refinement: float) -> CellSizes:
-        """Some cells across each wall, and small ones where strains peak.
+        """Sizes for some cells across each wall, and small cells where strains peak.
 
         Raises:
-            ValueError: Walls are so thin that this would be far too many.
+            ValueError: Walls are so thin that there would be too many cells.
         """
         walls = [_Walls.of(part) for part in parts]
         starts, alongs, sizes = [], [], []
@@ -64,12 +64,12 @@ class CellSizes:
         if count > _MOST_CELLS:
             raise ValueError(
                 f"walls are too thin to be meshed: about {count:.0f} cells, at most {_MOST_CELLS}; "
-                "give less refinement, or a section of known stiffness"
+                "use less refinement, or a section of known stiffness"
             )
         return cls(np.concatenate(starts), along, size)
 
     def samples(self) -> Iterator[tuple[float, Array]]:
-        """Sizes, rounded down to steps of a geometric series, and points along their segments."""
+        """Sizes, rounded down to a geometric series, and points along their segments."""
         steps = np.floor(np.log(self.size) / _SIZE_STEP)
         for step in np.unique(steps):
             size = float(np.exp(step * _SIZE_STEP))
@@ -90,10 +90,10 @@ class _Walls:
     """Chords of a part's loops with the material on their left, one loop after the other.
 
     Attributes:
-        start: Shape (n, 2).
-        along: To the next chord's start, shape (n, 2).
-        before: Number of the chord before each, shape (n,).
-        thickness: Of the wall behind each, shape (n,).
+        start: First points of the chords, shape (n, 2).
+        along: Vectors to the next chord's start, shape (n, 2).
+        before: Index of the previous chord, shape (n,).
+        thickness: Thickness of the wall behind each, shape (n,).
     """
 
     start: Array
@@ -115,17 +115,17 @@ class _Walls:
         return cls(start, along, np.concatenate(before), _thickness(start, along))
 
     def at_corners(self) -> Array:
-        """The thinner of the walls that meet at each chord's start."""
+        """Smaller thickness of the walls that meet at each chord's start."""
         return np.minimum(self.thickness, self.thickness[self.before])
 
     def reentrant(self) -> npt.NDArray[np.bool_]:
-        """Starts with more than a straight angle of material; those within an arc are none."""
+        """Starts at re-entrant corners; points within an arc are excluded."""
         before = self.along[self.before]
         turn = np.arctan2(cross(before, self.along), (before * self.along).sum(axis=1))
         return np.asarray(turn < -_SHARP)
 
     def ends_on(self, other: _Walls) -> npt.NDArray[np.bool_]:
-        """Starts that lie within a chord of another part: it goes on where this one ends."""
+        """Starts within a chord of another part, which continues where this part ends."""
         r = self.start[:, np.newaxis] - other.start
         length = np.linalg.norm(other.along, axis=1)
         unit = other.along / length[:, np.newaxis]
@@ -137,13 +137,13 @@ class _Walls:
 
 
 def _oriented(points: Array, counter_clockwise: bool) -> Array:
-    """With the material on the left."""
+    """Points in the order with the material on the left."""
     area = cross(points, np.roll(points, -1, axis=0)).sum()
     return points if (area > 0) == counter_clockwise else points[::-1]
 
 
 def _thickness(a: Array, d: Array) -> Array:
-    """Of the wall behind each edge: the least of three rays from it into the material."""
+    """Thickness of the wall behind each edge: the least of three rays into the material."""
     normal = np.column_stack([-d[:, 1], d[:, 0]]) / np.linalg.norm(d, axis=1, keepdims=True)
     thickness = np.full(len(a), np.inf)
     for part in (0.25, 0.5, 0.75):
@@ -161,22 +161,22 @@ def _thickness(a: Array, d: Array) -> Array:
     return thickness
 
 
-_DELAUNAY = 5  # gmsh's number; follows sizes that vary strongly
+_DELAUNAY = 5  # gmsh's number of an algorithm that follows strongly varying sizes
 _FAR = 10.0  # outlines have a diameter of about 2
 _AREA = 1e-6  # relative; a common surface of two parts is larger
 
 
 @dataclass(frozen=True, eq=False)
 class RawSurface:
-    """Cells as DOLFINx orders them.
+    """Surface cells in DOLFINx's order of nodes.
 
     Attributes:
-        points: Shape (n, 2).
+        points: Coordinates, shape (n, 2).
         cells: Points of each cell, shape (m, k).
-        regions: Which of ``names`` each cell belongs to, shape (m,).
+        regions: Index in ``names`` of each cell's region, shape (m,).
         names: Names of the regions.
         cell: ``triangle`` or ``quadrilateral``.
-        degree: Of the cells' edges.
+        degree: Degree of the cells' edges.
     """
 
     points: Array
@@ -188,7 +188,7 @@ class RawSurface:
 
 
 def mesh_parts(parts: Mapping[str, Part], sizes: CellSizes) -> RawSurface:
-    """Triangles of degree 2 that follow arcs and interfaces.
+    """Mesh of triangles of degree 2 that follow arcs and interfaces.
 
     Raises:
         ValueError: Parts overlap, or gmsh cannot mesh them.
@@ -239,7 +239,7 @@ def _loop(gmsh: Any, loop: Loop) -> int:
 
 
 def _surfaces(gmsh: Any, parts: Mapping[str, Part]) -> dict[str, list[int]]:
-    """Surfaces of each part, after parts that touch have been made to share their edges."""
+    """Surfaces of each part, after touching parts have been made to share edges."""
     occ = gmsh.model.occ
     faces = [
         (2, occ.addPlaneSurface([_loop(gmsh, loop) for loop in part.loops]))
@@ -259,9 +259,9 @@ def _surfaces(gmsh: Any, parts: Mapping[str, Part]) -> dict[str, list[int]]:
 
 
 def _sizes(gmsh: Any, sizes: CellSizes) -> None:
-    """A field: the least of sizes that grow with the distance from sample points.
+    """Size field: minimum of sizes that grow with the distance from sample points.
 
-    The points are in the model, but in none of its surfaces.
+    The points belong to the model, but to none of its surfaces.
     """
     field, thresholds = gmsh.model.mesh.field, []
     for size, points in sizes.samples():
@@ -279,7 +279,7 @@ def _sizes(gmsh: Any, sizes: CellSizes) -> None:
 
 
 def _cells(gmsh: Any, groups: Mapping[str, list[int]], what: str) -> RawSurface:
-    """Cells of groups of surfaces in a plane, with their points from 0 on."""
+    """Cells of groups of surfaces in a plane, with points numbered from 0."""
     block = cell_block(gmsh, groups, what)
     used, local = np.unique(block.cells, return_inverse=True)
     return RawSurface(
@@ -293,7 +293,7 @@ def _cells(gmsh: Any, groups: Mapping[str, list[int]], what: str) -> RawSurface:
 
 
 def _plane(points: Array, what: str) -> Array:
-    """First two coordinates of points of which the third is everywhere the same."""
+    """First two coordinates of points with a constant third coordinate."""
     if np.ptp(points[:, 2]) > 1e-9 * np.ptp(points, axis=0).max():
         raise ValueError(f"{what} must lie in a plane of constant third coordinate")
     return np.ascontiguousarray(points[:, :2])

@@ -39,18 +39,18 @@ class Material:
 
 
 def require_material(value: object) -> None:
-    """Raise ``TypeError`` if it is no isotropic material."""
+    """Raise ``TypeError`` if ``value`` is not an isotropic material."""
     instance(value, Material, "material", "a Material(E, nu, density)")
 
 
 @dataclass(frozen=True)
 class Damping:
-    """Linear damping of a beam; Rayleigh's is both parts.
+    """Linear damping; Rayleigh damping uses both parts.
 
     Attributes:
-        mass: Force per momentum, 1/time: it opposes the motion in space, of low modes above all.
-        stiffness: Kelvin and Voigt: stress per strain rate over stress per strain, a time; one for
-            all strains, or six for (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃). Rigid motion is not damped.
+        mass: Damping force per momentum, 1/time: it opposes motion in space, mainly of low modes.
+        stiffness: Kelvin-Voigt relaxation time: viscosity over stiffness; one for all strains, or
+            six for (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃). Rigid motion is not damped.
 
     Raises:
         ValueError: A number is negative or not finite.
@@ -70,12 +70,12 @@ class Damping:
             raise ValueError(f"mass damping must be a rate ≥ 0, got {self.mass!r}")
 
     def factors(self) -> Array:
-        """Stiffness damping of each strain, shape (6,)."""
+        """Relaxation time of each strain, shape (6,)."""
         given = numbers(self.stiffness, "stiffness damping")
         return np.full(6, given) if given.ndim == 0 else given
 
     def viscosity(self, stiffness: Array) -> Array:
-        """Stress per strain rate, ``√(τᵢ τⱼ) D_ij``, shape (m, 6, 6).
+        """Viscosity ``√(τᵢ τⱼ) D_ij`` of each cell, shape (m, 6, 6).
 
         Args:
             stiffness: Section stiffness of each cell, shape (m, 6, 6).

@@ -1,8 +1,8 @@
 """Frames along a line mesh: e₁ along the tangent, e₂ and e₃ by a direction or without twist.
 
-Every *end of a cell* gets a frame. Ends that meet at a point share a node where their frames agree;
-at a kink, at a branch, or where the direction of the section changes they do not, and the other
-nodes of the point follow its first one rigidly (:mod:`fem_lie.system.nodes.numbering`).
+Every *end of a cell* gets a frame. Ends that meet at a point share a node if their frames agree. At
+a kink, at a branch, or where the direction of the section changes they do not, and the other nodes
+of the point are rigidly attached to its first one (:mod:`fem_lie.system.nodes.numbering`).
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ class Twisted:
     up: Up | None = None
 
     def __post_init__(self) -> None:
-        """Raise ``TypeError`` if the angle is no function."""
+        """Raise ``TypeError`` if ``angle`` is not a function."""
         instance(self.angle, Callable | None, "Twisted: angle", "a function of arc length")
 
 
-_SAME_FRAME = 1e-6  # rad, as two tangents that are meant to agree
+_SAME_FRAME = 1e-6  # rad, between tangents that count as equal
 _ALONG = 1e-6  # sine below which a direction is along the line
 
 

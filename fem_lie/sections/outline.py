@@ -1,4 +1,4 @@
-"""Outlines of sections: loops of straight edges and arcs, and what is wrong with them."""
+"""Outlines of sections: closed loops of straight edges and arcs, and their checks."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ TOUCH = 1e-9  # of the size of the outline
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """A closed line of straight edges and circular arcs; edge i runs from vertex i to i + 1.
+    """Closed line of straight edges and circular arcs; edge i runs from vertex i to i + 1.
 
     Attributes:
-        vertices: Shape (n, 2).
+        vertices: Vertices, shape (n, 2).
         centres: Centre of each edge's circle, nan for a straight edge, shape (n, 2). Arcs are
             shorter than half a circle.
     """
@@ -30,10 +30,11 @@ class Loop:
 
     @classmethod
     def polygon(cls, points: npt.ArrayLike, what: str = "points") -> Loop:
-        """Straight edges only.
+        """Loop of straight edges.
 
         Raises:
-            ValueError: Not at least three finite points, or two neighbours coincide.
+            ValueError: There are less than three points, a point is not finite, or two neighbours
+                coincide.
         """
         vertices = np.array(points, dtype=np.float64)
         if vertices.ndim != 2 or vertices.shape[1] != 2 or len(vertices) < 3:
@@ -48,7 +49,7 @@ class Loop:
 
     @classmethod
     def circle(cls, radius: float) -> Loop:
-        """About the origin, of four arcs."""
+        """Circle about the origin, of four arcs."""
         vertices = radius * np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
         return cls(vertices, np.zeros_like(vertices))
 
@@ -58,7 +59,7 @@ class Loop:
             yield self.vertices[i], self.vertices[end], self.centres[i]
 
     def rounded(self, corners: Sequence[int], radius: float) -> Loop:
-        """With corners between straight edges replaced by arcs."""
+        """Loop with corners between straight edges replaced by arcs."""
         if radius == 0.0:
             return self
         vertices: list[Array] = []
@@ -74,11 +75,11 @@ class Loop:
         return Loop(np.array(vertices), np.array(centres))
 
     def moved(self, shift: Array, scale: float = 1.0) -> Loop:
-        """``scale * (x + shift)`` of every point."""
+        """Loop with all points ``scale * (x + shift)``."""
         return Loop(scale * (self.vertices + shift), scale * (self.centres + shift))
 
     def chords(self) -> Array:
-        """Points of a polygon that has the vertices and follows the arcs, shape (m, 2)."""
+        """Points of a polygon with the vertices and points on the arcs, shape (m, 2)."""
         pieces = []
         for start, end, centre in self.edges():
             if np.isnan(centre[0]):
@@ -94,7 +95,7 @@ class Loop:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A region of a section: what is inside a loop and outside of its holes."""
+    """Region of a section: the inside of a loop without its holes."""
 
     outer: Loop
     holes: tuple[Loop, ...] = ()
@@ -105,13 +106,13 @@ class Part:
         return (self.outer, *self.holes)
 
     def moved(self, shift: Array, scale: float = 1.0) -> Part:
-        """``scale * (x + shift)`` of every point."""
+        """Part with all points ``scale * (x + shift)``."""
         return Part(
             self.outer.moved(shift, scale), tuple(hole.moved(shift, scale) for hole in self.holes)
         )
 
     def check(self) -> None:
-        """Refuse loops that do not bound a region.
+        """Check that the loops bound a region.
 
         Raises:
             ValueError: A loop crosses or touches itself or another one, a hole is not inside the
@@ -140,7 +141,7 @@ def cross(a: Array, b: Array) -> Array:
 
 
 def _angle(a: Array, b: Array) -> float:
-    """From a to b, in (-π, π]."""
+    """Angle from a to b, in (-π, π]."""
     return float(np.arctan2(cross(a, b), a @ b))
 
 
@@ -182,7 +183,7 @@ def _crossings(a: Array, b: Array, same: bool) -> bool:
 
 
 def _inside(point: Array, polygon: Array) -> bool:
-    """By the number of edges that a ray along +y crosses."""
+    """Whether a point is inside, by the number of edges that a ray along +y crosses."""
     (y, z), ends = point, np.roll(polygon, -1, axis=0)
     spans = (polygon[:, 1] > z) != (ends[:, 1] > z)
     p, q = polygon[spans], ends[spans]

@@ -1,6 +1,6 @@
 """Area, moments and torsion constant of beam sections; mass matrix of rigid ones.
 
-Properties of sections of which they are known in closed form, about their centroid.
+Sections with properties in closed form, about their centroid.
 
 Shear factors: G. R. Cowper, J. Appl. Mech. 33 (1966) 335, doi:10.1115/1.3625046. Torsion of the
 rectangle: S. Timoshenko & J. N. Goodier, *Theory of Elasticity* (1970), §109.
@@ -23,20 +23,20 @@ _ISOTROPY = 1e-7  # of principal moments: between rounding and the errors of a m
 
 @dataclass(frozen=True, eq=False)
 class SectionProperties:
-    """Geometric properties of a section, in the axes and from the reference point of its owner.
+    """Geometric properties of a section, in its axes and from its reference point.
 
     A composite has the moduli ``E`` and ``G`` averaged over its area, so that ``E A``, ``E I``,
-    ``G J`` and ``G A k`` are its stiffnesses whatever it is made of.
+    ``G J`` and ``G A k`` are its stiffnesses for any materials.
 
     Attributes:
         E: Young's modulus, mean over the area, force per area.
         G: Shear modulus, mean over the area, force per area.
-        area: Length².
-        centroid: Where an axial force does not bend, (y, z).
+        area: Area, length².
+        centroid: Point where an axial force does not bend, (y, z).
         second_moments: ``∫r ⊗ r dA`` about the centroid, [[∫y², ∫yz], [∫yz, ∫z²]], length⁴;
             weighted by E in a composite.
-        torsion_constant: Saint-Venant's, length⁴; weighted by G in a composite.
-        shear_centre: Where a shear force does not twist, (y, z).
+        torsion_constant: Saint-Venant's torsion constant, length⁴; weighted by G in a composite.
+        shear_centre: Point where a shear force does not twist, (y, z).
         shear_factors: Effective over true shear area, symmetric, shape (2, 2).
         warping_constant: ``I_ω = ∫ω² dA`` of the warping function about the shear centre, length⁶,
             weighted by E in a composite; ``None`` if it is not known.
@@ -54,7 +54,7 @@ class SectionProperties:
 
     @property
     def warping_length(self) -> float:
-        """``√(E I_ω/(G J))``: how far held warping is felt along a beam; 0 if it is not known."""
+        """Decay length ``√(E I_ω/(G J))`` of restrained warping along a beam; 0 if unknown."""
         warping = self.E * (self.warping_constant or 0.0)
         return sqrt(warping / (self.G * self.torsion_constant))
 
@@ -65,7 +65,7 @@ class SectionProperties:
 
     @property
     def stiffness(self) -> Array:
-        """On (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃) at the reference point, shape (6, 6).
+        """Section stiffness on (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃) at the reference point, shape (6, 6).
 
         Extension and bending act about the centroid, shear and torsion about the shear centre.
         """
@@ -78,7 +78,7 @@ class SectionProperties:
         (yy, yz), (_, zz) = self.second_moments
         D_bending, D_shear = np.zeros((3, 3)), np.zeros((3, 3))
         D_bending[0, 0] = self.E * self.area
-        # curvature about e₂ stretches along z, about e₃ along y
+        # curvature about e₂ is axial strain along z, about e₃ along y
         D_bending[1:, 1:] = self.E * np.array([[zz, -yz], [-yz, yy]])
         D_shear[:2, :2] = self.G * self.shear_factors * self.area
         D_shear[2, 2] = self.G * self.torsion_constant
@@ -93,7 +93,7 @@ class SectionProperties:
     def principal_angle(self) -> float:
         """Angle from e₂ to the principal axis η of the larger ``∫η²``, in (-π/2, π/2].
 
-        It is 0 where all axes are principal ones.
+        It is 0 if all axes are principal axes.
         """
         (yy, yz), (_, zz) = self.second_moments
         if np.hypot(0.5 * (yy - zz), yz) < _ISOTROPY * (yy + zz):
@@ -103,7 +103,7 @@ class SectionProperties:
         return float(0.5 * np.arctan2(2.0 * yz, yy - zz))
 
     def offset(self, y: float, z: float) -> SectionProperties:
-        """As seen from a reference point at (y, z).
+        """Properties for a reference point at (y, z).
 
         Args:
             y: Coordinate along e₂ of the new reference point.
@@ -113,7 +113,7 @@ class SectionProperties:
         return replace(self, centroid=self.centroid - r, shear_centre=self.shear_centre - r)
 
     def rotated(self, angle: float) -> SectionProperties:
-        """Of the section turned about its reference point, from e₂ to e₃ by ``angle``.
+        """Properties of the section rotated about its reference point, from e₂ to e₃ by ``angle``.
 
         Args:
             angle: Angle, rad.
@@ -147,9 +147,9 @@ class SectionProperties:
 
 
 def rotation(angle: float) -> Array:
-    """From components in axes turned by ``angle`` to those in the axes they were turned from.
+    """Rotation matrix from components in axes rotated by ``angle`` to those in the original axes.
 
-    A quarter turn is exact: it leaves no couplings of rounding size.
+    A quarter turn is exact, without couplings of the size of round-off.
     """
     quarters = angle / (0.5 * pi)
     if quarters == round(quarters):
@@ -169,7 +169,7 @@ def rectangle(
     shear_factor: float | None,
     torsion_constant: float | None,
 ) -> SectionProperties:
-    """Of a solid rectangle; arguments as of :meth:`~fem_lie.Section.rectangle`."""
+    """Properties of a solid rectangle; arguments as of :meth:`~fem_lie.Section.rectangle`."""
     positive(width, "width")
     positive(height, "height")
     require_material(material)
@@ -184,7 +184,7 @@ def rectangle(
 def ring(
     inner: float, outer: float, material: Material, shear_factor: float | None
 ) -> SectionProperties:
-    """Of what lies between two circles, the inner one perhaps of no size."""
+    """Properties of the area between two circles; the inner radius may be zero."""
     require_material(material)
     nu, m2 = material.nu, (inner / outer) ** 2
     if shear_factor is None:
@@ -203,7 +203,7 @@ def _centred(
     shear_factor: float,
     torsion_constant: float,
 ) -> SectionProperties:
-    """With the centroid on the axis; ``second_moments`` are ∫y² and ∫z²."""
+    """Properties with the centroid on the axis; ``second_moments`` are ∫y² and ∫z²."""
     positive(shear_factor, "shear_factor")
     positive(torsion_constant, "torsion_constant")
     return SectionProperties(

@@ -1,12 +1,12 @@
 """Beam sections: stiffness and inertia per length, from a shape and a material.
 
 The section lies in the plane of e₂ and e₃, with coordinates y along e₂ and z along e₃; e₁ is the
-beam's axis. Stiffness acts on strains ``(Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃)``: stretch, two shears, twist, two
-curvatures. Inertia is the mass matrix of ``q = (x, d₁, d₂, d₃)`` per length: a point of the section
-is ``x + y d₂ + z d₃``, so its kinetic energy is ``½ Σ G_ab q̇_a·q̇_b`` with
+beam's axis. Stiffness acts on strains ``(Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃)``: axial strain, two shears,
+twist, two curvatures. Inertia is the mass matrix of ``q = (x, d₁, d₂, d₃)`` per length: a point of
+the section is ``x + y d₂ + z d₃``, so its kinetic energy is ``½ Σ G_ab q̇_a·q̇_b`` with
 ``G = ∫ρ (1, 0, y, z) ⊗ (1, 0, y, z) dA`` (:mod:`fem_lie.lie.node_types.inertia`).
 
-The section's matrices belong to its reference point, where the beam's axis runs, and to its axes:
+The section's matrices refer to its reference point, where the beam's axis runs, and to its axes:
 :meth:`Section.offset` and :meth:`Section.rotated` change them by exact congruences. Sections of any
 shape come from :class:`fem_lie.sections.shape.SectionShape`.
 """
@@ -42,17 +42,17 @@ def _symmetric(value: Array, size: int, what: str) -> Array:
 
 
 def _scaled_eigenvalues(matrix: Array) -> Array:
-    """Eigenvalues after scaling the diagonal to one: entries differ in units."""
+    """Eigenvalues after scaling the diagonal to one, since entries have different units."""
     scale = np.sqrt(np.where(np.diag(matrix) > 0, np.diag(matrix), 1.0))
     return np.asarray(np.linalg.eigvalsh(matrix / np.outer(scale, scale)), dtype=np.float64)
 
 
 def definite(value: Array, size: int, what: str) -> Array:
-    """A symmetric positive definite matrix, shape (size, size), that cannot be written to.
+    """Symmetric positive definite matrix, shape (size, size), read-only.
 
     Raises:
         ValueError: It has another shape, is not finite, not symmetric or not positive definite.
-        TypeError: It is no array of numbers.
+        TypeError: It is not an array of numbers.
     """
     matrix = _symmetric(value, size, what)
     if not (np.diag(matrix) > 0).all() or not _scaled_eigenvalues(matrix)[0] > 1e-14:
@@ -62,7 +62,7 @@ def definite(value: Array, size: int, what: str) -> Array:
 
 
 def semidefinite(value: Array, size: int, what: str) -> Array:
-    """A symmetric positive semidefinite matrix of inertia; errors as of :func:`definite`."""
+    """Symmetric positive semidefinite mass matrix; raises as :func:`definite`."""
     matrix = _symmetric(value, size, what)
     if (np.diag(matrix) < 0).any() or not _scaled_eigenvalues(matrix)[0] > -1e-12:
         raise ValueError(f"{what} must be positive semidefinite, got\n{matrix}")
@@ -76,16 +76,17 @@ def section_mass_matrix(
     polar: float | None,
     rotary: npt.ArrayLike | None,
 ) -> Array | None:
-    """Mass matrix of (x, d₁, d₂, d₃) per length, or ``None`` if nothing is given.
+    """Mass matrix of (x, d₁, d₂, d₃) per length, or ``None`` without arguments.
 
     Args:
         mass_matrix: The matrix itself, shape (4, 4).
         mass: Mass per length.
-        polar: Moment of inertia per length about e₁, of which e₂ and e₃ have half each.
+        polar: Moment of inertia per length about e₁, half of it about e₂ and e₃ each.
         rotary: Moments of inertia per length about e₂ and e₃, shape (2,).
 
     Raises:
-        ValueError: More than one of them, or moments without a mass; wrong shapes.
+        ValueError: More than one of them is given, moments are given without a mass, or a shape is
+            wrong.
     """
     if mass_matrix is not None:
         matrix = numbers(mass_matrix, "mass_matrix")
@@ -100,7 +101,7 @@ def section_mass_matrix(
         return matrix
     if mass is None:
         if polar is not None or rotary is not None:
-            raise ValueError("polar= and rotary= need mass=, the mass per length, beside them")
+            raise ValueError("polar= and rotary= need mass=, the mass per length")
         return None
     if polar is not None and rotary is not None:
         raise ValueError("give polar= or rotary=; the polar moment is the sum of the other two")
@@ -111,7 +112,7 @@ def section_mass_matrix(
             raise ValueError(
                 f"rotary must be the moments of inertia about e₂ and e₃, 2 numbers, got {rotary!r}"
             )
-    # what turns about e₂ lies along e₃
+    # rotation about e₂ moves points along e₃
     return np.diag([number(mass, "mass"), 0.0, about[1], about[0]])
 
 
@@ -124,8 +125,8 @@ class Section:
 
     Attributes:
         stiffness: Symmetric positive definite, shape (6, 6), on (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃).
-        inertia: Mass matrix of (x, d₁, d₂, d₃) per length, shape (4, 4), or ``None`` if the section
-            is for statics only.
+        inertia: Mass matrix of (x, d₁, d₂, d₃) per length, shape (4, 4), or ``None`` for statics
+            only.
         outline: Corners (y, z) of the outer boundary, shape (k, 2), for drawing; or ``None``.
         properties: Area, moments and so on, if they are known: ``print(section.properties)``.
 
@@ -160,9 +161,9 @@ class Section:
         Args:
             width: Side along e₂.
             height: Side along e₃.
-            material: What it is made of.
-            shear_factor: Effective over true shear area; default: Cowper's
-                10 (1 + ν) / (12 + 11 ν), which is 5/6 for ν = 0.
+            material: Isotropic material.
+            shear_factor: Effective over true shear area; default: Cowper's 10 (1 + ν) / (12 + 11
+                ν), which is 5/6 for ν = 0.
             torsion_constant: Length⁴; default: Saint-Venant's solution, 0.140577 b⁴ for a square.
 
         Raises:
@@ -235,16 +236,15 @@ class Section:
         rotary: npt.ArrayLike | None = None,
         outline: npt.ArrayLike | None = None,
     ) -> Section:
-        """Any section of which the numbers are known; without inertia it is for statics only.
+        """Section with known stiffness and inertia; without inertia it is for statics only.
 
         Args:
             stiffness: Symmetric positive definite, shape (6, 6), or its diagonal, shape (6,).
             mass_matrix: Mass matrix of (x, d₁, d₂, d₃) per length, shape (4, 4): positive
-                semidefinite with a positive mass. A section of mass m per length with the inertia J
-                about its centroid ``centre`` has ``fl.sections.director_mass_matrix(m, J,
-                centre)``.
+                semidefinite with a positive mass. For mass m per length and inertia J about the
+                centroid ``centre`` it is ``fl.sections.director_mass_matrix(m, J, centre)``.
             mass: Or mass per length, on the axis.
-            polar: With it, moment of inertia per length about e₁, of which e₂ and e₃ have half
+            polar: With ``mass``, moment of inertia per length about e₁, half of it about e₂ and e₃
                 each; default: no rotary inertia.
             rotary: Or moments of inertia per length about e₂ and e₃, shape (2,); about e₁ it is
                 their sum.
@@ -262,10 +262,10 @@ class Section:
         )
 
     def offset(self, y: float, z: float) -> Section:
-        """The same section with its reference point, where the beam's axis runs, at (y, z).
+        """Section with its reference point, where the beam's axis runs, at (y, z).
 
         With ``r = (0, y, z)`` the strains there are ``Γ + κ × r`` and κ, and stiffness and inertia
-        follow by congruence; ``section.offset(y, z).offset(-y, -z)`` is the section again.
+        follow by congruence; ``section.offset(y, z).offset(-y, -z)`` is the original section.
 
         Args:
             y: Coordinate along e₂ of the new reference point.
@@ -288,7 +288,7 @@ class Section:
         )
 
     def rotated(self, angle: float) -> Section:
-        """The section turned about its reference point by ``angle``, from e₂ to e₃.
+        """Section rotated about its reference point by ``angle``, from e₂ to e₃.
 
         Args:
             angle: Angle, rad.
@@ -318,7 +318,8 @@ class Section:
             points: (y, z) from the reference point, shape (k, 2); default: corners of the outline.
 
         Raises:
-            ValueError: The section has no properties, or points are wanted and there is no outline.
+            ValueError: The section has no properties, or ``points`` is missing and there is no
+                outline.
         """
         p = self.properties
         if p is None:
@@ -333,7 +334,7 @@ class Section:
 
 
 def _from_closed_form(properties: SectionProperties, density: float, outline: Array) -> Section:
-    """Of one material, with its centroid on the axis."""
+    """Section of one material, with its centroid on the axis."""
     (yy, _), (_, zz) = properties.second_moments
     inertia = np.diag([density * properties.area, 0.0, density * yy, density * zz])
     return Section(properties.stiffness, inertia if density else None, outline, properties)

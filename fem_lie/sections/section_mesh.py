@@ -36,11 +36,11 @@ class SectionMesh:
 
     Attributes:
         points: Coordinates (y, z), shape (n, 2).
-        cells: Points of each cell as DOLFINx orders them, shape (m, k).
-        regions: Which of ``names`` each cell belongs to, shape (m,).
-        names: Names of the regions; for a section of one material it does not matter which.
+        cells: Points of each cell in DOLFINx's order, shape (m, k).
+        regions: Index in ``names`` of each cell's region, shape (m,).
+        names: Names of the regions; arbitrary for a section of one material.
         cell: ``triangle`` or ``quadrilateral``.
-        degree: Of the cells' edges.
+        degree: Degree of the cells' edges.
 
     Raises:
         ValueError: There are no cells, one has no area or folds over, or the section is not
@@ -202,7 +202,7 @@ def _tagged(
 
 
 def _simplified(points: Array) -> Array:
-    """Without points at which the outline has turned by little since the last one kept."""
+    """Outline without points at which its direction has changed little since the last one kept."""
     edges = np.roll(points, -1, axis=0) - points
     before = np.roll(edges, 1, axis=0)
     cross = before[:, 0] * edges[:, 1] - before[:, 1] * edges[:, 0]

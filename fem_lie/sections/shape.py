@@ -17,11 +17,12 @@ from fem_lie.sections.warping import Warping
 
 
 class SectionShape:
-    """A section drawn by outlines, in coordinates y along e₂ and z along e₃.
+    """Section given by outlines, with coordinates y along e₂ and z along e₃.
 
-    ``shape.section(material)`` is what a beam needs, ``shape.warping(material)`` knows the details
-    and draws them. Lengths may be in any unit. Cells are sized so that stiffnesses are right to
-    1e-3: some across each wall, small ones at re-entrant corners and where regions end on others.
+    ``shape.section(material)`` is the section of a beam; ``shape.warping(material)`` has details
+    and draws them. Lengths may be in any unit. Cell sizes are chosen so that stiffnesses are
+    accurate to 1e-3: some cells across each wall, small ones at re-entrant corners and where
+    regions end on others.
 
     Args:
         parts: Outlines of each region by its name; regions may touch, but not overlap.
@@ -107,14 +108,14 @@ class SectionShape:
         """Doubly symmetric I (or H) about the origin, with the web along e₃.
 
         Args:
-            width: Of the flanges, along e₂.
-            height: Over all, along e₃.
+            width: Width of the flanges, along e₂.
+            height: Overall height, along e₃.
             web: Thickness of the web.
             flange: Thickness of the flanges.
-            root_radius: Of the fillets between web and flanges.
+            root_radius: Radius of the fillets between web and flanges.
 
         Raises:
-            ValueError: A size is not positive, or they do not go together.
+            ValueError: A size is not positive, or sizes are incompatible.
         """
         _positive(width=width, height=height, web=web, flange=flange)
         _less("web", web, "width", width)
@@ -132,14 +133,14 @@ class SectionShape:
         """Channel open towards +e₂, its web along e₃ with the outer face at y = 0.
 
         Args:
-            width: Of the flanges over all, along e₂.
-            height: Over all, along e₃; z = 0 is the axis of symmetry.
+            width: Overall width of the flanges, along e₂.
+            height: Overall height, along e₃; z = 0 is the axis of symmetry.
             web: Thickness of the web.
             flange: Thickness of the flanges.
-            root_radius: Of the fillets between web and flanges.
+            root_radius: Radius of the fillets between web and flanges.
 
         Raises:
-            ValueError: A size is not positive, or they do not go together.
+            ValueError: A size is not positive, or sizes are incompatible.
         """
         _positive(width=width, height=height, web=web, flange=flange)
         _less("web", web, "width", width)
@@ -154,16 +155,16 @@ class SectionShape:
     def l_section(
         cls, width: float, height: float, thickness: float, root_radius: float = 0.0
     ) -> SectionShape:
-        """Angle with its outer corner at the origin and legs along +e₂ and +e₃.
+        """Angle with its outer corner at the origin and flanges along +e₂ and +e₃.
 
         Args:
-            width: Of the leg along e₂, over all.
-            height: Of the leg along e₃, over all.
-            thickness: Of both legs.
-            root_radius: Of the fillet between the legs.
+            width: Length of the flange along e₂, overall.
+            height: Length of the flange along e₃, overall.
+            thickness: Thickness of both flanges.
+            root_radius: Radius of the fillet between the flanges.
 
         Raises:
-            ValueError: A size is not positive, or they do not go together.
+            ValueError: A size is not positive, or sizes are incompatible.
         """
         _positive(width=width, height=height, thickness=thickness)
         _less("thickness", thickness, "the shorter leg", min(width, height))
@@ -189,13 +190,15 @@ class SectionShape:
 
     @classmethod
     def joined(cls, shapes: Mapping[str, SectionShape]) -> SectionShape:
-        """Shapes that touch, each a region of its own material, as fine as the finest of them.
+        """Composite of touching shapes, each a region of its own material.
+
+        It has the finest refinement of the shapes.
 
         Args:
-            shapes: Each of a single region, by the region's name; see :meth:`moved`.
+            shapes: Shapes of a single region each, by the region's name; see :meth:`moved`.
 
         Raises:
-            ValueError: There are no shapes, or one has regions of its own.
+            ValueError: There are no shapes, or one has several regions.
         """
         for name, shape in shapes.items():
             if len(shape.parts) != 1:
@@ -204,14 +207,11 @@ class SectionShape:
         return cls(parts, max((shape.refinement for shape in shapes.values()), default=1.0))
 
     def moved(self, y: float, z: float) -> SectionShape:
-        """The same shape elsewhere.
+        """Shape translated in its plane.
 
         Args:
             y: Displacement along e₂.
             z: Displacement along e₃.
-
-        Raises:
-            ValueError: A coordinate is not finite.
         """
         shift = np.array([y, z], dtype=np.float64)
         if not np.isfinite(shift).all():
@@ -220,19 +220,16 @@ class SectionShape:
         return SectionShape(parts, self.refinement)
 
     def refined(self, factor: float) -> SectionShape:
-        """The same shape with cells smaller by a factor: to see what the mesh matters.
+        """Shape with cells smaller by a factor, to check convergence.
 
         Args:
             factor: Factor by which cells become smaller.
-
-        Raises:
-            ValueError: The factor is not positive.
         """
         return SectionShape(self.parts, self.refinement * factor)
 
     @cached_property
     def mesh(self) -> SectionMesh:
-        """Its cells, made when first asked for.
+        """Cells of the section, generated at the first access.
 
         Raises:
             ValueError: Parts overlap, or the section is not connected.
@@ -250,14 +247,13 @@ class SectionShape:
         )
 
     def warping(self, material: Material | Mapping[str, Material]) -> Warping:
-        """Its properties and its warping function.
+        """Properties and warping function of the section.
 
         Args:
-            material: Of all regions, or of each region by its name.
+            material: Material of all regions, or of each region by its name.
 
         Raises:
-            ValueError: A region has no material or a material no region, or what :attr:`mesh`
-                refuses.
+            ValueError: A region has no material or a material no region, or as :attr:`mesh`.
         """
         return Warping(self.mesh, material)
 

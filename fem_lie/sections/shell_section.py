@@ -25,12 +25,12 @@ SHEAR_FACTOR = 5.0 / 6.0
 
 @dataclass(frozen=True)
 class Orthotropic:
-    """Material of a ply with fibres along its axis 1.
+    """Orthotropic ply material with fibres along its axis 1.
 
     Attributes:
         E1: Young's modulus along the fibres, force per area.
         E2: Young's modulus across them.
-        nu12: Contraction across for stretch along; nu12² < E1/E2.
+        nu12: Transverse contraction under axial strain along the fibres; nu12² < E1/E2.
         G12: Shear modulus in the plane.
         G13: Transverse shear modulus along the fibres.
         G23: Transverse shear modulus across them.
@@ -60,12 +60,12 @@ class Orthotropic:
 
 @dataclass(frozen=True)
 class Ply:
-    """A layer of a laminate.
+    """Layer of a laminate.
 
     Attributes:
-        thickness: Length.
-        material: What it is made of.
-        angle: From e₁ of the section to the fibres, about the director, in degrees.
+        thickness: Thickness, length.
+        material: Isotropic or orthotropic material.
+        angle: Angle from e₁ of the section to the fibres, about the director, in degrees.
     """
 
     thickness: float
@@ -79,7 +79,10 @@ class Ply:
         instance(self.material, Material | Orthotropic, "material of a ply", wanted)
 
     def stiffness(self) -> tuple[Array, Array]:
-        """Plane stress on ``(E₁₁, E₂₂, 2E₁₂)`` and shear on ``(γ₁, γ₂)``, in the section's axes."""
+        """Plane-stress moduli on ``(E₁₁, E₂₂, 2E₁₂)``, shear moduli on ``(γ₁, γ₂)``.
+
+        Both are along the section axes.
+        """
         m = _orthotropic(self.material)
         nu21 = m.nu12 * m.E2 / m.E1
         factor = 1.0 / (1.0 - m.nu12 * nu21)
@@ -114,7 +117,7 @@ class ShellSection:
     thickness: float
 
     def __post_init__(self) -> None:
-        """Raise ``ValueError`` or ``TypeError`` if a matrix or the thickness cannot be."""
+        """Raise ``ValueError`` or ``TypeError`` for an invalid matrix or thickness."""
         object.__setattr__(self, "stiffness", definite(self.stiffness, 8, "stiffness"))
         object.__setattr__(self, "inertia", semidefinite(self.inertia, 2, "inertia"))
         positive(self.thickness, "thickness")
@@ -123,11 +126,11 @@ class ShellSection:
     def layer(
         cls, thickness: float, material: Material, *, shear_factor: float = SHEAR_FACTOR
     ) -> ShellSection:
-        """A homogeneous isotropic shell.
+        """Homogeneous isotropic shell section.
 
         Args:
-            thickness: Length.
-            material: What it is made of.
+            thickness: Thickness, length.
+            material: Isotropic material.
             shear_factor: Effective over true transverse shear stiffness.
 
         Raises:
@@ -143,15 +146,15 @@ class ShellSection:
         reference: float = 0.5,
         shear_factor: float = SHEAR_FACTOR,
     ) -> ShellSection:
-        """Plies from the bottom to the top, along the director.
+        """Laminate of plies from bottom to top, along the director.
 
         Args:
-            plies: At least one.
+            plies: Plies, at least one.
             reference: Height of the reference surface over the thickness: 0 bottom, 1 top.
             shear_factor: Effective over true transverse shear stiffness.
 
         Raises:
-            ValueError: No ply, or a number is out of its range.
+            ValueError: There is no ply, or a number is out of range.
         """
         if not plies:
             raise ValueError("a laminate needs at least one ply")

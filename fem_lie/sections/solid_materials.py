@@ -1,14 +1,12 @@
-"""Materials of solids: stored energy per unloaded volume, in UFL, without cancellation.
+"""Materials of solids: strain energy per unloaded volume, in UFL, without cancellation.
 
-It is a function of the right Cauchy-Green tensor ``C = FᵀF`` of the deformation gradient ``F``, so
-that it cannot depend on how a body has turned; stress is ``S = 2 ∂W/∂C``.
-
-Functions of small changes without cancellation, in UFL: for energies of solids.
+The energy is a function of the right Cauchy-Green tensor ``C = FᵀF`` of the deformation gradient
+``F``, so that it is invariant under rotations of the body; the stress is ``S = 2 ∂W/∂C``.
 
 At small strains ``C`` is nearly one, and an energy that is a difference of numbers of order one,
-such as ``tr C − 3 − ln det C``, is round-off: at a strain of 1e-6 its error is 1e-4 of itself.
-Written in ``C − 1`` and with these functions it has all digits that strains have. UFL itself has
-neither ``log1p`` nor ``expm1``.
+such as ``tr C − 3 − ln det C``, is dominated by round-off: at a strain of 1e-6 its relative error
+is 1e-4. Written in ``C − 1`` and with the functions of this module it is as accurate as the
+strains. UFL itself has neither ``log1p`` nor ``expm1``.
 """
 
 from __future__ import annotations
@@ -24,17 +22,17 @@ from ufl.core.expr import Expr
 from fem_lie._arrays import instance, number, positive, positive_or_zero
 
 _NEAR, _TERMS = 0.1, 6
-"""Argument up to which the series is summed, and its terms: the next one is 2e-18 of the first."""
+"""Argument up to which the series is used, and its terms: the next is 2e-18 of the first."""
 
 
 def log1p(x: Expr) -> Expr:
-    """``ln(1 + x)`` to round-off of ``x``, also where ``x`` is small.
+    """``ln(1 + x)``, accurate to round-off of ``x``, also for small ``x``.
 
     Args:
         x: A scalar above −1.
 
     Returns:
-        ``2 artanh(x/(2 + x))`` by its series for ``|x| < 0.1``, and else the logarithm.
+        ``2 artanh(x/(2 + x))`` by its series for ``|x| < 0.1``, otherwise the logarithm.
     """
     z = x / (2.0 + x)
     series: Expr | float = 1.0 / (2 * _TERMS + 1)
@@ -44,7 +42,7 @@ def log1p(x: Expr) -> Expr:
 
 
 def expm1(x: Expr) -> Expr:
-    """``eˣ − 1`` to round-off of itself, also where ``x`` is small: ``tanh(x/2) (eˣ + 1)``.
+    """``eˣ − 1``, accurate to round-off, also for small ``x``: ``tanh(x/2) (eˣ + 1)``.
 
     Args:
         x: A scalar.
@@ -53,13 +51,13 @@ def expm1(x: Expr) -> Expr:
 
 
 def det_minus_one(C: Expr) -> Expr:
-    """``det C − 1`` to round-off of strains.
+    """``det C − 1``, accurate to round-off of strains.
 
     Args:
         C: A symmetric matrix (3, 3), near one or not.
 
     Returns:
-        The change by the principal invariants of ``A = C − 1``: ``I₁ + I₂ + I₃``.
+        ``I₁ + I₂ + I₃`` of the principal invariants of ``A = C − 1``.
     """
     A = C - ufl.Identity(3)
     return ufl.tr(A) + 0.5 * (ufl.tr(A) ** 2 - ufl.inner(A, A)) + ufl.det(A)
@@ -69,7 +67,7 @@ _SMALL = 1e-3  # strain
 
 
 class SolidMaterial(ABC):
-    """What a solid is made of: subclass it as a frozen dataclass.
+    """Constitutive law of a solid: subclass it as a frozen dataclass.
 
     Attributes:
         density: Mass per unloaded volume; ``None`` or 0 for statics without gravity.
@@ -80,19 +78,19 @@ class SolidMaterial(ABC):
     @property
     @abstractmethod
     def parameters(self) -> tuple[float, ...]:
-        """Numbers that :meth:`energy` takes; groups of cells may differ in these and nothing else.
+        """Parameters of :meth:`energy`, in which groups of cells may differ.
 
-        As many for all materials of a class.
+        Their number is the same for all materials of a class.
         """
 
     @property
     def law(self) -> object:
-        """What materials in one solid must have in common: by default their class."""
+        """Key that materials in one solid must have in common: by default their class."""
         return type(self)
 
     @abstractmethod
     def energy(self, C: Expr, *parameters: Expr) -> Expr:
-        """Energy per unloaded volume, zero and without stress at ``C = 1``.
+        """Strain energy per unloaded volume, zero and stress-free at ``C = 1``.
 
         Args:
             C: Right Cauchy-Green tensor, a symmetric matrix (3, 3).
@@ -100,7 +98,7 @@ class SolidMaterial(ABC):
         """
 
     def incompressibility(self) -> float:
-        """Bulk over shear modulus of small strains; 2.2 with Poisson's ratio 0.3, 50 with 0.49."""
+        """Ratio of bulk to shear modulus at small strains; 2.2 for ν = 0.3, 50 for ν = 0.49."""
 
         def stored(*stretches: float) -> float:
             C = ufl.as_matrix(np.diag(np.square(stretches)).tolist())
@@ -119,11 +117,11 @@ class SolidMaterial(ABC):
 
 @dataclass(frozen=True)
 class _Isotropic(SolidMaterial):
-    """A material of two elastic constants.
+    """Material with two elastic constants.
 
     Attributes:
-        E: Young's modulus of small strains, force per area.
-        nu: Poisson's ratio of small strains, -1 < nu < 0.5.
+        E: Young's modulus at small strains, force per area.
+        nu: Poisson's ratio at small strains, -1 < nu < 0.5.
         density: Mass per unloaded volume; ``None`` or 0 for statics without gravity.
 
     Raises:
@@ -135,7 +133,7 @@ class _Isotropic(SolidMaterial):
     density: float | None = None
 
     def __post_init__(self) -> None:
-        """See the class."""
+        """Check the numbers."""
         positive(self.E, "Young's modulus E")
         if not -1.0 < number(self.nu, "Poisson's ratio nu") < 0.5:
             raise ValueError(
@@ -154,11 +152,11 @@ class _Isotropic(SolidMaterial):
 class SaintVenantKirchhoff(_Isotropic):
     """``W = ½ λ (tr E)² + μ E:E`` with ``E = ½ (C − 1)``: small strains, any rotations.
 
-    In compression beyond some forty per cent it has no resistance any more.
+    It loses its stiffness in compression beyond about forty per cent.
     """
 
     def energy(self, C: Expr, *parameters: Expr) -> Expr:
-        """See the base class."""
+        """Strain energy per unloaded volume."""
         λ, μ = parameters
         E = 0.5 * (C - ufl.Identity(3))
         return 0.5 * λ * ufl.tr(E) ** 2 + μ * ufl.inner(E, E)
@@ -169,7 +167,7 @@ class NeoHooke(_Isotropic):
     """``W = ½ μ (tr C − 3 − 2 ln J) + ½ λ (ln J)²``: large strains, ``J = √det C``."""
 
     def energy(self, C: Expr, *parameters: Expr) -> Expr:
-        """Energy per unloaded volume, of changes of ``C``: no digits cancel at small strains."""
+        """Strain energy per unloaded volume in changes of ``C``, without cancellation."""
         λ, μ = parameters
         log = 0.5 * log1p(det_minus_one(C))
         return 0.5 * μ * (ufl.tr(C - ufl.Identity(3)) - 2.0 * log) + 0.5 * λ * log**2
@@ -177,20 +175,19 @@ class NeoHooke(_Isotropic):
 
 @dataclass(frozen=True)
 class Hyperelastic(SolidMaterial):
-    """Any other energy, anisotropic ones included.
+    """Any other strain energy, anisotropic ones included.
 
     Attributes:
         function: Energy per unloaded volume as a UFL function of ``C``, and of ``parameters`` if
-            there are any; it must vanish, and have no slope, at ``C = 1``. Where it is a difference
-            of larger numbers, as ``tr C − 3 − ln det C``, it is round-off at small strains, and
-            energy is conserved no better; :func:`~fem_lie.sections.log1p`,
-            :func:`~fem_lie.sections.expm1` and :func:`~fem_lie.sections.det_minus_one` have all
-            digits there.
+            there are any; it must vanish, with zero derivative, at ``C = 1``. If it is a difference
+            of larger numbers, as ``tr C − 3 − ln det C``, it is dominated by round-off at small
+            strains, and energy is conserved to that accuracy only; :func:`~fem_lie.sections.log1p`,
+            :func:`~fem_lie.sections.expm1` and :func:`~fem_lie.sections.det_minus_one` avoid this.
         density: Mass per unloaded volume; ``None`` or 0 for statics without gravity.
-        parameters: Numbers for the function; groups of cells of one solid may differ in these.
+        parameters: Parameters of the function; groups of cells of one solid may differ in these.
 
     Raises:
-        TypeError: It is no function.
+        TypeError: ``function`` is not a function.
         ValueError: A number is outside its range.
     """
 
@@ -199,7 +196,7 @@ class Hyperelastic(SolidMaterial):
     parameters: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        """See the class."""
+        """Check the arguments."""
         instance(self.function, Callable, "Hyperelastic: function", "a UFL function of C")
         for value in self.parameters:
             number(value, "a parameter of a Hyperelastic material")
@@ -207,9 +204,9 @@ class Hyperelastic(SolidMaterial):
 
     @property
     def law(self) -> object:
-        """The function."""
+        """Key of the law: the function."""
         return self.function
 
     def energy(self, C: Expr, *parameters: Expr) -> Expr:
-        """See the base class."""
+        """Strain energy per unloaded volume."""
         return self.function(C, *parameters)

@@ -78,7 +78,10 @@ _DRAWN_PIECES = 4  # of a cell's edge
 
 @dataclass(frozen=True, eq=False)
 class Torsion:
-    """``GJ``, the shear centre from the centroid, ``ω_s`` and ``EI_ω = ∫E ω_s² dA``."""
+    """Torsional stiffness ``GJ``, shear centre from the centroid, ``ω_s``, ``EI_ω``.
+
+    ``EI_ω = ∫E ω_s² dA``.
+    """
 
     stiffness: float
     shear_centre: Array
@@ -89,8 +92,8 @@ class Torsion:
 class WarpingFields:
     """Integrals over the section as products of matrices with nodal values.
 
-    Coordinates and the quadratic ``a`` are in the space of Lagrange elements themselves, so that
-    four bilinear forms serve for all integrals.
+    Coordinates and the quadratic ``a`` are in the space of the Lagrange elements, so that four
+    bilinear forms suffice for all integrals.
     """
 
     def __init__(
@@ -131,7 +134,7 @@ class WarpingFields:
         )
 
     def torsion(self) -> Torsion:
-        """Torsion about the centroid, then the pole that makes it free of bending."""
+        """Torsion about the centroid, then about the pole that decouples it from bending."""
         y, z = self.r
         t = np.array([-z, y])
         load = self._divergence(t)
@@ -144,7 +147,7 @@ class WarpingFields:
         return Torsion(stiffness, np.array([-minus_ys, zs]), function, warping)
 
     def shear_factors(self, torsion: Torsion) -> Array:
-        """From the flexibility ``Γ = F Q``, shape (2, 2)."""
+        """Shear factors from the flexibility ``Γ = F Q``, shape (2, 2)."""
         y, z = self.r
         p, q = 0.5 * (y * y - z * z), y * z
         along_y = self.shear_strain(y, -self.nu * np.array([p, q]), torsion)
@@ -153,7 +156,7 @@ class WarpingFields:
         return np.asarray(np.linalg.inv(0.5 * (F + F.T) * self.GA))
 
     def shear_strain(self, strain: Array, a: Array, torsion: Torsion) -> Array:
-        """Γ for ``ε' = strain`` and a, with a resultant through the shear centre, shape (2,)."""
+        """Shear strain Γ for ``ε' = strain`` and a, resultant in the shear centre, (2,)."""
         y, z = self.r
         ys, zs = torsion.shear_centre
         t = np.array([zs - z, y - ys])
@@ -173,12 +176,12 @@ class WarpingFields:
         return triangles.reshape(-1, 3).astype(np.int64), values
 
     def _divergence(self, vector: Array) -> Array:
-        """``∫G u·∇η`` for all η."""
+        """Linear form ``∫G u·∇η`` for all η."""
         along_y, along_z = self.derivatives
         return np.asarray(along_y @ vector[0] + along_z @ vector[1])
 
     def _mean_gradient(self, function: Array) -> Array:
-        """``(∫E r⊗r)⁻¹ ∫E r u``: gradient of the plane nearest to u."""
+        """``(∫E r⊗r)⁻¹ ∫E r u``: gradient of the plane closest to u."""
         return np.asarray(np.linalg.solve(self.EI, self.r @ (self.mass_E @ function)))
 
     def _solve(self, load: Array) -> Array:

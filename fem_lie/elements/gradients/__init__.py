@@ -1,1 +1,1 @@
-"""Beams whose points have a place and all three of its slopes."""
+"""ANCF elements: beams and plates with positions and all three position gradients."""

@@ -1,41 +1,37 @@
-"""Fully parametrised beam: positions and three position gradients, sections that deform.
+"""Fully parametrised ANCF beam: positions and three position gradients; sections deform.
 
-Of the strains of :mod:`.strains` those of the axis and the curvatures have the section's stiffness
-``D``. With ``b = (E₁₁, 2E₁₂, 2E₁₃, κ₁, κ₂, κ₃)``, its mean ``b̄`` by Simpson's rule over ends and
-middle, and ``D*`` the stiffness with the residual bending flexibility of MacNeal,
+A point of the section is ``r + y r_y + z r_z``; ``r`` is the cubic through the positions and
+gradients ``r_x`` of both ends, and ``r_y``, ``r_z`` are linear. All strains are products of vectors
+at three points, the two ends and the midpoint:
+
+- ``(E₁₁, 2 E₁₂, 2 E₁₃) = (½ r_x·r_x − ½, r_x·r_y, r_x·r_z)`` at all three,
+- ``κ = (½ (r_y'·r_z − r_z'·r_y), r_x·r_z', −r_x·r_y')``, the twist at the midpoint, of the others
+  four thirds of the midpoint value less a third of the mean of both ends: on an arc of the angle α
+  within the cell these are ``2 sin ½α/ℓ`` and ``sin α/ℓ``, and together ``α/ℓ`` up to ``α⁵/480ℓ``,
+- ``(E₂₂, E₃₃, 2 E₂₃)`` of the section at both ends.
+
+There are eighteen, as many as a cell has deformation modes, so that none of them constrains
+another. In a thin beam with large bending within a cell, cubics and lines cannot be free of axial
+strain, shear and deformation of the section everywhere, but they can be so at the nodes and at the
+midpoint. Integrated at Gauss points they lock. The strains of the unloaded cell are subtracted. As
+they are quadratic in the vectors, the geometric stiffness is constant for constant stress.
+
+The strains of the axis and the curvatures have the stiffness ``D`` of the section. With
+``b = (E₁₁, 2E₁₂, 2E₁₃, κ₁, κ₂, κ₃)``, its mean ``b̄`` by Simpson's rule over ends and midpoint, and
+``D*`` the stiffness with the residual bending flexibility of MacNeal,
 :func:`~fem_lie.elements.beams.element.with_bending_flexibility`::
 
     W = ½ ℓ b̄·D* b̄ + ½ ℓ Σ wₚ (bₚ − b̄)·D (bₚ − b̄) + ½ ½ℓ Σ_ends a·M a
 
-The mean stress so is that of forces at the ends for small deflections, which ``D`` would lock. The
-last part is that of the section, ``a = (E₂₂ + ν E₁₁, E₃₃ + ν E₁₁, 2E₂₃)``: with the elasticity of
-an isotropic solid the energy of ``(E₁₁, E₂₂, E₃₃)`` is just ``½ EA E₁₁²`` and ``½ a·M a``. A beam
-that is bent has ``E I`` without that, since the section may be curved across it; in a solid of
-linear ``r_y``, ``r_z`` it could not, and would be stiffer by ``(1 − ν)/((1 + ν)(1 − 2ν))``.
+So the mean stress is that of end forces for small deflections, where ``D`` would lock. The last
+term is that of the section, ``a = (E₂₂ + ν E₁₁, E₃₃ + ν E₁₁, 2E₂₃)``: with the elasticity of an
+isotropic solid the energy of ``(E₁₁, E₂₂, E₃₃)`` is exactly ``½ EA E₁₁²`` and ``½ a·M a``. Bending
+has ``E I`` without that, since the section may be curved across the bending direction; in a solid
+with linear ``r_y``, ``r_z`` it could not, and would be stiffer by ``(1 − ν)/((1 + ν)(1 − 2ν))``.
 
 Sources: J. Gerstmayr & A. A. Shabana, *Nonlinear Dyn.* 45 (2006) 109; K. Nachbagauer, A. S.
-Pechstein, H. Irschik & J. Gerstmayr, *Multibody Syst. Dyn.* 26 (2011) 245 (closed form, and why
-the solid locks); M. Patel & A. A. Shabana, *J. Sound Vib.* 432 (2018) 200 (the strain split).
-
-Strains of the beam of places and three slopes, and the compiled functions of its cells.
-
-A point of the section is ``r + y r_y + z r_z``, with ``r`` a cubic of places and slopes ``r_x`` of
-both ends and ``r_y``, ``r_z`` linear. All strains are products of vectors at three places, the two
-ends and the middle:
-
-- ``(E₁₁, 2 E₁₂, 2 E₁₃) = (½ r_x·r_x − ½, r_x·r_y, r_x·r_z)`` at all three,
-- ``κ = (½ (r_y'·r_z − r_z'·r_y), r_x·r_z', −r_x·r_y')``, the twist in the middle, of the others
-  four thirds of the middle less a third of the mean of both ends: on an arc of the angle α within
-  the cell they are ``2 sin ½α/ℓ`` and ``sin α/ℓ``, and together ``α/ℓ`` but for ``α⁵/480ℓ``,
-- ``(E₂₂, E₃₃, 2 E₂₃)`` of the section at both ends.
-
-They are eighteen, as many as a cell has motions that are not rigid: none of them has to be where
-another is wanted. Where a thin beam bends far within a cell the cubics and lines cannot be without
-stretch, shear and deformation of the section everywhere, but they can be so at the nodes and in the
-middle. Integrated at Gauss points they lock.
-
-Less those of the unloaded cell they are what the energy is of. As they are quadratic in the
-vectors, the geometric matrix is constant for constant stress.
+Pechstein, H. Irschik & J. Gerstmayr, *Multibody Syst. Dyn.* 26 (2011) 245 (closed form, and why the
+solid locks); M. Patel & A. A. Shabana, *J. Sound Vib.* 432 (2018) 200 (the strain split).
 """
 
 from __future__ import annotations
@@ -72,7 +68,7 @@ BEAM, CURVATURE, SECTION = 0, 9, 12
 """First index of the strains of the axis, of the curvatures, and of the strains of the sections."""
 
 _X, _Y, _Z, _DY, _DZ = 0, 3, 6, 9, 10
-"""Vectors: ``r_x``, ``r_y``, ``r_z`` at one end, the middle, the other end; ``r_y'``, ``r_z'``."""
+"""Vectors: ``r_x``, ``r_y``, ``r_z`` at one end, midpoint, other end; ``r_y'``, ``r_z'``."""
 
 
 def _terms() -> Array:
@@ -92,7 +88,7 @@ def _terms() -> Array:
 
 
 def _tables(lengths: Array) -> Array:
-    """The eleven vectors of those of the nodes, shape (m, 1, 11, 8), of lengths (m,)."""
+    """Eleven vectors from those of the nodes, shape (m, 1, 11, 8), for lengths (m,)."""
     chord, rate = 1.5 / lengths, 1.0 / lengths
     T = np.zeros((len(lengths), 1, _POINT_VECTORS, VECTORS))
     # the nodes have r, r_x of both ends, then r_y, r_z of both
@@ -119,9 +115,9 @@ def data(rows: Array, lengths: Array, C: Array) -> Array:
     """Data of cells.
 
     Args:
-        rows: Of the nodes of the cells, unloaded, shape (m, 4, 4, 3).
-        lengths: Of the cells, shape (m,).
-        C: Of the cells, shape (m, 18, 18).
+        rows: Unloaded coordinates of the nodes of the cells, shape (m, 4, 4, 3).
+        lengths: Lengths of the cells, shape (m,).
+        C: Stiffness on the strains of each cell, shape (m, 18, 18).
     """
     T, (node, number) = _tables(lengths), ELEMENT.cells.coordinates.T[:2]
     return data_at_rest(ELEMENT, T, T @ rows[:, np.newaxis, node, number], C[:, np.newaxis])
@@ -157,16 +153,16 @@ _SIMPSON = np.array([1.0, 4.0, 1.0]) / 6
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 _NODE = np.array([0, 0, 2, 2, 1, 1, 3, 3])
 _ROW = np.array([0, 1, 1, 2, 0, 1, 1, 2])
-"""Where the vectors ``(r, r_x, r_y, r_z)`` of both ends are in the rows of a cell's nodes."""
+"""Index of the vectors ``(r, r_x, r_y, r_z)`` of both ends in the coordinates of a cell's nodes."""
 
 
 @dataclass(frozen=True)
 class AncfElement:
-    """The element of :class:`~fem_lie.AncfBeam`.
+    """Finite element of :class:`~fem_lie.AncfBeam`.
 
     Attributes:
-        poisson: Poisson's ratio of the sections; default: that of a section that knows its moduli,
-            else zero.
+        poisson: Poisson's ratio of the sections; default: that of a section with known moduli, else
+            zero.
         bending_flexibility: Whether the mean stress has the residual bending flexibility.
 
     Raises:
@@ -177,18 +173,18 @@ class AncfElement:
     bending_flexibility: bool = True
 
     def __post_init__(self) -> None:
-        """Check the number."""
+        """Check Poisson's ratio."""
         if self.poisson is not None:
             check_poisson(number(self.poisson, "AncfElement: poisson"))
 
     def stiffness(self, D: Array, poisson: Array, ends: Array, lengths: Array) -> Array:
-        """``C`` of cells, shape (m, 18, 18).
+        """Stiffness ``C`` of cells on their strains, shape (m, 18, 18).
 
         Args:
             D: Section stiffness on (Γ, κ), shape (m, 6, 6).
-            poisson: Of the sections, shape (m,).
-            ends: Frames of both ends, unloaded, shape (m, 2, 4, 3).
-            lengths: Of the cells, shape (m,).
+            poisson: Poisson's ratio of the sections, shape (m,).
+            ends: Unloaded frames of both ends, shape (m, 2, 4, 3).
+            lengths: Lengths of the cells, shape (m,).
         """
         mean = D
         if self.bending_flexibility:
@@ -204,12 +200,12 @@ class AncfElement:
         return np.asarray(lengths[:, np.newaxis, np.newaxis] * C)
 
     def place(self, nodes: Sequence[int], part: float, length: float) -> AttachmentFrame:
-        """The place and section within a cell.
+        """Attachment frame of the section at a point within a cell.
 
         Args:
-            nodes: Of the cell.
-            part: Arc length from its first end over its length, unloaded.
-            length: Of the cell.
+            nodes: Nodes of the cell.
+            part: Unloaded arc length from its first end over its length.
+            length: Length of the cell.
         """
         shares = np.zeros((NODES, 2, 3))
         shares[:2, :, 0] = np.array(_hermite(part, length)).reshape(2, 2)
@@ -218,11 +214,11 @@ class AncfElement:
         return on_section(nodes, shares)
 
     def inertia(self, density: Array, lengths: Array) -> Array:
-        """Constant matrix of the rows of cells' nodes, shape (m, 4, 4, 4, 4).
+        """Mass matrix in the nodal coordinates of cells, shape (m, 4, 4, 4, 4).
 
         Args:
             density: Mass matrix of (x, d₁, d₂, d₃) per length, shape (m, 4, 4).
-            lengths: Shape (m,).
+            lengths: Lengths of the cells, shape (m,).
         """
         s, w = 0.5 + 0.5 * _POINTS, 0.5 * _WEIGHTS
         N = np.zeros((len(lengths), len(s), 4, VECTORS))
@@ -239,20 +235,20 @@ class AncfElement:
 
 
 def _hermite(s: Array | float, h: Array | float) -> tuple[Array | float, ...]:
-    """Shapes of place and slope, first of one end, at parts ``s`` of lengths ``h``."""
+    """Shape functions of position and gradient, first of one end, at ``s`` for lengths ``h``."""
     r = 1 - s
     return r**2 * (1 + 2 * s), h * s * r**2, s**2 * (3 - 2 * s), h * s**2 * (s - 1)
 
 
 def check_poisson(value: float) -> float:
-    """Raise ``ValueError`` if it is no Poisson's ratio of a stable solid that can be compressed."""
+    """Raise ``ValueError`` if ``value`` is not Poisson's ratio of a stable compressible solid."""
     if not -1.0 < value < 0.5:
         raise ValueError(f"Poisson's ratio must lie between -1 and 0.5, got {value!r}")
     return value
 
 
 def _axis_strains() -> Array:
-    """``b`` at the three places of all strains, shape (3, 6, 18)."""
+    """Matrix from all strains to ``b`` at the three points, shape (3, 6, 18)."""
     b = np.zeros((3, 6, STRAINS))
     for p in range(3):
         for k in range(3):
@@ -261,7 +257,7 @@ def _axis_strains() -> Array:
 
 
 def _section_strains(end: int, poisson: Array) -> Array:
-    """``a`` at an end of all strains, shape (m, 3, 18)."""
+    """Matrix from all strains to ``a`` at an end, shape (m, 3, 18)."""
     a = np.zeros((len(poisson), 3, STRAINS))
     for k in range(3):
         a[:, k, SECTION + 3 * end + k] = 1.0
@@ -270,7 +266,7 @@ def _section_strains(end: int, poisson: Array) -> Array:
 
 
 def _across(EA: Array, poisson: Array) -> Array:
-    """``M``, shape (m, 3, 3)."""
+    """Section matrix ``M``, shape (m, 3, 3)."""
     M = np.zeros((len(EA), 3, 3))
     lame = EA * poisson / ((1 + poisson) * (1 - 2 * poisson))
     M[:, 2, 2] = 0.5 * EA / (1 + poisson)

@@ -1,39 +1,35 @@
-"""Fully parametrised plate: positions and three position gradients at four corners.
+"""Fully parametrised ANCF plate: positions and three position gradients at four corners.
 
-A cell has 44 strains, two more than motions that are not rigid, all products of vectors at its
-corners, the middles of its edges and its own:
+Nodal vectors at each corner, (0, 0), (1, 0), (0, 1), (1, 1), are the position, its derivatives
+along ξ and η, and the gradient ``d`` across the thickness. Edges are the cubics through positions
+and gradients; the surface between them is blended linearly (S. A. Coons 1967; the polynomials are
+those of A. Adini & R. W. Clough 1960), so that it is continuous across cells. The gradient across
+the thickness is bilinear.
 
-- ``E₁₁`` and the shear ``γ₁ = r₁·d`` at both ends and in the middle of the edges along ξ, ``E₂₂``
-  and ``γ₂`` likewise along η; ``2 E₁₂`` at all nine places,
-- ``κ₁₁ = r₁·d₁`` of each edge along ξ, four thirds of its middle less a third of the mean of its
-  ends, which is right on arcs; ``κ₂₂`` likewise; ``2 κ₁₂`` in the middle,
-- ``E₃₃ = ½ d·d − ½`` at the corners, and ``E₁₁``, ``E₂₂`` in the middle,
+A cell has 44 strains, two more than deformation modes, all products of vectors at its corners, the
+midpoints of its edges and its centre:
 
-with ``d`` the slope across the thickness. Edges are as the beam of :mod:`.strains`, and for the
-same reason nothing locks that bends without stretch, shear and thickness. Fields of these strains
-within the cell are quadratic along, linear across, that of ``2 E₁₂`` quadratic in both. Of what
-``E₁₁`` and ``E₂₂`` in the middle are more than at the edges beside it a small share counts, without
-which corners that turn in the surface to and fro would meet no stiffness. (Where less of ``2 E₁₂``
-is taken, at 2×2 Gauss points, curved shells lock less on coarse meshes, but thick strips that bend
-within their surface are too soft by some hundredths.)
+- ``E₁₁`` and the shear ``γ₁ = r₁·d`` at both ends and at the midpoint of the edges along ξ, ``E₂₂``
+  and ``γ₂`` likewise along η; ``2 E₁₂`` at all nine points,
+- ``κ₁₁ = r₁·d₁`` of each edge along ξ, four thirds of its midpoint value less a third of the mean
+  of its ends, which is accurate on arcs; ``κ₂₂`` likewise; ``2 κ₁₂`` at the centre,
+- ``E₃₃ = ½ d·d − ½`` at the corners, and ``E₁₁``, ``E₂₂`` at the centre.
 
-The section's stiffness (8, 8) is that of :class:`~fem_lie.ShellSection`, laminates included:
-stress across the thickness is nil, and ``E₃₃`` has a stiffness of its own (no Poisson locking). The
+The strains of the unloaded cell are subtracted, and the energy is ``½ ε·C ε``. Edges are like the
+beam of :mod:`.ancf`, and the element does not lock for the same reason. Fields of these strains
+within the cell are quadratic along, linear across; that of ``2 E₁₂`` is quadratic in both
+directions. The difference of ``E₁₁`` and ``E₂₂`` at the centre from the adjacent edges has a small
+fraction of the stiffness, without which alternating in-plane rotations of corners would have no
+energy. (With ``2 E₁₂`` at 2×2 Gauss points, curved shells lock less on coarse meshes, but thick
+strips in in-plane bending are a few per cent too soft.)
+
+The section stiffness (8, 8) is that of :class:`~fem_lie.ShellSection`, laminates included: the
+stress across the thickness is zero, and ``E₃₃`` has its own stiffness (no Poisson locking). The
 mean shear of an edge has MacNeal's residual bending flexibility, ``1/G + h²/12D``, without which
-linear moments would need twice the cells.
+linear moments would need twice as many cells.
 
-Interpolation of the plate of places and three slopes: surfaces between cubic edges.
-
-At each corner, (0, 0), (1, 0), (0, 1), (1, 1), are the place, its derivatives along ξ and η, and
-the slope across the thickness. Edges are cubics of places and slopes, what is between them is
-blended linearly (S. A. Coons 1967; the polynomials are those of A. Adini & R. W. Clough 1960), so
-that neighbours fit. The slope across the thickness is bilinear.
-
-Strains of the plate of places and three slopes, and the compiled functions of its cells.
-
-Strains are sums of products of vectors, the energy is ``½ ε·C ε`` of those less the strains of the
-unloaded cell, with the ``C`` of :mod:`.plate`. Nodes are those of thin shells, with the slope
-across the thickness where these have the mixed derivative.
+Nodes are those of thin shells, with the gradient across the thickness in place of the mixed
+derivative.
 """
 
 from __future__ import annotations
@@ -59,15 +55,15 @@ from fem_lie.lie.node_types.node_type import NodeType
 from fem_lie.mesh.bicubic import hermite
 
 VALUE, ALONG, ACROSS = range(3)
-"""Derivatives in a table: none, ξ, η."""
+"""Indices of a table: value, and derivatives in ξ and η."""
 
 _H = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
 _L = np.array([[1.0, -1, 0, 0], [0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0]])
-"""By powers: place and slope of the first end, then of the second; cubics, and lines."""
+"""Coefficients by powers: value and slope of the first end, then the second; cubic, linear."""
 
 
 def table(points: Array) -> Array:
-    """Values and derivatives of the place at points (g, 2), shape (g, 3, 16).
+    """Shape functions of the position and derivatives at points (g, 2), shape (g, 3, 16).
 
     Args:
         points: Points in reference coordinates, shape (g, 2).
@@ -86,7 +82,7 @@ def table(points: Array) -> Array:
 
 
 def directors(points: Array) -> Array:
-    """The same of the slope across the thickness."""
+    """Shape functions of the gradient across the thickness, and derivatives."""
     found = np.zeros((len(points), 3, 4, 4))
     for k, orders in enumerate(((0, 0), (1, 0), (0, 1))):
         lx, ly = (_at(_L, points[:, j], orders[j]) for j in range(2))
@@ -96,7 +92,7 @@ def directors(points: Array) -> Array:
 
 
 def _at(powers: Array, x: Array, order: int) -> Array:
-    """Derivatives of polynomials at places (g,), shape (4, g)."""
+    """Derivatives of polynomials at points (g,), shape (4, g)."""
     return np.stack([np.polynomial.Polynomial(c).deriv(order)(x) for c in powers])
 
 
@@ -105,7 +101,7 @@ STRAINS = 44
 
 
 class _Places(NamedTuple):
-    """Where strains begin: membrane at two edges of three places, shear likewise, nine of 2 E₁₂."""
+    """Offsets of strains: membrane at two edges of three points, shear, nine of 2 E₁₂."""
 
     E11: int = 0
     E22: int = 6
@@ -118,12 +114,12 @@ E = _Places()
 K11, K22, K12, E33, MIDDLE = 33, 35, 37, 38, 42
 
 _R1, _R2, _D, _D1, _D2 = 0, 9, 18, 27, 36
-"""Vectors at nine places, the second parameter runs first: slopes, director and its slopes."""
+"""Vectors at nine points, the second parameter first: tangents, director and its derivatives."""
 _POINT_VECTORS = 45
 
 
 def _interpolation() -> Array:
-    """The 45 vectors of those of the interpolation, shape (45, 16)."""
+    """45 vectors from those of the interpolation, shape (45, 16)."""
     at = hermite.products(GRID, GRID)
     places, across = table(at), directors(at)
     parts = places[:, 1], places[:, 2], across[:, 0], across[:, 1], across[:, 2]
@@ -131,7 +127,7 @@ def _interpolation() -> Array:
 
 
 def _edge(k: int, side: int, place: int) -> int:
-    """Number in the grid of a place on an edge along ``k``."""
+    """Index in the grid of a point on an edge along ``k``."""
     i, j = (place, 2 * side) if k == 0 else (2 * side, place)
     return 3 * i + j
 
@@ -170,9 +166,9 @@ def data(q: Array, extraction: Array, C: Array) -> Array:
     """Data of cells.
 
     Args:
-        q: Vectors of the interpolation, unloaded, shape (m, 16, 3).
-        extraction: These of the coordinate vectors of nodes, shape (m, 16, 16).
-        C: Of the cells, shape (m, 44, 44).
+        q: Unloaded vectors of the interpolation, shape (m, 16, 3).
+        extraction: Matrices to them from the coordinate vectors of nodes, shape (m, 16, 16).
+        C: Stiffness on the strains of each cell, shape (m, 44, 44).
     """
     T = (_INTERPOLATION @ extraction)[:, np.newaxis, :, COORDINATES]
     return data_at_rest(ELEMENT, T, (_INTERPOLATION @ q)[:, np.newaxis], C[:, np.newaxis])
@@ -211,30 +207,30 @@ _MEMBRANE, _BENDING, _SHEAR = slice(0, 3), slice(3, 6), slice(6, 8)
 
 @dataclass(frozen=True)
 class AncfPlate:
-    """The element of :class:`~fem_lie.AncfShell`.
+    """Finite element of :class:`~fem_lie.AncfShell`.
 
     Attributes:
         bending_flexibility: Whether mean shear has the residual bending flexibility.
-        share: How much counts of the energy of ``E₁₁`` and ``E₂₂`` in the middle beside that at the
-            edges, between 0 and 1.
+        share: Fraction of the energy of ``E₁₁`` and ``E₂₂`` at the centre relative to the edges,
+            between 0 and 1.
 
     Raises:
-        ValueError: The share is not between 0 and 1.
+        ValueError: ``share`` is not between 0 and 1.
     """
 
     bending_flexibility: bool = True
     share: float = 0.02
 
     def __post_init__(self) -> None:
-        """Check the share."""
+        """Check the fraction."""
         if not 0.0 <= number(self.share, "AncfPlate: share") <= 1.0:
             raise ValueError(f"the share must lie between 0 and 1, got {self.share!r}")
 
     def stiffness(self, q: Array, along: Array, D: Array) -> Array:
-        """``C`` of cells, shape (m, 44, 44).
+        """Stiffness ``C`` of cells on their strains, shape (m, 44, 44).
 
         Args:
-            q: Vectors of the interpolation, unloaded, shape (m, 16, 3).
+            q: Unloaded vectors of the interpolation, shape (m, 16, 3).
             along: Vector of each cell whose projection onto the surface is e₁, shape (m, 3).
             D: Section stiffness, shape (m, 8, 8).
         """
@@ -264,16 +260,16 @@ class AncfPlate:
         return np.asarray(0.5 * (C + C.swapaxes(1, 2)))
 
     def surface_rule(self) -> tuple[Array, Array, Array]:
-        """Values (g, 16), slopes (g, 2, 16) and weights (g,) for integrals over a cell."""
+        """Values (g, 16), slopes (g, 2, 16) and weights (g,) of a quadrature rule over a cell."""
         x, w = hermite.gauss(_POINTS)
         found = table(hermite.products(x, x))
         return found[:, 0], found[:, 1:], np.asarray(np.outer(w, w)).ravel()
 
     def inertia(self, q: Array, density: Array) -> Array:
-        """``∫ (ρ₀₀ r r + ρ₀₁ (r d + d r) + ρ₁₁ d d) dA`` of the vectors, shape (m, 16, 16).
+        """Mass matrix ``∫ (ρ₀₀ r r + ρ₀₁ (r d + d r) + ρ₁₁ d d) dA``, shape (m, 16, 16).
 
         Args:
-            q: Vectors of the interpolation, unloaded, shape (m, 16, 3).
+            q: Unloaded vectors of the interpolation, shape (m, 16, 3).
             density: Mass matrix of (r, d) per area, shape (m, 2, 2).
         """
         x, w = hermite.gauss(_POINTS + 1)
@@ -286,7 +282,7 @@ class AncfPlate:
 
 
 def _fields(at: Array, share: float) -> Array:
-    """All strains at places (g, 2) of the sampled ones, shape (g, 9, 44)."""
+    """Strain fields at points (g, 2) from the sampled strains, shape (g, 9, 44)."""
     found = np.zeros((len(at), 9, STRAINS))
     ξ, η = at.T
     quadratic = [hermite.lagrange(GRID, t) for t in (ξ, η)]
@@ -296,7 +292,7 @@ def _fields(at: Array, share: float) -> Array:
         values = np.einsum("gs,ge->ges", quadratic[k], linear[1 - k]).reshape(-1, 6)
         found[:, k, first : first + 6] = values
         found[:, 6 + k, shear : shear + 6] = values
-        # what is in the middle, and not on the edges: a share of the bubble over their mean
+        # at the centre: a fraction of the bubble over the mean of the edges
         bubble = share * 4 * linear[1 - k].prod(axis=1)
         found[:, k, MIDDLE + k] = bubble
         found[:, k, [first + 1, first + 4]] -= 0.5 * bubble[:, np.newaxis]
@@ -310,7 +306,7 @@ def _fields(at: Array, share: float) -> Array:
 
 
 def _mean_shear(at: Array) -> Array:
-    """Means along the edges, linear between them, shape (g, 2, 44)."""
+    """Mean shear along the edges, linear between them, shape (g, 2, 44)."""
     found = np.zeros((len(at), 2, STRAINS))
     for k, first in enumerate((E.S1, E.S2)):
         t = at[:, 1 - k]
@@ -320,7 +316,7 @@ def _mean_shear(at: Array) -> Array:
 
 
 def _to_axes(slopes: Array, along: Array) -> tuple[Array, Array]:
-    """From covariant strains to those along the section's axes (m, g, 8, 8), and areas (m, g)."""
+    """Transformation of covariant strains to section axes (m, g, 8, 8), and areas (m, g)."""
     r1, r2 = slopes[:, :, 0], slopes[:, :, 1]
     m = np.cross(r1, r2)
     areas = np.linalg.norm(m, axis=-1)

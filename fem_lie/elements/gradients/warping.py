@@ -1,14 +1,14 @@
-r"""Restrained warping of thin-walled sections (Vlasov): springs between the twists of elements.
+"""Restrained warping of thin-walled sections (Vlasov): springs between the twists of elements.
 
-A section of warping stiffness ``EI_ω`` that twists by ``κ₁`` per length is displaced along the
-beam by ``κ₁ ω(y, z)``, and where that changes along the beam there is a bimoment ``−EI_ω κ₁'``::
+A section with warping stiffness ``EI_ω`` and twist ``κ₁`` per length has the axial displacement
+``κ₁ ω(y, z)``; where the twist varies along the beam there is a bimoment ``−EI_ω κ₁'``::
 
     W = ½ ∫ EI_ω κ₁'² ds
 
-The twist of an element from a to b is that of its strains, ``(r_y,b·r_z,a − r_y,a·r_z,b)/2ℓ``, its
-change that from one to the next over the distance of their middles. Where warping is held the twist
-is zero at the end, half an element away. So the amplitude of warping is no unknown.
-(V. Z. Vlasov, *Thin-Walled Elastic Beams* (1961).)
+The twist of an element from a to b is that of its strains, ``(r_y,b·r_z,a − r_y,a·r_z,b)/2ℓ``; its
+derivative is the difference between successive elements over the distance of their midpoints. Where
+warping is held the twist is zero at the end, half an element away. So the amplitude of warping is
+not an unknown. (V. Z. Vlasov, *Thin-Walled Elastic Beams* (1961).)
 """
 
 from __future__ import annotations
@@ -47,12 +47,12 @@ class WarpingSprings(NamedTuple):
     def between(
         cls, rows: Array, ends: Indices, lengths: Array, stiffness: float, held: Indices
     ) -> WarpingSprings:
-        """Of a beam.
+        """Springs between the elements of a beam.
 
         Args:
-            rows: Of all nodes, unloaded, shape (n, 4, 3).
+            rows: Unloaded coordinates of all nodes, shape (n, 4, 3).
             ends: MIXED_DERIVATIVE nodes of both ends of the elements, shape (m, 2).
-            lengths: Of the elements, shape (m,).
+            lengths: Lengths of the elements, shape (m,).
             stiffness: ``EI_ω``.
             held: MIXED_DERIVATIVE nodes where warping is held.
         """
@@ -82,12 +82,12 @@ class WarpingSprings(NamedTuple):
 
     @classmethod
     def joined(cls, parts: Sequence[WarpingSprings]) -> WarpingSprings:
-        """All of several."""
+        """Concatenation of several records."""
         return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 def _vectors(springs: WarpingSprings) -> Array:
-    """``T`` of ``r_y``, ``r_z`` in the middle, and of shares of those at both ends.
+    """``T`` of ``r_y``, ``r_z`` at the middle node, and of their fractions at both ends.
 
     The change of twist is ``(b r_y,2 + a r_y,0)·r_z,1 − r_y,1·(b r_z,2 + a r_z,0)``.
     """
@@ -126,7 +126,7 @@ class Warping(Springs):
     label = "restrained warping"
 
     def __init__(self, springs: WarpingSprings, count: int) -> None:
-        """Pack the springs, on the nodes of an assembly of so many."""
+        """Pack the springs, on an assembly with ``count`` nodes."""
         parameters = np.column_stack([springs.natural, springs.stiffness])[:, np.newaxis]
         values = cell_data(ELEMENT, _vectors(springs), parameters)
         functions = energy_of_spring, forces_of_spring, tangent_of_spring
