@@ -120,7 +120,7 @@ def main() -> None:
         first = None
         for label, made, components in runs:
             scene, _ = scene_of(made)
-            scheme = fl.GeneralisedAlpha(radius=0.8, components=components)
+            scheme = fl.GeneralisedAlpha(radius=0.8, matrix_frame=components)
             result = scheme.run(scene, duration=1e-3 * options.steps, step=1e-3)
             places = result.frames[:, : CELLS + 1, 0]
             first = places if first is None else first

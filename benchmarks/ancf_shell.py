@@ -116,7 +116,7 @@ def main() -> None:
         for name, make in kinds.items():
             first = None
             for axes in (fl.schemes.MatrixFrame.INERTIAL, fl.schemes.MatrixFrame.LOCAL):
-                scheme = fl.GeneralisedAlpha(radius=0.8, components=axes)
+                scheme = fl.GeneralisedAlpha(radius=0.8, matrix_frame=axes)
                 scene = scene_of(make, options.modulus)
                 try:
                     result = scheme.run(scene, duration=1e-3 * options.steps, step=1e-3)

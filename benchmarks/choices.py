@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.scene.choices import MatrixTerms
+from fem_lie.scene.matrix_terms import MatrixTerms
 
 ALUMINIUM = fl.Material(E=70e9, nu=0.3, density=2700.0)
 Built = tuple[fl.Scene, fl.extend.Point]
@@ -33,7 +33,7 @@ class Options:
 
 def pendulum(options: Options) -> Built:
     """Two aluminium bars of 5 mm × 5 mm on spherical joints; the second turns at 5 rad/s."""
-    scene = fl.Scene(choices=options.choices)
+    scene = fl.Scene(matrix_terms=options.choices)
     section = fl.Section.rectangle(5e-3, 5e-3, ALUMINIUM)
     group = options.group or fl.lie.Group.SE3
 
@@ -57,7 +57,7 @@ def rubber(options: Options) -> Built:
     """The same bars, 10 mm × 10 mm of rubber, falling under gravity."""
     scene, tip = pendulum(options)
     soft = fl.Section.rectangle(1e-2, 1e-2, fl.Material(E=5e6, nu=0.3, density=2700.0))
-    fallen = fl.Scene((0, 0, -9.81), choices=options.choices)
+    fallen = fl.Scene((0, 0, -9.81), matrix_terms=options.choices)
     for body in scene.bodies:
         assert isinstance(body, fl.Beam)
         body.stiffness = np.tile(soft.stiffness, (10, 1, 1))
@@ -71,7 +71,7 @@ def rubber(options: Options) -> Built:
 
 def top(options: Options) -> Built:
     """The heavy top at 150 rad/s."""
-    scene = fl.Scene((0, 0, -9.81), choices=options.choices)
+    scene = fl.Scene((0, 0, -9.81), matrix_terms=options.choices)
     group = fl.lie.Group.R3xSO3 if options.group is None else options.group
     inertia = (0.234375, 0.46875, 0.234375)
     body = scene.add(fl.RigidBody(15.0, inertia, (0, 1, 0)).set_group(group))
@@ -82,7 +82,7 @@ def top(options: Options) -> Built:
 
 def grid(options: Options) -> Built:
     """A grid of 24 flexible bars that tumbles, rigidly joined at its 16 knots."""
-    scene = fl.Scene(choices=options.choices)
+    scene = fl.Scene(matrix_terms=options.choices)
     section = fl.Section.rectangle(5e-3, 5e-3, ALUMINIUM)
     ends = [
         ((i, j), (i + di, j + dj))

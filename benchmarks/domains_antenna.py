@@ -40,7 +40,7 @@ def main() -> None:
     made = Antenna(30, 30, duration, asked.elements, asked.cells, 1e-3)
     PETSc.Options("fem_lie_dynamics_")["domains"] = "bddc"
     axes = fl.schemes.MatrixFrame(int(asked.axes == "fixed"))
-    scheme = fl.GeneralisedAlpha(radius=0.0 if nets else 0.8, components=axes)
+    scheme = fl.GeneralisedAlpha(radius=0.0 if nets else 0.8, matrix_frame=axes)
     found = scheme.run(
         made.scene, duration=asked.steps * h, step=h, save_every=asked.steps, progress=False
     )

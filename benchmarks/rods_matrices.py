@@ -128,7 +128,7 @@ def run(name: str, axes: str, steps: int) -> fl.Result:
     components = (
         fl.schemes.MatrixFrame.INERTIAL if axes == "fixed" else fl.schemes.MatrixFrame.LOCAL
     )
-    scheme = fl.GeneralisedAlpha(radius=0.8, components=components)
+    scheme = fl.GeneralisedAlpha(radius=0.8, matrix_frame=components)
     return scheme.run(scene, duration=steps * step, step=step)
 
 

@@ -38,7 +38,7 @@ def tumble(degree: int, steps: int, components: fl.schemes.MatrixFrame) -> tuple
     body.add_velocity((1.0, 0.0, 0.0))
     scene = fl.Scene(gravity=(0.0, 0.0, -9.81))
     scene.add(body)
-    scheme = fl.GeneralisedAlpha(radius=0.9, components=components)
+    scheme = fl.GeneralisedAlpha(radius=0.9, matrix_frame=components)
     scheme.run(scene, duration=2 * STEP, step=STEP)
     start = process_time()
     found = scheme.run(scene, duration=STEP * steps, step=STEP, save_every=max(1, steps // 1000))

@@ -77,7 +77,7 @@ def main(
             radius=radius,
             policy=fl.schemes.IterationLimit(4),
             parametrisation=MAPS[parametrisation],
-            components=components,
+            matrix_frame=components,
         ).run(scene, duration=duration, step=step)
         for components in (fl.schemes.MatrixFrame.LOCAL, fl.schemes.MatrixFrame.INERTIAL)
     )

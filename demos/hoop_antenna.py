@@ -55,7 +55,7 @@ def main(
     one_of("policy", policy, POLICIES)
     antenna = Antenna(bays, driven, duration, elements, cells, slack)
     kept, axes = POLICIES[policy], fl.schemes.MatrixFrame(int(inertial))
-    scheme = fl.GeneralisedAlpha(radius=radius, policy=kept, components=axes)
+    scheme = fl.GeneralisedAlpha(radius=radius, policy=kept, matrix_frame=axes)
     made = round(duration / step) if steps is None else steps
     every = max(1, made // 100)
     result = scheme.run(antenna.scene, duration=made * step, step=step, save_every=every)

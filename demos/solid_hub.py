@@ -86,7 +86,7 @@ def main(
 ) -> dict[str, Any]:
     scene, body, joints = model(cells, elements)
     components = fl.schemes.MatrixFrame.INERTIAL if fixed_axes else fl.schemes.MatrixFrame.LOCAL
-    scheme = fl.GeneralisedAlpha(radius=RADIUS, tolerance=5e-13, components=components)
+    scheme = fl.GeneralisedAlpha(radius=RADIUS, tolerance=5e-13, matrix_frame=components)
     result = scheme.run(scene, duration=duration, step=step)
     spin = result.angular_momentum[:, 2]
     record = {

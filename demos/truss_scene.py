@@ -70,11 +70,15 @@ class Truss:
         section: fl.Section,
         elements: int,
         driven: int,
-        choices: fl.schemes.MatrixTerms,
+        matrix_terms: fl.schemes.MatrixTerms,
     ) -> None:
         if cells < 1 or not 1 <= driven <= 4:
             raise ValueError(f"wanted cells ≥ 1 and 1 to 4 driven longerons, got {cells}, {driven}")
-        self.scene, self.section, self.elements = fl.Scene(choices=choices), section, elements
+        self.scene, self.section, self.elements = (
+            fl.Scene(matrix_terms=matrix_terms),
+            section,
+            elements,
+        )
         self.driven = DRIVEN_FIRST[:driven]
         self.bars: list[fl.Beam] = []
         self.frames = [[fl.ground()] * 4]

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from fem_lie._renamed import unknown_name
 from fem_lie.results.record import Record
-from fem_lie.scene.choices import MatrixTerms
+from fem_lie.scene.matrix_terms import MatrixTerms
 from fem_lie.solve.alpha.options import ConstraintIndex, MatrixFrame
 from fem_lie.solve.composed.composed import Composed
 from fem_lie.solve.composed.parts import Composition, FiveStages, NineStages, TripleJump

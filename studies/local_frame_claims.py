@@ -206,11 +206,11 @@ def run(
 ) -> fl.Result:
     """Integrate one variant; ``refined``: into how many a step is cut."""
     scheme = fl.GeneralisedAlpha(
-        policy=policy, parametrisation=variant.parametrisation, components=variant.components
+        policy=policy, parametrisation=variant.parametrisation, matrix_frame=variant.components
     )
     every = round(case.duration / case.step) // KEPT * refined
     scene = case.build(variant.group)
-    scene.choices = fl.schemes.MatrixTerms(geometric=variant.geometric)
+    scene.matrix_terms = fl.schemes.MatrixTerms(geometric=variant.geometric)
     return scheme.run(scene, duration=case.duration, step=case.step / refined, save_every=every)
 
 

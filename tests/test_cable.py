@@ -530,7 +530,7 @@ def test_steps_that_change_follow_the_same_motion():
 
 
 OPTIONS = {
-    "fixed axes": {"components": fl.schemes.MatrixFrame.INERTIAL},
+    "fixed axes": {"matrix_frame": fl.schemes.MatrixFrame.INERTIAL},
     "stabilised": {"index": fl.schemes.ConstraintIndex.STABILISED_TWO},
     "Cayley": {"parametrisation": fl.lie.Parametrisation.CAYLEY},
     "every iteration": {"policy": fl.schemes.EveryIteration()},

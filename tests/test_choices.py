@@ -10,8 +10,8 @@ import fem_lie as fl
 SECTION = fl.Section.rectangle(0.01, 0.01, fl.Material(E=1e9, nu=0.3, density=1000.0))
 
 
-def pendulum(choices=None, spin=2.0, **options):
-    scene = fl.Scene((0, 0, -9.81), choices=choices)
+def pendulum(matrix_terms=None, spin=2.0, **options):
+    scene = fl.Scene((0, 0, -9.81), matrix_terms=matrix_terms)
     points = np.linspace((0, 0, 0), (0.4, 0, 0), 5)
     ends = {"start": [0], "end": [4]}
     mesh = fl.mesh.LineMesh.from_cells(points, [(i, i + 1) for i in range(4)], named_points=ends)
@@ -29,10 +29,10 @@ def run(scene, step=1e-3):
 
 
 @pytest.mark.parametrize(
-    "choices", [fl.schemes.MatrixTerms(g, k) for g in (True, False) for k in (True, False)]
+    "matrix_terms", [fl.schemes.MatrixTerms(g, k) for g in (True, False) for k in (True, False)]
 )
-def test_choices_change_the_iterations_and_not_the_motion(choices):
-    scene, tip = pendulum(choices)
+def test_choices_change_the_iterations_and_not_the_motion(matrix_terms):
+    scene, tip = pendulum(matrix_terms)
     reference, point = pendulum()
     here, there = run(scene).position(tip)[-1], run(reference).position(point)[-1]
     # twenty steps of 20 mm/s · 1e-3 s, each converged to 1e-10 of that
@@ -40,19 +40,19 @@ def test_choices_change_the_iterations_and_not_the_motion(choices):
 
 
 @pytest.mark.parametrize(
-    ("choices", "spin", "said"),
+    ("matrix_terms", "spin", "said"),
     [
         (None, 2.0, "gyroscopic terms in the matrix: no"),
         (None, 20.0, "gyroscopic terms in the matrix: yes"),
         (fl.schemes.MatrixTerms(gyroscopic=True), 0.0, "gyroscopic terms in the matrix: yes"),
         (fl.schemes.MatrixTerms(geometric=False), 0.0, "geometric stiffness: no"),
-        (None, 0.0, "6 nodes, 1 of them follow others, 3 constraints"),
+        (None, 0.0, "6 nodes, 1 of them rigidly attached, 3 constraints"),
         (None, 0.0, "5 nodes on SE(3), 0 on R³×SO(3), all with three rotations"),
         (None, 0.0, "matrix: Automatic"),
     ],
 )
-def test_the_scene_says_what_it_chose(choices, spin, said, caplog):
-    scene, _ = pendulum(choices, spin)
+def test_the_scene_says_what_it_chose(matrix_terms, spin, said, caplog):
+    scene, _ = pendulum(matrix_terms, spin)
     with caplog.at_level(logging.INFO, logger="fem_lie"):
         run(scene)
     assert any(said in message for message in caplog.messages), caplog.messages

@@ -54,7 +54,7 @@ def test_thin_bars_bend_as_the_papers_do():
 def test_half_way_the_posture_follows_from_the_layout():
     """In statics, where nothing vibrates, bars of any stiffness are where rigid ones would be."""
     section = fl.Section.tube(0.0115, 0.012, demo.STEEL)
-    truss = demo.Truss(3, section, elements=1, driven=2, choices=fl.schemes.MatrixTerms())
+    truss = demo.Truss(3, section, elements=1, driven=2, matrix_terms=fl.schemes.MatrixTerms())
     assert demo.posture_error(truss, 10.0) < 1e-6
     assert layout.angle(10.0) == pytest.approx(np.radians(47.5))
 

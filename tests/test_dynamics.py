@@ -301,7 +301,7 @@ def test_free_flight_is_exact_in_translation_with_translations_apart(parametrisa
 @pytest.mark.parametrize("policy", [fl.schemes.Automatic(), fl.schemes.IterationLimit(4)])
 def test_components_of_the_matrix_change_nothing_but_its_life(group, policy):
     runs = [
-        fl.GeneralisedAlpha(radius=0.9, policy=policy, components=components).run(
+        fl.GeneralisedAlpha(radius=0.9, policy=policy, matrix_frame=components).run(
             heavy_top(group)[0], duration=0.1, step=5e-4
         )
         for components in fl.schemes.MatrixFrame
@@ -323,7 +323,7 @@ def test_components_for_bodies_that_are_held(group):
         scene.add(fl.Clamp(one.point("start")))
         scene.add(fl.joints.Revolute(one.point("end"), two.point("start"), axis=(1, 0, 0)))
         two.add_velocity(omega=(20, 0, 0), about=two.point("start"))
-        scheme = fl.GeneralisedAlpha(tolerance=1e-10, components=components)
+        scheme = fl.GeneralisedAlpha(tolerance=1e-10, matrix_frame=components)
         return scheme.run(scene, duration=0.2, step=1e-3).frames
 
     local, inertial = (motion(components) for components in fl.schemes.MatrixFrame)

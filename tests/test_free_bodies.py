@@ -45,7 +45,7 @@ def loaded(
 def general(options: fl.GeneralisedAlpha, scene: fl.Scene, steps: int, step: float) -> fl.Result:
     """The same by the road that all other scenes take."""
     # the compiled loop has all terms in its matrix
-    scene.choices = fl.schemes.MatrixTerms(gyroscopic=True)
+    scene.matrix_terms = fl.schemes.MatrixTerms(gyroscopic=True)
     run = Run(options, fl.extend.Equations(scene, dynamics=True), step)
     return run.run(EqualSteps(Saving(), steps, step), False, None)
 

@@ -143,7 +143,7 @@ def test_second_order_in_time_of_motion_and_force():
     [
         {"policy": fl.schemes.EveryIteration()},
         {"policy": fl.schemes.ConstraintsOnly()},
-        {"components": fl.schemes.MatrixFrame.INERTIAL},
+        {"matrix_frame": fl.schemes.MatrixFrame.INERTIAL},
         {"index": fl.schemes.ConstraintIndex.STABILISED_TWO},
         {"group": fl.lie.Group.R3xSO3},
     ],
@@ -160,7 +160,7 @@ def test_the_motion_is_the_same_by_any_matrix_and_on_any_group(options):
         beam.set_group(group)
     result = pendulum(beam, place, sprung=True, scheme=scheme, duration=0.03)
     # stabilised and on another group it is another scheme of second order
-    bound = 1e-9 if {"policy", "components"} & set(options) else 1e-4
+    bound = 1e-9 if {"policy", "matrix_frame"} & set(options) else 1e-4
     np.testing.assert_allclose(result.position("beam 1.end"), wanted, atol=bound)
     assert result.joint_violations.max() < 1e-12
 

@@ -43,7 +43,9 @@ class Case:
     gyroscopic: bool | None = None
 
     def scene(self) -> fl.Scene:
-        scene = fl.Scene(self.gravity, choices=fl.schemes.MatrixTerms(gyroscopic=self.gyroscopic))
+        scene = fl.Scene(
+            self.gravity, matrix_terms=fl.schemes.MatrixTerms(gyroscopic=self.gyroscopic)
+        )
         section = fl.Section.circle(0.01, fl.Material(self.young, 0.3, self.density))
         options = {"formulation": self.formulation, "damping": self.damping}
         beam = fl.Beam.straight((0, 0, 0), (0.5, 0, 0), section, cells=2, **options)
@@ -108,7 +110,7 @@ CHANGES = {
     "strain": ({"strain": 2e-4}, "strain of load 3"),
     "motion": ({"motion": lambda t: 0.02 * t**2}, "motion 1, of rigidbody 2.centre"),
     "clamp": ({"held": False}, "point of clamp 1"),
-    "choices": ({"gyroscopic": True}, "choices"),
+    "choices": ({"gyroscopic": True}, "matrix_terms"),
 }
 SCHEMES = {
     "generalised alpha": fl.GeneralisedAlpha(),
@@ -235,7 +237,7 @@ FELT = {
         tolerance=1e-8, index=fl.schemes.ConstraintIndex.STABILISED_TWO, policy=policy
     ),
     "inertial": lambda policy: fl.GeneralisedAlpha(
-        tolerance=1e-8, components=fl.schemes.MatrixFrame.INERTIAL, policy=policy
+        tolerance=1e-8, matrix_frame=fl.schemes.MatrixFrame.INERTIAL, policy=policy
     ),
     "conserving": lambda policy: fl.EnergyMomentum(tolerance=1e-5, policy=policy),
     "decaying": lambda policy: fl.EnergyDecaying(radius=0.9, tolerance=1e-6, policy=policy),

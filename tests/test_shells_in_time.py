@@ -98,7 +98,7 @@ def test_vibrations_of_guided_shells():
 def test_inertial_components_know_no_fixed_axes():
     scene, _ = spinning(True, fl.lie.Group.SE3)
     with pytest.raises(ValueError, match=r"Components\.LOCAL"):
-        run(scene, components=fl.schemes.MatrixFrame.INERTIAL)
+        run(scene, matrix_frame=fl.schemes.MatrixFrame.INERTIAL)
 
 
 def test_velocities_of_what_is_held_are_refused():

@@ -217,7 +217,7 @@ def test_a_tumbling_brick_keeps_its_matrix(degree):
     scene = scene_of(body, gravity=(0, 0, -9.81))
     scheme = fl.GeneralisedAlpha(radius=0.9)
     found = scheme.run(scene, duration=1.0, step=1e-3)
-    fixed = fl.GeneralisedAlpha(radius=0.9, components=fl.schemes.MatrixFrame.INERTIAL).run(
+    fixed = fl.GeneralisedAlpha(radius=0.9, matrix_frame=fl.schemes.MatrixFrame.INERTIAL).run(
         scene, duration=1.0, step=1e-3
     )
     assert found.factorisations == 1

@@ -107,7 +107,7 @@ def test_estimating_changes_nothing():
         with_joints(fl.lie.Group.SE3),
         fl.schemes.ConstantStep(2e-3),
         0.2,
-        components=fl.schemes.MatrixFrame.INERTIAL,
+        matrix_frame=fl.schemes.MatrixFrame.INERTIAL,
     )
     np.testing.assert_allclose(watched.frames, plain.frames, atol=1e-9)
     np.testing.assert_allclose(watched.joint_forces, plain.joint_forces, atol=1e-4)

@@ -151,7 +151,7 @@ CASES: dict[str, tuple] = {
     ),
     "Scene": (
         fl.Scene,
-        dict(gravity=((0, 0, 1), "vector"), choices=(fl.schemes.MatrixTerms(), "choices")),
+        dict(gravity=((0, 0, 1), "vector"), matrix_terms=(fl.schemes.MatrixTerms(), "choices")),
     ),
     "Revolute": (
         fl.joints.Revolute,

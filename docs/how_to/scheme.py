@@ -171,7 +171,7 @@ class NewmarkRun(DividedIntegration[Recorder]):
             found = self.equations.residual(self.now, self.scale, r)
             if decisions.before_iteration(iteration) or self._stale:
                 mass, damping = 1.0 / (beta * h * h), gamma / (beta * h)
-                plan = Plan(d, None, mass, damping, stressed=self.H, choices=self.choices)
+                plan = Plan(d, None, mass, damping, stressed=self.H, matrix_terms=self.matrix_terms)
                 before, self.scale = self.scale, self.equations.fill(self.now, found, plan)
                 r[6 * n :] *= self.scale / before
                 self.solver.factorise()

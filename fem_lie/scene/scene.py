@@ -23,9 +23,9 @@ from fem_lie.joints.rigid_link import RigidLink
 from fem_lie.joints.springs import Drive
 from fem_lie.pictures.bodies import draw
 from fem_lie.pictures.stage import SI, Canvas, Units
-from fem_lie.scene.choices import MatrixTerms
 from fem_lie.scene.held_rotations import Holding, held_by, held_in
 from fem_lie.scene.load import Load
+from fem_lie.scene.matrix_terms import MatrixTerms
 from fem_lie.scene.supports import Clamp, PrescribedMotion
 
 Item = TypeVar(
@@ -70,7 +70,7 @@ class Scene:
     """A multibody system: bodies, joints, contacts, loads and supports.
 
     Attributes:
-        choices: Terms of the iteration matrix that the user forces in or out.
+        matrix_terms: Terms of the iteration matrix that the user forces in or out.
         redundant: Treatment of redundant constraints.
         bodies: All bodies. This list and the following ones are in the order of addition.
         joints: Joints, without rigid links.
@@ -92,19 +92,19 @@ class Scene:
         self,
         gravity: npt.ArrayLike = (0.0, 0.0, 0.0),
         *,
-        choices: MatrixTerms | None = None,
+        matrix_terms: MatrixTerms | None = None,
         redundant: RedundantConstraints = RedundantConstraints.REFUSE,
     ) -> None:
         """Start empty.
 
         Args:
             gravity: Acceleration of free fall, global components.
-            choices: Terms of the iteration matrix that are forced in or out; default: none.
+            matrix_terms: Terms of the iteration matrix that are forced in or out; default: none.
             redundant: Treatment of redundant constraints.
         """
         self._gravity = vector(gravity, 3, "gravity")
-        instance(choices, MatrixTerms | None, "Scene: choices", "Choices or None")
-        self.choices = MatrixTerms() if choices is None else choices
+        instance(matrix_terms, MatrixTerms | None, "Scene: matrix_terms", "MatrixTerms or None")
+        self.matrix_terms = MatrixTerms() if matrix_terms is None else matrix_terms
         self.redundant = choice(redundant, RedundantConstraints, "Scene: redundant")
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
@@ -255,7 +255,7 @@ class Scene:
 
     def _copy(self, connections: Sequence[Connection]) -> Scene:
         """Copy without loads that shares the setup."""
-        scene = Scene(self.gravity, choices=self.choices, redundant=self.redundant)
+        scene = Scene(self.gravity, matrix_terms=self.matrix_terms, redundant=self.redundant)
         scene.bodies, scene.joints = list(self.bodies), list(self.joints)
         scene._known, scene._names = set(self._known), set(self._names)
         scene._kinds = Counter(self._kinds)

@@ -293,14 +293,14 @@ class System:
         H, v, _, multipliers = state
         tangent, damping = self.tangent, plan.damping
         loads, factors = (forces.on_rows, self.loads.moment), (plan.mass, damping)
-        if not plan.choices.gyroscopic:
+        if not plan.matrix_terms.gyroscopic:
             state = state._replace(v=self._still, a=self._still)
         tangent.clear()
         tangent.add_inertia(state, self.kinds, loads, factors)
         tangent.add_terms(H, forces.own, whole if plan.apart else every, ends=plan.ends)
         if damping != 0.0:
             tangent.add_viscosity(H, v, damping)
-        if plan.choices.geometric:
+        if plan.matrix_terms.geometric:
             tangent.add_geometric(H, multipliers)
         self.follow_motion(forces)
         return tangent.fill_increments(H, self.kinds, plan)

@@ -15,7 +15,7 @@ from fem_lie.joints.histories import declared, until_next
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.lie.node_types import node_types_of
 from fem_lie.scene import Scene
-from fem_lie.scene.choices import MatrixTerms
+from fem_lie.scene.matrix_terms import MatrixTerms
 from fem_lie.system.nodes.numbering import Numbering
 
 
@@ -127,7 +127,7 @@ class Plan(NamedTuple):
             which nodes move; default: none.
         inertial: Whether components are along axes fixed in space instead of those of the nodes.
         stressed: Frames whose stress the geometric stiffness has; default: the independent stress.
-        choices: Terms that are included, none of them undecided.
+        matrix_terms: Terms that are included, none of them undecided.
         constraints_only: Whether all but the constraint Jacobian stays as it was filled last.
         steady: Whether it is the stiffness in a frame in which all nodes move steadily. The plan
             then needs ``scale``, and has no other effect.
@@ -150,7 +150,7 @@ class Plan(NamedTuple):
     lag: Array | None = None
     inertial: bool = False
     stressed: Array | None = None
-    choices: MatrixTerms = ALL
+    matrix_terms: MatrixTerms = ALL
     constraints_only: bool = False
     steady: bool = False
     at_rest: float | None = None

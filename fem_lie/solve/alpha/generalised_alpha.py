@@ -50,7 +50,7 @@ class GeneralisedAlpha(Options, Integrator):
         policy: When to refactorise the iteration matrix.
         max_iterations: Largest number of iterations of a step.
         parametrisation: The map from increments to rotations.
-        components: Axes in which the iteration matrix is frozen.
+        matrix_frame: Axes in which the iteration matrix is frozen.
         index: Which constraints hold at the end of each step.
         petsc_options_prefix: Prefix for the choice of the linear solver.
 

@@ -47,7 +47,7 @@ class Options:
     policy: RefactorisationPolicy = field(default_factory=Automatic)
     max_iterations: int = 30
     parametrisation: Parametrisation = Parametrisation.EXPONENTIAL
-    components: MatrixFrame = MatrixFrame.LOCAL
+    matrix_frame: MatrixFrame = MatrixFrame.LOCAL
     index: ConstraintIndex = ConstraintIndex.THREE
     petsc_options_prefix: str = "fem_lie_dynamics_"
 
@@ -59,7 +59,7 @@ class Options:
             raise ValueError(f"the spectral radius must be in [0, 1], got {self.radius}")
         # plain numbers are accepted
         choice(self.parametrisation, Parametrisation, "parametrisation")
-        choice(self.components, MatrixFrame, "components")
+        choice(self.matrix_frame, MatrixFrame, "matrix_frame")
         choice(self.index, ConstraintIndex, "index")
         if not self.tolerance > 0:
             raise ValueError(f"expected tolerance > 0, got {self.tolerance}")

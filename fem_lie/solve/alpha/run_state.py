@@ -90,7 +90,7 @@ class RunState(DividedIntegration[Recorder]):
         self._guided, self._moving = bool(equations.supports), unknowns.moving
         self._changing = unknowns.time_dependent
         self._projects = options.index == ConstraintIndex.STABILISED_TWO and m > 0
-        self._turned = options.components == MatrixFrame.INERTIAL
+        self._turned = options.matrix_frame == MatrixFrame.INERTIAL
         if self._turned and self._guided:
             raise ValueError("supports along fixed axes (Shell.guide) need Components.LOCAL")
         self._plain = self.p.plain, self.s.plain
@@ -156,7 +156,7 @@ class RunState(DividedIntegration[Recorder]):
         # the first iteration factorises the matrix that is counted
         p, turned, ahead = self.p, self._turned, self._ahead()
         plan = Plan(p.h * s.v, self.scale, p.mass, p.damping, joint_frames=ahead)
-        plan = plan._replace(inertial=turned, choices=self.choices)
+        plan = plan._replace(inertial=turned, matrix_terms=self.matrix_terms)
         self.equations.fill(self._end_instant, self.forces, plan)
         if turned:
             all_to_global_components(s.kinds[:1], s.H, zero)
@@ -336,7 +336,7 @@ class RunState(DividedIntegration[Recorder]):
         p = self.p
         found = self.spread if scale is None else None
         plan = Plan(self.s.d, scale, p.mass, p.damping, joint_frames=joint_frames, spread=found)
-        plan = plan._replace(inertial=turned, stressed=stressed, choices=self.choices)
+        plan = plan._replace(inertial=turned, stressed=stressed, matrix_terms=self.matrix_terms)
         plan = plan._replace(apart=self._apart)
         made = self.equations.fill(self._end_instant, self.forces, plan)
         if found is not None:

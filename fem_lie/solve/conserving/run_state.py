@@ -442,5 +442,5 @@ class RunState(DividedIntegration[History]):
         # unknowns are along midpoint axes, elements and constraints are differentiated at the end
         lag = 0.5 * self.size * v[:, 3:]
         lag[self._vectors] = 0.0
-        plan = plan._replace(stressed=H, choices=self.choices, lag=lag)
+        plan = plan._replace(stressed=H, matrix_terms=self.matrix_terms, lag=lag)
         return equations.fill(now, self._found, plan)

@@ -145,7 +145,7 @@ class Integration(Driver[Kept]):
         h: Step size.
         decisions: Decisions of the refactorisation policy.
         reason: Why the last step failed, if there is a more specific reason than no convergence.
-        choices: Terms of the iteration matrix.
+        matrix_terms: Terms of the iteration matrix.
         carried: State of the equations apart from frames and velocities; by default with the
             matrix.
     """
@@ -172,8 +172,8 @@ class Integration(Driver[Kept]):
         self.carried: HasState = equations.memory.with_matrix
         self.reason = ""
         spin = float(np.abs(equations.start.velocities[:, 3:]).max())
-        self.choices = equations.scene.choices.resolve(spin * step)
-        summary = equations.unknowns.summary, self.choices, type(policy).__name__
+        self.matrix_terms = equations.scene.matrix_terms.resolve(spin * step)
+        summary = equations.unknowns.summary, self.matrix_terms, type(policy).__name__
         _log.info("%s; %s; matrix: %s", *summary)
 
     def _remembered(self, start: Array | None, middle: Array | None = None) -> bool:

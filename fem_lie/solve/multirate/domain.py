@@ -71,7 +71,7 @@ def domains(scene: Scene, counts: Mapping[Body, int]) -> tuple[dict[int, Scene],
 
 
 def _empty(scene: Scene) -> Scene:
-    part = Scene(scene.gravity, choices=scene.choices, redundant=scene.redundant)
+    part = Scene(scene.gravity, matrix_terms=scene.matrix_terms, redundant=scene.redundant)
     part.began = scene.began._replace(turned=None)
     return part
 

@@ -63,7 +63,7 @@ class Fingerprint:
         self._shown[name] = shown or name
 
     def _add_scene(self, scene: Scene) -> None:
-        for name in ("gravity", "redundant", "choices"):
+        for name in ("gravity", "redundant", "matrix_terms"):
             self._add(name, getattr(scene, name))
         for k, body in enumerate(scene.bodies, start=1):
             for name, value in data_of_body(body):

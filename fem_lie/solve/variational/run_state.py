@@ -247,7 +247,7 @@ class RunState(DividedIntegration[Recorder]):
         ones = np.ones(len(self.weights)) if scale is None else scale
         equations.residual(now, ones, self._work, self._found)
         plan = Plan(self._still, scale, 4.0 / h**2, 2.0 / h, end.copy(), self.H)
-        plan = plan._replace(stressed=H, choices=self.choices)
+        plan = plan._replace(stressed=H, matrix_terms=self.matrix_terms)
         return equations.fill(now, self._found, plan)
 
 

@@ -275,7 +275,7 @@ class Equations:
             return plan.scale
         if plan.constraints_only:
             return system.tangent.refill_constraints(state.H, system.kinds, plan)
-        if not plan.choices.geometric:
+        if not plan.matrix_terms.geometric:
             self._terms.clear_stress()
         elif plan.stressed is not None:
             self._terms.reset_stress(plan.stressed)

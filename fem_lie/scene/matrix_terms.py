@@ -51,5 +51,5 @@ class MatrixTerms:
 SPIN_PER_STEP = 0.01
 """Rotation per step, rad, above which gyroscopic terms are in the matrix.
 
-Measured in docs/measured/choices.md.
+Measured in docs/measured/matrix_terms.md.
 """
