@@ -124,7 +124,7 @@ def test_critical_points_without_potential_are_marked_and_have_the_modes_of_the_
     across = np.einsum("nij,ni->nj", point.frames[:17, 1:], shape[:17, :3])[:, 0]
     np.testing.assert_allclose(np.abs(across), wave, atol=2e-3)
     aside = fl.stability.switch_branch(scene, point)
-    assert np.abs(aside.places[:, 0]).max() > 1e-3
+    assert np.abs(aside.positions[:, 0]).max() > 1e-3
     plain, _, _ = column("pinned-pinned", 16)
     assert fl.follow_path(plain, 1.1).critical[0].has_potential
 

@@ -227,7 +227,7 @@ def test_jumps():
     scene, one, _ = bars()
     late = fl.loads.PiecewiseSmooth(lambda t: float(t > 0.05), (0.05,))
     scene.add(fl.PointLoad(one.point("end"), force=(0, 0, 1), history=late))
-    with pytest.raises(ValueError, match=r"jumps at the times \[0.05\]"):
+    with pytest.raises(ValueError, match=r"discontinuities at the times \[0.05\]"):
         SCHEME.run(scene, duration=0.1, step=1e-2)
 
 

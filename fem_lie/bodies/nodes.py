@@ -216,7 +216,7 @@ class Nodes(ABC):
         return None
 
     @property
-    def slackens(self) -> bool:
+    def goes_slack(self) -> bool:
         """Whether it goes slack, with an energy that is convex all the same."""
         return False
 

@@ -39,7 +39,7 @@ LARGEST_RISE, LARGEST_FALL = 2, 8
 FAILED = 4
 """Levels that the step goes down if its iteration fails."""
 
-STRETCH = 4
+FITTED_STEPS = 4
 """Number of steps before an event that are fitted to end at it."""
 
 SAME = 1e-9
@@ -125,7 +125,7 @@ class ConstantStep(StepChoice):
         times = _sorted(self.events, jumps, duration)
         smallest = self.size / 2**HALVINGS
         control = Control(self.size, inf, inf, times, self.size, smallest, order)
-        control.stretch = inf
+        control.fitted_steps = inf
         return control
 
 
@@ -254,7 +254,7 @@ class Control(Stateful):
         rotation_tolerance: For rotations.
         smallest: Smallest size.
         level: The step size is ``first · 2^(level/2)``.
-        stretch: Number of steps before an event that are fitted to end at it.
+        fitted_steps: Number of steps before an event that are fitted to end at it.
     """
 
     STATE = attributes("level", "_since", "_previous", "_next")
@@ -285,7 +285,7 @@ class Control(Stateful):
         self._first, self._largest, self._order = first, largest, order
         self._events, self._next = tuple(events), 0
         self.level, self._since, self._previous = 0, 0, AIM
-        self.stretch: float = STRETCH
+        self.fitted_steps: float = FITTED_STEPS
 
     @property
     def size(self) -> float:
@@ -313,7 +313,7 @@ class Control(Stateful):
             time: Time.
         """
         left, h = self.next_event - time, self.size
-        if left > self.stretch * h:
+        if left > self.fitted_steps * h:
             return h
         return left / max(1, ceil(left / h - 1e-6))
 

@@ -95,9 +95,9 @@ class LineBody(Sectioned):
         return type(self), self.formulation
 
     @property
-    def slackens(self) -> bool:
+    def goes_slack(self) -> bool:
         """Whether the formulation is tension-only."""
-        return self.formulation.slackens
+        return self.formulation.goes_slack
 
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:

@@ -95,7 +95,7 @@ class BeamFormulation(ABC):
         return stiffness
 
     @property
-    def slackens(self) -> bool:
+    def goes_slack(self) -> bool:
         """Whether it is tension-only, with an energy that is still convex."""
         return False
 

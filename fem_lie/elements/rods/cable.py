@@ -230,7 +230,7 @@ class HermiteCable(BeamFormulation):
             positive(self.slack, "HermiteCable: slack")
 
     @property
-    def slackens(self) -> bool:
+    def goes_slack(self) -> bool:
         """Whether it is tension-only: with ``slack``."""
         return self.slack is not None
 

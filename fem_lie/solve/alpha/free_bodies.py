@@ -33,8 +33,8 @@ from fem_lie.solve.alpha.step.free_body import (
     FEWEST,
     INCREMENT,
     RESIDUAL,
-    Kept,
     Plan,
+    ResultRows,
     State,
 )
 from fem_lie.solve.alpha.step.free_body import Options as Iteration
@@ -183,9 +183,9 @@ class Run(Divided[History]):
             return self._in_parts()
         index = self._index
         chunk = max(1, min(history.refresh, _CHUNK // len(self.s.H)))
-        end = history.next_halt(index, min(chunk, history.room or chunk))
-        if history.room:
-            history.make_room(end - index)
+        end = history.next_halt(index, min(chunk, history.free_rows or chunk))
+        if history.free_rows:
+            history.ensure_rows(end - index)
         wanted = range(index + 1, end + 1)
         self._index = self._make(wanted, self.h * np.arange(index + 1.0, end + 1.0), kept=True)
         if self._index < end:
@@ -204,8 +204,8 @@ class Run(Divided[History]):
         """Make the next step in sub-steps; return whether it was made."""
         if self._impacts is not None:
             self._impacts.history.begin_step(self._index + 1)
-        if self._history.room:
-            self._history.make_room(1)
+        if self._history.free_rows:
+            self._history.ensure_rows(1)
         made = self._cover()
         self._index += made
         self._show(self._history)
@@ -252,7 +252,9 @@ class Run(Divided[History]):
             Plan(wanted.start, wanted.stop - 1, history.row, total, every),
             times,
             amplitudes(self.histories, times),
-            Kept(history.frames, history.velocities, np.zeros((count, 7)), taken, self._failed),
+            ResultRows(
+                history.frames, history.velocities, np.zeros((count, 7)), taken, self._failed
+            ),
             rows,
         )
         done = None

@@ -25,7 +25,7 @@ from fem_lie.lie.motions import Group
 from fem_lie.scene import Scene
 from fem_lie.scene.load import History as LoadHistory
 from fem_lie.scene.load import NodalLoad, histories
-from fem_lie.solve.alpha.step.free_body import Bodies, Kept, Loads, Options, Plan, State
+from fem_lie.solve.alpha.step.free_body import Bodies, Loads, Options, Plan, ResultRows, State
 from fem_lie.solve.alpha.step.impact_steps import (
     CROSSED,
     FAILED,
@@ -102,7 +102,7 @@ def packed_loads(equations: Equations, mass: Array) -> tuple[Loads, dict[int, Lo
     return Loads(constant, first, table, order), varying
 
 
-_ROOM = 10_000
+_BUFFER = 10_000
 """Number of contacts that can be recorded before the loop returns."""
 
 _TOLERANCE = 1e-15
@@ -124,7 +124,7 @@ class Interval(NamedTuple):
     plan: Plan
     times: Array
     amplitude: Array
-    rows: Kept
+    rows: ResultRows
     kept: Array
 
     def after(self, made: int) -> Interval:
@@ -184,7 +184,7 @@ class FreeImpacts(Stateful):
             statistics=np.zeros((0, REPORT_SIZE)),
             balance=np.zeros(7),
             done=none,
-            room=np.zeros((_ROOM, WIDTH)),
+            buffer=np.zeros((_BUFFER, WIDTH)),
             shown=np.zeros(1, dtype=np.int64),
         )
         self._why, self._failed_step = MADE, np.zeros(REPORT_SIZE)
@@ -232,8 +232,8 @@ class FreeImpacts(Stateful):
             made = last + 1 - plan.first
             left, filled = interval.after(made), int(interval.kept[:made].sum())
             if self._why == FULL:
-                room = max(_ROOM, 4 * len(self._touching.touch.pairs))
-                self._contacts = self._contacts._replace(room=np.zeros((room, WIDTH)))
+                buffer = max(_BUFFER, 4 * len(self._touching.touch.pairs))
+                self._contacts = self._contacts._replace(buffer=np.zeros((buffer, WIDTH)))
             elif self._why == STALE:
                 self._touching.update(s.H, p.h * largest_speed(s.v, self._contacts.arm))
                 self._contacts = self._contacts._replace(patience=self._touching.patience)
@@ -254,7 +254,7 @@ class FreeImpacts(Stateful):
     def _take_shown(self) -> None:
         """Copy the contact data for results, with the numbers of contacts and points."""
         count = int(self._contacts.shown[0])
-        self.history.append(self._touching.named(self._contacts.room[:count]))
+        self.history.append(self._touching.named(self._contacts.buffer[:count]))
         self._contacts.shown[0] = 0
 
     def failure(self, p: Scheme, v: Array) -> str:

@@ -19,7 +19,7 @@ from fem_lie.solve.alpha.step.loop import (
     NOW,
     RATIO,
     allowed,
-    settled_ratio,
+    starting_ratio,
 )
 from fem_lie.solve.alpha.step.nodes import accept, change_velocities, correct, predict
 from fem_lie.solve.convergence import Verdict
@@ -95,7 +95,7 @@ class Newton(RunState, Iterated):
     def _accept(self, decisions: PolicyState, iterations: int) -> None:
         """Make the end of the converged step the start of the next one."""
         equations, ratio = self.equations, float(self.numbers[NOW])
-        self.numbers[RATIO] = settled_ratio(ratio, iterations)
+        self.numbers[RATIO] = starting_ratio(ratio, iterations)
         if decisions.asks and not self._turned:
             decisions.answer(iterations, ratio, self._staleness())
         if self._projects:

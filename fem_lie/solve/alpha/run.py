@@ -152,7 +152,7 @@ class Run(Newton):
 
     def _advance(self, history: Recorder) -> bool:
         if self._rule is not None and self._ends and not self.division.level:
-            return self._stretch(history)
+            return self._make_in_loop(history)
         return self._in_parts(history)
 
     def _in_parts(self, history: Recorder) -> bool:
@@ -193,7 +193,7 @@ class Run(Newton):
         Returns whether contacts were solved.
         """
         s = self.s
-        changed = contacts.settle(StepEnd(s.H, s.twist1, end))
+        changed = contacts.resolve(StepEnd(s.H, s.twist1, end))
         if contacts.failure:
             contacts.abandon()
             return False
@@ -209,12 +209,12 @@ class Run(Newton):
         self._turn()
         return not self.reason
 
-    def _stretch(self, history: Recorder) -> bool:
+    def _make_in_loop(self, history: Recorder) -> bool:
         """Make as many steps as the loop can make and record by itself, at least one."""
         counters, index, most = self.counters, self.index, 1 if self._changing else self._most
         self.reason = ""
         if history.whole and self._fills:
-            last, wanted = history.stretch(index, most)
+            last, wanted = history.steps_in_loop(index, most)
         else:
             last, wanted = min(history.next_stop(index), index + most), _NOTHING
         self._go_to_time((index + 1) * self.h)

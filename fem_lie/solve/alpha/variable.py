@@ -242,7 +242,7 @@ class AlphaSteps(Run):
         self._make_consistent(time)
         self.balance.jump(time, s.H, s.twist1, s.rate1, self.weights)
 
-    def calm(self, time: float, h: float) -> None:
+    def damp_oscillations(self, time: float, h: float) -> None:
         """Make accelerations consistent."""
         s = self.s
         self.set_step(time, h)

@@ -153,7 +153,7 @@ class MomentumPart(VariationalRun):
         self.weights *= (last * (h + last)) / (h * (last + earlier))
         self.earlier[:] = self.weights
         alone, self.begun = self._alone, self.index
-        made = self._stretch(self.index + 1) if alone else self.attempt(start, start + h)
+        made = self._make_in_loop(self.index + 1) if alone else self.attempt(start, start + h)
         if made:
             # and the last one, rescaled to this size
             self.steps[1] = h * rate
@@ -306,7 +306,7 @@ class MomentumRun(DividedIntegration[Recorder]):
         history.show_progress(self.index)
         wanted = history.wants(self.index)
         if wanted:
-            self._parts[0].tell(history, self.index * self.h, moved=self.index > 0)
+            self._parts[0].record_state(history, self.index * self.h, moved=self.index > 0)
         return wanted
 
     def _result(self, history: Recorder) -> Result:

@@ -110,7 +110,7 @@ class ComposedRun(DividedIntegration[History]):
         counted = saved(self, _COUNTED)
         while self.index < last:
             if not (self._all_parts(last) if self._quick else self._one_part()):
-                failed, self._left = self.index, self._what_is_left()
+                failed, self._left = self.index, self._failed_sub_step()
                 first.take_back(before)
                 put_back(self, _COUNTED, counted)
                 for part in self._parts:
@@ -118,7 +118,7 @@ class ComposedRun(DividedIntegration[History]):
                 return failed
         return None
 
-    def _what_is_left(self) -> tuple[int, float, float]:
+    def _failed_sub_step(self) -> tuple[int, float, float]:
         """Number of the failed sub-step, from 1, its last increment and largest residual."""
         part = self._parts[self._place[momentum_parts.SIZE]]
         increment, left = part.numbers[corrections.INCREMENT], np.abs(part.this.r[0]).max()

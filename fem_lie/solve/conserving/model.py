@@ -22,8 +22,8 @@ from fem_lie.solve.conserving.step.records import (
     Incidences,
     Masters,
     Model,
-    Pieces,
     Scheme,
+    Segments,
     Span,
     State,
     Step,
@@ -206,7 +206,7 @@ def model_of(
         scale=np.ones(m),
         loads=loads._replace(dead=np.concatenate([loads.dead, weights])),
         conservative=np.concatenate([known.conservative, weights]),
-        pressure=pieces_of(known.terms),
+        pressure=segments_of(known.terms),
         viscous=any(term.viscosity is not None for _, term in assemblies_of_frames(equations)),
         scheme=scheme,
         probes=known.probes,
@@ -268,10 +268,10 @@ def incidence_positions_of(incidences: Incidences, n: int, size: int) -> Inciden
     return IncidencePositions(unknowns, at, np.zeros((count, count)), columns)
 
 
-def pieces_of(terms: Iterable[Term]) -> Pieces:
+def segments_of(terms: Iterable[Term]) -> Segments:
     """All line segments under pressure, with the current pressure."""
     found = [term.pieces for term in terms if term.pieces is not None]
-    return Pieces(
+    return Segments(
         np.concatenate([np.zeros((0, 2), dtype=np.int64), *(part.nodes for part in found)]),
         np.concatenate([np.zeros((0, 3)), *(part.across for part in found)]),
     )

@@ -58,7 +58,7 @@ class Run(Steps):
     def _reaches(self, history: History) -> bool:
         """Advance to the next step with something to do; return whether it was reached."""
         if self._alone:
-            return self._stretch(history)
+            return self._make_in_loop(history)
         last = history.next_stop(self.index)
         if self.rule is None or self._changing or self._each:
             last = self.index + 1
@@ -79,14 +79,14 @@ class Run(Steps):
             and not (self._changing or self._each)
         )
 
-    def _stretch(self, history: History) -> bool:
+    def _make_in_loop(self, history: History) -> bool:
         """Make as many steps as the loop can make and record by itself.
 
         Return whether one was made.
         """
         assert self.rule is not None
         most = max(1, _AT_A_TIME // self.equations.unknowns.size)
-        last, wanted = history.stretch(self.index, most)
+        last, wanted = history.steps_in_loop(self.index, most)
         results = self._filled.scene, history.arrays.table, wanted
         supports = self._supports(history)
         place, packed = np.array([history.row, 0, 0]), self._packed

@@ -26,7 +26,7 @@ from fem_lie.solve.conserving.model import (
     end_forces_of,
     incidences_of,
     model_of,
-    pieces_of,
+    segments_of,
     start_state,
     step_workspace,
 )
@@ -135,13 +135,13 @@ class RunState(DividedIntegration[History]):
         self.row_cells: RowCells = cells_of_rows(equations) if shared is None else shared.row_cells
         self._strained = equations.unknowns.strains_change
         incidences = incidences_of(equations, self.follows)
-        room, dissipates = (
+        parts, dissipates = (
             (equations, self.cells, self.row_cells, incidences),
             options.dissipation > 0.0,
         )
-        self.s: State = start_state(*room, dissipates=dissipates) if shared is None else shared.s
+        self.s: State = start_state(*parts, dissipates=dissipates) if shared is None else shared.s
         self.this: Step = (
-            step_workspace(*room, dissipates=dissipates) if shared is None else shared.this
+            step_workspace(*parts, dissipates=dissipates) if shared is None else shared.this
         )
         self._end_forces, self._turning = end_forces_of(equations), Turning()
         scheme = Scheme(self.size, options.dissipation, options.filter_gain)
@@ -314,7 +314,7 @@ class RunState(DividedIntegration[History]):
         """Forces of the loads at ``time``; initial strains do work when they change."""
         self.equations.prescribed(time).act()
         self._take_loads()
-        self.model.pressure.across[:] = pieces_of(self.equations.tables.terms).across
+        self.model.pressure.across[:] = segments_of(self.equations.tables.terms).across
         if self._strained:
             before = self.s.W.copy()
             self.cells.pack()

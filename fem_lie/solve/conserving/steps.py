@@ -254,11 +254,11 @@ class Steps(RunState):
         if stalled and numbers[corrections.LEAST] <= _SETTLED:
             numbers[corrections.FLOOR] = numbers[corrections.LEAST]
         # a step in which surfaces pass through each other would repeat it
-        return not self.reason and self._again()
+        return not self.reason and self._retry()
 
-    def _again(self) -> bool:
+    def _retry(self) -> bool:
         """Repeat the failed step from its start, with new matrices until it converges fast."""
-        if len(self._vectors) and self._make_learning():
+        if len(self._vectors) and self._make_with_secants():
             return True
         # without a prediction contacts are those at the start of the step
         predicted_first = self._python_forces.touching and not len(self._vectors)
@@ -272,7 +272,7 @@ class Steps(RunState):
                 break
         return False
 
-    def _make_learning(self) -> bool:
+    def _make_with_secants(self) -> bool:
         """Make the step with one new matrix and secants from earlier corrections.
 
         The matrix does not contain the effect of the rotation of a step on cells: a few directions,
@@ -330,14 +330,16 @@ class Steps(RunState):
         while self.index < last:
             self.reason = ""
             python_forces.begin()
-            go = self._go_free if python_forces.contacts is None else self._meet
+            go = self._go_free if python_forces.contacts is None else self._step_with_contacts
             code = go(self.index + 1, rule, limit, always=always)
             if code != loop.DONE:
                 return code
             self._go_on()
         return loop.DONE
 
-    def _meet(self, last: int, rule: tuple[int, float], limit: int, *, always: bool = False) -> int:
+    def _step_with_contacts(
+        self, last: int, rule: tuple[int, float], limit: int, *, always: bool = False
+    ) -> int:
         """Make step ``last``, the next one, of a scene with contacts.
 
         Contacts that do not act at the predicted end are not evaluated in the step. If they act at

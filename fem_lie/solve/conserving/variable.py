@@ -155,7 +155,7 @@ class ConservingSteps(Run):
         products_at(*self.model.bodies, s.H, rows[n:])
         return np.array(inertia.invariants_of_rates(rows, s.V, *self.model.inertia, work))
 
-    def calm(self, time: float, h: float) -> None:
+    def damp_oscillations(self, time: float, h: float) -> None:
         """No effect: the energy of unresolved oscillations is conserved."""
 
     # --- steps ---

@@ -164,7 +164,7 @@ class AsynchronousRun(Integration[Recorder]):
 
     def start(self) -> None:
         """Compute the initial state."""
-        self._tell(0.0)
+        self._record_state(0.0)
         self.balance.open(0.0, *self._now)
 
     @property
@@ -184,7 +184,7 @@ class AsynchronousRun(Integration[Recorder]):
         v[:, :3] = np.einsum("nai,ni->na", H[:n, 1:], self.shown.v)
         return TimeState(H, v, self._still, self._none)
 
-    def _tell(self, time: float) -> None:
+    def _record_state(self, time: float) -> None:
         if len(self.queue.steps):
             events.state_at((*self.flight,), (*self.queue,), time, (*self.shown,))
 
@@ -196,7 +196,7 @@ class AsynchronousRun(Integration[Recorder]):
         if not np.isfinite(self.flight.v).all():
             return False
         if not self.balance.empty:
-            self._tell(time)
+            self._record_state(time)
             self.balance.add(self.h, time, *self._now)
         return True
 
@@ -211,7 +211,7 @@ class AsynchronousRun(Integration[Recorder]):
         wanted = history.wants(self._made)
         if wanted:
             time = self._made * self.h
-            self._tell(time)
+            self._record_state(time)
             history.fill(time, *self._now, self.balance.total)
         return wanted
 

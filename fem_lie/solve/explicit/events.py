@@ -16,7 +16,7 @@ from fem_lie._jit import compiled, inlined
 from fem_lie._jit.stack import stack
 from fem_lie.forms.cell_forms import CELLS, FIRST, NODES
 from fem_lie.lie.tuples import combined, load, load_row, rotate, store_row
-from fem_lie.solve.explicit.loop import cell_forces, room_for
+from fem_lie.solve.explicit.loop import cell_forces, workspace_for
 
 
 class Flight(NamedTuple):
@@ -121,7 +121,7 @@ def run(flight: PlainFlight, queue: PlainQueue, end: float) -> int:
     """Make all steps of cells that are due before a time; returns their number."""
     H = flight[0]
     rows, nodes, form, steps, made, heap = queue
-    width, most = room_for(rows)
+    width, most = workspace_for(rows)
     data, place = stack(width), stack(most)
     forces = numba.carray(place, (most,))
     before = np.zeros(rows.shape[0] + 1, dtype=np.int64)
@@ -163,7 +163,7 @@ def state_at(flight: PlainFlight, queue: PlainQueue, time: float, out: PlainFlig
     out[0][:], out[1][:], out[2][:] = flight[0], flight[1], flight[2]
     for i in range(out[2].shape[0]):
         _fly(out, i, time)
-    width, most = room_for(rows)
+    width, most = workspace_for(rows)
     data, place = stack(width), stack(most)
     forces = numba.carray(place, (most,))
     e = 0
@@ -183,7 +183,7 @@ def stiffness_at_nodes(H: Array, rows: Indices, nodes: Indices, size: float) -> 
     By central differences over a length; in the order of ``nodes``.
     """
     out = np.zeros((nodes.shape[0], 3, 3))
-    width, most = room_for(rows)
+    width, most = workspace_for(rows)
     data, place = stack(width), stack(most)
     forces = numba.carray(place, (most,))
     for f in range(rows.shape[0]):

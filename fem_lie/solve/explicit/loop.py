@@ -22,7 +22,7 @@ from fem_lie.system.outer_forces import look_and_sum_up
 
 
 @compiled
-def room_for(rows: Indices) -> tuple[int, int]:
+def workspace_for(rows: Indices) -> tuple[int, int]:
     """Largest numbers of coefficients and of forces of a cell."""
     width = most = 1
     for f in range(rows.shape[0]):
@@ -81,7 +81,7 @@ def add_all(H: Array, rows: Indices, nodes: Indices, r: Array) -> None:
         nodes: Nodes of their cells.
         r: Residual, shape (6 n,), updated.
     """
-    width, most = room_for(rows)
+    width, most = workspace_for(rows)
     data, place = stack(width), stack(most)
     values = numba.carray(place, (most,))
     for f in range(rows.shape[0]):

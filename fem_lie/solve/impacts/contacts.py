@@ -157,7 +157,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
             part * touch.restitution[pairs],
         )
 
-    def settle(self, step: StepEnd) -> Changed | None:
+    def resolve(self, step: StepEnd) -> Changed | None:
         """End of a step changed by contacts; ``None`` if none is active.
 
         Args:
@@ -182,7 +182,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
         V1 = self._all_rows(found.v, time)
         new = self._accelerations(found.H, V1, time)
         speeds = self._rates_of(found.rows, found.H, V1)
-        self._tell(found.chosen, found.gaps, found.impulses, speeds)
+        self._record_state(found.chosen, found.gaps, found.impulses, speeds)
         return Changed(found.H, found.v, (old[0], new[0]), new[1] - old[1])
 
     def _solve_end(self, step: StepEnd, V: Array, smooth: Array, part: float) -> _Solved:
@@ -280,7 +280,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
 
     # --- the end of the step ---
 
-    def _tell(self, chosen: Chosen, gaps: Array, impulses: Array, speeds: Array) -> None:
+    def _record_state(self, chosen: Chosen, gaps: Array, impulses: Array, speeds: Array) -> None:
         self.statistics[CONTACTS] = len(chosen.pairs)
         self.statistics[PENETRATION] = max(0.0, float(-gaps.min()))
         self.near.work.impulses[:] = 0.0

@@ -72,7 +72,7 @@ class Growing(History):
         self._before = time
         self._bar.update(self._percent(time) - self._bar.n)
         if wanted:
-            self.make_room()
+            self.ensure_rows()
         return wanted
 
     def stamp(self, time: float) -> None:

@@ -26,11 +26,11 @@ from fem_lie.solve.recording.plan import Plan
 from fem_lie.solve.recording.recorder import History
 from fem_lie.system.equations import Equations
 
-Kept = TypeVar("Kept", bound=History)
+HistoryT = TypeVar("HistoryT", bound=History)
 
 
-class Driver(ABC, Stateful, Generic[Kept]):
-    """One run, whose results go into a history of type ``Kept``.
+class Driver(ABC, Stateful, Generic[HistoryT]):
+    """One run, whose results go into a history of type ``HistoryT``.
 
     Attributes:
         equations: Equations of the scene.
@@ -39,7 +39,7 @@ class Driver(ABC, Stateful, Generic[Kept]):
     equations: Equations
 
     @abstractmethod
-    def history(self, plan: Any, progress: bool | None, store: Checkpoints | None) -> Kept:
+    def history(self, plan: Any, progress: bool | None, store: Checkpoints | None) -> HistoryT:
         """Create the history for the results.
 
         Args:
@@ -62,27 +62,27 @@ class Driver(ABC, Stateful, Generic[Kept]):
     def index(self) -> int:
         """Number of steps made, including the current one."""
 
-    def _finished(self, history: Kept) -> bool:
+    def _finished(self, history: HistoryT) -> bool:
         """Whether the end of the run is reached."""
         return self.index >= history.steps
 
     @abstractmethod
-    def _advance(self, history: Kept) -> bool:
+    def _advance(self, history: HistoryT) -> bool:
         """Advance to the next step with something to do; return whether it was reached."""
 
     @abstractmethod
-    def _record(self, history: Kept) -> bool:
+    def _record(self, history: HistoryT) -> bool:
         """Record the current state if it is due; return whether it was."""
 
     @abstractmethod
-    def _result(self, history: Kept) -> Result:
+    def _result(self, history: HistoryT) -> Result:
         """Result of the states recorded so far."""
 
     @abstractmethod
     def _failure(self, steps: int) -> str:
         """Error message if the current one of ``steps`` has failed."""
 
-    def _save(self, history: Kept) -> None:
+    def _save(self, history: HistoryT) -> None:
         """Write a checkpoint."""
         history.write_checkpoint(self.index, self.memory())
 
@@ -103,7 +103,7 @@ class Driver(ABC, Stateful, Generic[Kept]):
             self.restore(store.memory)
         return self.integrate(history)
 
-    def integrate(self, history: Kept) -> Result:
+    def integrate(self, history: HistoryT) -> Result:
         """Make all remaining steps; see :meth:`run`.
 
         Args:
@@ -124,7 +124,7 @@ class Driver(ABC, Stateful, Generic[Kept]):
                     self._save(history)
         return self._result(history)
 
-    def _keep(self, history: Kept) -> None:
+    def _keep(self, history: HistoryT) -> None:
         """Record the current state if it is due; raise if an element has folded."""
         if not self._record(history) or not history.turns_far:
             return
@@ -138,7 +138,7 @@ class Driver(ABC, Stateful, Generic[Kept]):
 _log = logging.getLogger(__name__)
 
 
-class Integration(Driver[Kept]):
+class Integration(Driver[HistoryT]):
     """Run with steps of one size.
 
     Attributes:
@@ -217,7 +217,7 @@ class Integration(Driver[Kept]):
         )
 
 
-class Divided(Driver[Kept]):
+class Divided(Driver[HistoryT]):
     """Run that divides steps that do not converge.
 
     Attributes:
@@ -289,7 +289,7 @@ class Divided(Driver[Kept]):
         """
 
 
-class DividedIntegration(Integration[Kept], Divided[Kept]):
+class DividedIntegration(Integration[HistoryT], Divided[HistoryT]):
     """Integration with constant steps that divides steps that do not converge."""
 
     def __init__(

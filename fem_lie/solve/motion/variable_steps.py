@@ -32,11 +32,11 @@ ORDER = 2
 SIDE = 1e-9
 """Distance of the two sides of an event from it, in steps."""
 
-Kept = TypeVar("Kept", bound=Growing, contravariant=True)
+HistoryT = TypeVar("HistoryT", bound=Growing, contravariant=True)
 
 
-class Stepper(Protocol[Kept]):
-    """State of one integration with variable steps; results go into a ``Kept``.
+class Stepper(Protocol[HistoryT]):
+    """State of one integration with variable steps; results go into a ``HistoryT``.
 
     Attributes:
         equations: Equations of the scene.
@@ -92,7 +92,7 @@ class Stepper(Protocol[Kept]):
         """Take the state that another stepper of the same scene has saved."""
 
     @abstractmethod
-    def calm(self, time: float, h: float) -> None:
+    def damp_oscillations(self, time: float, h: float) -> None:
         """Remove unresolved fast oscillations, after two rejections; ``h`` is the next size."""
 
     @abstractmethod
@@ -100,12 +100,12 @@ class Stepper(Protocol[Kept]):
         """Make the state just before an event consistent with loads and motions after it."""
 
     @abstractmethod
-    def record(self, recorder: Kept, index: int, iterations: int) -> None:
+    def record(self, recorder: HistoryT, index: int, iterations: int) -> None:
         """Record the current state in the next row."""
 
     @abstractmethod
     def recorder(self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None) -> Any:
-        """Create the history, a ``Kept``; see :class:`~fem_lie.solve.motion.integration.Driver`."""
+        """Create the history of results, see :class:`.Driver`."""
 
     @abstractmethod
     def leave_balance(self) -> None:
@@ -297,7 +297,7 @@ class VariableSteps(Driver[Growing]):
         if index == 0:
             self._stepper.begin(h)
         elif self._rejections >= REJECTIONS:
-            self._stepper.calm(time, h)
+            self._stepper.damp_oscillations(time, h)
 
     def _measure(
         self, before: Any, time: float, end: float, index: int, lands: bool

@@ -128,11 +128,11 @@ class Checkpoints:
                 names the file and the times.
         """
         with self._writing(self._lost(reached)):
-            self._make_room(first, first + len(rows["times"]))
+            self._enlarge(first, first + len(rows["times"]))
             self._file.write(first, rows)
         self._until = float(rows["times"][-1])
 
-    def _make_room(self, filled: int, rows: int) -> None:
+    def _enlarge(self, filled: int, rows: int) -> None:
         """Enlarge the file if it has no space for this number of rows."""
         if rows > self._file.capacity:
             known = self._info, self._shapes

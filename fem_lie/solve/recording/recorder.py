@@ -81,7 +81,7 @@ class History(Window):
             at = int(np.searchsorted(self._chosen, index))
             wanted = at < len(self._chosen) and int(self._chosen[at]) == index
         if wanted:
-            self.make_room()
+            self.ensure_rows()
         return wanted
 
     def keep(self, indices: Indices, iterations: Indices) -> None:
@@ -126,7 +126,7 @@ class History(Window):
         stop = self.next_halt(index, self.steps)
         return int(min([stop, *self._wanted_until(stop, index)[:1]]))
 
-    def stretch(self, index: int, most: int) -> tuple[int, Indices]:
+    def steps_in_loop(self, index: int, most: int) -> tuple[int, Indices]:
         """Steps after ``index`` that the compiled loop can make, filling in rows by itself.
 
         Args:
@@ -140,10 +140,10 @@ class History(Window):
         last = self.next_halt(index, most)
         wanted = self._wanted_until(last, index)
         if len(wanted):
-            self.make_room()
-            room = len(self.times) - self.row
-            if room < len(wanted):
-                wanted = wanted[:room]
+            self.ensure_rows()
+            free = len(self.times) - self.row
+            if free < len(wanted):
+                wanted = wanted[:free]
                 last = int(wanted[-1])
         return last, wanted
 

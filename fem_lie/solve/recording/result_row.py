@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from fem_lie.system.equations import Equations
 
 
-class Given(NamedTuple):
+class SceneArrays(NamedTuple):
     """Constant arrays of a scene that its rows of results depend on.
 
     Attributes:
@@ -79,7 +79,7 @@ class Given(NamedTuple):
     floating: PlainFloating
 
 
-class Kept(NamedTuple):
+class ResultColumns(NamedTuple):
     """Recorded arrays of a :class:`~fem_lie.solve.recording.window.Window`.
 
     The first axis is the row.
@@ -112,9 +112,9 @@ class Kept(NamedTuple):
 
 
 @inlined
-def given_of(table: Indices) -> Given:
-    """Unpack the arrays of :class:`Given`, in the order of :attr:`ResultRow.scene`."""
-    return Given(
+def scene_arrays_of(table: Indices) -> SceneArrays:
+    """Unpack the arrays of :class:`SceneArrays`, in the order of :attr:`ResultRow.scene`."""
+    return SceneArrays(
         integers1(table, 0),
         integers1(table, 1),
         numbers3(table, 2),
@@ -136,12 +136,12 @@ def given_of(table: Indices) -> Given:
 
 
 @inlined
-def columns_of(table: Indices) -> Kept:
+def columns_of(table: Indices) -> ResultColumns:
     """Unpack the recorded arrays.
 
     Their order is that of :attr:`~fem_lie.solve.recording.window.Window.arrays`.
     """
-    return Kept(
+    return ResultColumns(
         numbers4(table, 0),
         numbers3(table, 1),
         numbers3(table, 2),
@@ -159,7 +159,7 @@ class ResultRow:
     """Fills a row of results, except time, reactions, and contributions of elements and supports.
 
     Attributes:
-        scene: Packed arrays of the scene, see :class:`~Given`.
+        scene: Packed arrays of the scene, see :class:`~SceneArrays`.
     """
 
     def __init__(self, equations: Equations) -> None:
@@ -249,7 +249,7 @@ def fill_by_twists(
         v: Twists, shape (n, 6).
         weights: Lagrange multipliers, shape (m,).
         balance: Energy balance and impulses, shape (15,).
-        scene: Packed arrays of the scene, :class:`~Given`.
+        scene: Packed arrays of the scene, :class:`~SceneArrays`.
         rows: Packed arrays of :attr:`~fem_lie.solve.recording.window.Window.arrays`.
         row: Number of the row.
 
@@ -259,7 +259,7 @@ def fill_by_twists(
     """
     q = np.empty((v.shape[0], 4, 3))
     if _any(columns_of(rows).invariants):
-        push_all_forward(given_of(scene).kinds, H, v, q)
+        push_all_forward(scene_arrays_of(scene).kinds, H, v, q)
     return _fill(H, v, q, weights, balance, scene, rows, row)
 
 
@@ -285,7 +285,7 @@ def fill_whole(
         v: Twists, shape (n, 6).
         weights: Lagrange multipliers, shape (m,).
         balance: Energy balance and impulses, shape (15,).
-        scene: Packed arrays of the scene, :class:`~Given`.
+        scene: Packed arrays of the scene, :class:`~SceneArrays`.
         rows: Packed arrays of :attr:`~fem_lie.solve.recording.window.Window.arrays`.
         cells: Packed arrays of the cells, see :class:`~fem_lie.forms.cell_forms.FormTable`.
         row: Number of the row.
@@ -340,7 +340,7 @@ def _fill(
     rows: Indices,
     row: int,
 ) -> tuple[float, float, bool]:
-    given, kept = given_of(scene), columns_of(rows)
+    given, kept = scene_arrays_of(scene), columns_of(rows)
     frames = kept.frames[row]
     _fill_motion(H, v, given, kept, row)
     potential = 0.0
@@ -367,7 +367,7 @@ def _any(rows: Array) -> bool:
 
 
 @inlined
-def _fill_motion(H: Array, v: Array, given: Given, kept: Kept, row: int) -> None:
+def _fill_motion(H: Array, v: Array, given: SceneArrays, kept: ResultColumns, row: int) -> None:
     """Frames of all nodes, and their velocities if they are recorded."""
     moving, wanted = given.kinds.shape[0], _any(kept.velocities)
     velocities = kept.velocities[row] if wanted else np.empty((0, 6))
@@ -386,7 +386,7 @@ def _fill_joints(
     H: Array, v: Array, weights: Array, scene: Indices, rows: Indices, row: int
 ) -> float:
     """Forces, coordinates and violations of joints; returns the energy of springs."""
-    given, kept = given_of(scene), columns_of(rows)
+    given, kept = scene_arrays_of(scene), columns_of(rows)
     table = joint_table(given.joints)
     if _any(kept.joint_forces):
         forces = kept.joint_forces[row, : given.pairs.shape[0]]

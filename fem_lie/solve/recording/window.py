@@ -20,7 +20,7 @@ from fem_lie.results.resampling import between
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import NEAR, Saving
 
-ROOM = 2**26
+BUFFER_BYTES = 2**26
 """Size of the buffer in bytes for rows that are passed on."""
 
 FEWEST = 8
@@ -68,7 +68,7 @@ class Window:
         self._names = (*used,)
         if self._passes:
             size = 8 * sum(int(np.prod(shape, dtype=np.int64)) for shape in used.values())
-            rows = min(rows, max(FEWEST, ROOM // size))
+            rows = min(rows, max(FEWEST, BUFFER_BYTES // size))
         shapes["invariants"] = (7,)
         arrays = {
             name: np.empty((rows if name in used else 0, *shape)) for name, shape in shapes.items()
@@ -98,11 +98,11 @@ class Window:
     # --- rows that are filled ---
 
     @property
-    def room(self) -> int | None:
+    def free_rows(self) -> int | None:
         """Number of rows that can be filled at a time, ``None`` for any number."""
         return len(self.times) - 1 if self._passes else None
 
-    def make_room(self, rows: int = 1) -> None:
+    def ensure_rows(self, rows: int = 1) -> None:
         """Make sure that the next rows are free.
 
         Args:

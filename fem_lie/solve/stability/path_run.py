@@ -114,7 +114,7 @@ class Pursuit:
                 found.reason = f"the largest number of steps, {count}, is reached"
                 break
             arc = self._arc(here)
-            length = min(length, self._room(here))
+            length = min(length, self._remaining_length(here))
             new = self._step(here, arc, length)
             if new is None:
                 length /= 2
@@ -177,7 +177,7 @@ class Pursuit:
     def _control(self, arc: Arc) -> Control:
         return arc if self._fixed is None else self._fixed
 
-    def _room(self, here: Station) -> float:
+    def _remaining_length(self, here: Station) -> float:
         """Remaining length to the displacement target."""
         if self._to == inf or self._fixed is None:
             return inf
@@ -282,7 +282,7 @@ class Pursuit:
                 lambda station: stop(self.observed(station)),
                 1e-9,
             )
-        if self._to < inf and self._room(new) <= 1e-9:
+        if self._to < inf and self._remaining_length(new) <= 1e-9:
             found.complete, found.reason = True, "the requested displacement is reached"
         return whole
 

@@ -339,11 +339,11 @@ class _Follower(Iterated):
         """Solve for an increment and a load factor; return the size of the translations."""
         model = self._model
         x_r, x_f = -model.solve(self._residual), model.solve(self._load)
-        wanted, room = self._change(x_r, x_f), self._cap - self._factor
-        change = min(wanted, room)
+        wanted, remaining = self._change(x_r, x_f), self._cap - self._factor
+        change = min(wanted, remaining)
         self._dx = x_r + change * x_f
         # not by addition: it must be the requested load to the last digit
-        self._next = self._cap if wanted >= room else self._factor + change
+        self._next = self._cap if wanted >= remaining else self._factor + change
         return rms(model.translations(self._dx))
 
     def judge(self, size: float) -> Verdict:

@@ -205,7 +205,7 @@ class SceneEquilibrium:
             ConvergenceError: There is none near it.
         """
         factor = self.equations.scene.began.factor
-        if factor and not self._settles(factor):
+        if factor and not self._converges(factor):
             raise ConvergenceError(
                 f"no equilibrium at load factor {factor:g} near the restarted state",
                 Path(),
@@ -214,7 +214,7 @@ class SceneEquilibrium:
             self._strain()
         return factor
 
-    def _settles(self, factor: float, most: int = _MOST) -> bool:
+    def _converges(self, factor: float, most: int = _MOST) -> bool:
         """Iterate to a nearby equilibrium at a load factor; return whether there is one."""
         return iterate(_AtFactor(self, factor), most).converged
 
@@ -225,7 +225,7 @@ class SceneEquilibrium:
             kept = self.state()
             self._preload = min(1.0, part + step)
             try:
-                if self._settles(0.0):
+                if self._converges(0.0):
                     self.check_rotations(0.0)
                     part, step = self._preload, 2.0 * step
                     continue
@@ -319,7 +319,7 @@ class SceneEquilibrium:
         if not search.possible or not len(search.allowed(self._H)):
             return ""
         # unbalanced forces would contribute resistance
-        self._settles(factor, POLISHED)
+        self._converges(factor, POLISHED)
         internal, load = self.forces()
         self._fill(factor)
         free = search.unresisted(search.allowed(self._H), internal - factor * load)

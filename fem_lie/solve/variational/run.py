@@ -136,7 +136,7 @@ class VariationalRun(Newton):
         before = self._iterations
         if self._contacts is not None:
             self._contacts.history.begin_step(self.index + 1)
-        made = self._stretch(history.next_stop(self.index)) if self._alone else self._cover()
+        made = self._make_in_loop(history.next_stop(self.index)) if self._alone else self._cover()
         history.count += self._iterations - before
         return made
 
@@ -174,7 +174,7 @@ class VariationalRun(Newton):
         """Whether the compiled loop updates the energy balance."""
         return True
 
-    def _stretch(self, stop: int) -> bool:
+    def _make_in_loop(self, stop: int) -> bool:
         """Make steps in the compiled loop up to ``stop``; return whether all are made."""
         rule, packed, balance = self.decisions.rule, self._packed, self.balance
         assert rule is not None
@@ -300,7 +300,7 @@ class VariationalRun(Newton):
         if self._changing:
             equations.prescribed(time).act()
         v = self._ends.velocities(self.H, self.before, time)[:n]
-        changed = contacts.settle(StepEnd(self.H, v, time))
+        changed = contacts.resolve(StepEnd(self.H, v, time))
         if contacts.failure:
             contacts.abandon()
             return False
@@ -360,12 +360,12 @@ class VariationalRun(Newton):
         wanted = history.wants(self.index)
         if wanted:
             with self.equations.memory.unchanged():
-                self.tell(history, self.time, moved=self.index > 0)
+                self.record_state(history, self.time, moved=self.index > 0)
             if self._contacts is not None and self.index:
                 self._contacts.record(self.H, self.time)
         return wanted
 
-    def tell(self, history: Recorder, time: float, moved: bool) -> None:
+    def record_state(self, history: Recorder, time: float, moved: bool) -> None:
         """Record the current state.
 
         Args:

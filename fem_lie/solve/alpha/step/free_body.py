@@ -140,7 +140,7 @@ class Plan(NamedTuple):
     every: int
 
 
-class Kept(NamedTuple):
+class ResultRows(NamedTuple):
     """Arrays of results.
 
     Attributes:

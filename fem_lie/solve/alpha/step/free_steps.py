@@ -28,10 +28,10 @@ from fem_lie.solve.alpha.step.free_body import (
     Bodies,
     Body,
     End,
-    Kept,
     Loads,
     Options,
     Plan,
+    ResultRows,
     Start,
     State,
     inverse,
@@ -105,7 +105,7 @@ def advance(
     amplitude: Array,
     state: State,
     plan: Plan,
-    rows: Kept,
+    rows: ResultRows,
 ) -> tuple[int, int]:
     """Make steps ``first … last`` of all bodies.
 

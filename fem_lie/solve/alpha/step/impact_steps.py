@@ -25,10 +25,10 @@ from fem_lie.solve.alpha.step.free_body import (
     Bodies,
     Body,
     End,
-    Kept,
     Loads,
     Options,
     Plan,
+    ResultRows,
     Start,
     State,
     make_step,
@@ -58,7 +58,7 @@ class Contacts(NamedTuple):
             :data:`fem_lie.contact.impact.records.REPORT_SIZE`, shape (·, 13).
         balance: Work of contacts, impulse on the ground and its moment so far, shape (7,).
         done: The same at the recorded steps, shape (kept, 7).
-        room: Buffer for the data of each contact, see :mod:`fem_lie.contact.impact.touching`.
+        buffer: Buffer for the data of each contact, see :mod:`fem_lie.contact.impact.touching`.
         shown: Number of filled rows of the buffer, shape (1,).
     """
 
@@ -72,7 +72,7 @@ class Contacts(NamedTuple):
     statistics: Array
     balance: Array
     done: Array
-    room: Array
+    buffer: Array
     shown: Indices
 
 
@@ -113,7 +113,7 @@ def advance(
     amplitude: Array,
     state: State,
     plan: Plan,
-    rows: Kept,
+    rows: ResultRows,
     touch: Touch,
     polyhedra: Polyhedra,
     masses: Masses,
@@ -143,7 +143,7 @@ def advance(
         speed = largest_speed(state.v, contacts.arm)
         if contacts.sum[0] + p.h * speed > contacts.patience:
             return index - 1, factorisations, STALE
-        if contacts.shown[0] + touch.pairs.shape[0] > contacts.room.shape[0]:
+        if contacts.shown[0] + touch.pairs.shape[0] > contacts.buffer.shape[0]:
             return index - 1, factorisations, FULL
         at = index - plan.first
         H0[:], v0[:] = state.H, state.v
@@ -209,7 +209,7 @@ def advance(
         if kept:
             many = int(statistics[records.CONTACTS])
             ends = state.H, state.v
-            show(contacts.times[at], p.h, touch, work, many, ends, contacts.room, contacts.shown)
+            show(contacts.times[at], p.h, touch, work, many, ends, contacts.buffer, contacts.shown)
             contacts.done[row - plan.row] = contacts.balance
             row += 1
     return plan.last, factorisations, MADE

@@ -260,7 +260,7 @@ def allowed(motion: float, tolerance: float, finest: float) -> float:
 
 
 @inlined
-def settled_ratio(ratio: float, iteration: int) -> float:
+def starting_ratio(ratio: float, iteration: int) -> float:
     """Ratio of increments with which the next steps start, from the iterations of a step."""
     return ratio if iteration > 1 else ratio**UNMEASURED
 
@@ -355,7 +355,7 @@ def run(
             if Steps(*steps).checked:
                 return CHECK
         if counters[PHASE] == CHECKED:
-            numbers[RATIO] = settled_ratio(numbers[NOW], counters[ITERATION])
+            numbers[RATIO] = starting_ratio(numbers[NOW], counters[ITERATION])
             counters[PHASE] = LEARNED
             if learn(rule, this.known, counters[ITERATION]):
                 return QUESTION

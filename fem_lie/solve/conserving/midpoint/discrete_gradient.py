@@ -160,8 +160,8 @@ def add_elastic(
     for e in range(unknowns.shape[0]):
         most = max(most, first[e + 1] - first[e])
     size = 6 * most
-    room = blocks_at(stack(4 * size), 4, most, 6)
-    f, s, Ms, change = room[0], room[1], room[2], room[3]
+    workspace = blocks_at(stack(4 * size), 4, most, 6)
+    f, s, Ms, change = workspace[0], workspace[1], workspace[2], workspace[3]
     squares = by_change = by_memory = 0.0
     if filtered.wanted:
         for i in range(out.shape[0]):

@@ -145,8 +145,8 @@ class EndForces(Stateful):
             else:
                 follow(given, self._master, self._offset, own)
         work = self._add_all(out)
-        self._lead(ends.mean, out)
-        self._settle_debt(work, leak, out)
+        self._transfer_to_masters(ends.mean, out)
+        self._correct_work(work, leak, out)
         self._add_steady(out, ends.mean)
 
     def _add_all(self, out: Array) -> float:
@@ -162,7 +162,7 @@ class EndForces(Stateful):
         out[n + ON_GROUND] = self._ground
         return work - float(out[n + LOSS, 0])
 
-    def _lead(self, mean: Array, out: Array) -> None:
+    def _transfer_to_masters(self, mean: Array, out: Array) -> None:
         """Transfer forces to the master nodes, which have these means."""
         if self._trivial:
             out[: len(self._on_all)] += self._on_all
@@ -182,9 +182,9 @@ class EndForces(Stateful):
             self._held_ahead += done.stored
             out[n + LOSS, 0] += done.lost
         out[n + ON_GROUND] += self._ground
-        self._lead(mean, out)
+        self._transfer_to_masters(mean, out)
 
-    def _settle_debt(self, work: float, leak: float, out: Array) -> None:
+    def _correct_work(self, work: float, leak: float, out: Array) -> None:
         """Correct the forces by the excess of the stored energy over their work."""
         # by the digits of positions, and of dependent positions
         missing = self.ahead - self.energy - work

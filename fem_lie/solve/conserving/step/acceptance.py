@@ -75,7 +75,7 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     n, (h, χ, μ) = step.shape[0], scheme
     share = 0.5 * (1.0 + χ * filter_state[REMEMBERS])
     given = model.kinds, model.arms, middle, step, solution_of(this.r).residual
-    _keep_what_is_left(*given, share, filter_state, state.carry)
+    _store_residual(*given, share, filter_state, state.carry)
     if χ > 0.0:
         # in the first step there is no earlier change
         μ = μ if filter_state[REMEMBERS] > 0.0 else 1.0
@@ -109,7 +109,7 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     mass, momenta = model.inertia, this.q[1]
     inertia.multiply(mass.indptr, mass.indices, mass.blocks, V, momenta)
     filter_state[ENERGY] = max(filter_state[ENERGY], 0.5 * _product(V, momenta) + np.sum(this.W1))
-    _calm(model.light, H, step, h, V)
+    _set_massless_rates(model.light, H, step, h, V)
     _keep_trend(model.kinds, H, V, h, step, state)
     for place in range(F1.shape[0]):
         for k in range(6):
@@ -126,7 +126,7 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
 
 
 @uncounted
-def _calm(light: Array, H: Array, step: Array, h: float, V: Array) -> None:
+def _set_massless_rates(light: Array, H: Array, step: Array, h: float, V: Array) -> None:
     """Give rotations without inertia their mean rate in the step.
 
     Nothing balances their rates at its end, ``2 Δ/h − V``, whose sign would alternate from step to
@@ -208,7 +208,7 @@ def _keep_trend(kinds: Indices, H: Array, V: Array, h: float, step: Array, state
 
 
 @uncounted
-def _keep_what_is_left(
+def _store_residual(
     kinds: Indices,
     arms: Array,
     middle: Array,

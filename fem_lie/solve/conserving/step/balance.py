@@ -72,7 +72,7 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, reevaluate: b
         _span_products(packed, starts, steps)
     for k in range(losses.shape[0]):
         losses[k] = 0.0
-    _make_up(kinds, state.carry, this.step, forces)
+    _add_carried_forces(kinds, state.carry, this.step, forces)
     add_from_nodes(packed, starts, steps, reevaluate)
     if χ > 0.0:
         _choose_memory(packed, starts, steps)
@@ -115,7 +115,7 @@ def _span_products(packed: PackedModel, starts: Indices, steps: Indices) -> None
 
 
 @inlined
-def _make_up(kinds: Indices, carry: Array, step: Array, forces: Array) -> None:
+def _add_carried_forces(kinds: Indices, carry: Array, step: Array, forces: Array) -> None:
     """Start the forces with the remainder of the last step: momenta are compensated sums."""
     for i in range(forces.shape[0]):
         f, moment = load(carry[i], 0), load(carry[i], 3)

@@ -45,7 +45,7 @@ from fem_lie.solve.conserving.step.dissipation import (
     WORKS,
 )
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
-from fem_lie.solve.conserving.step.records import Masters, Pieces, Step, span_of
+from fem_lie.solve.conserving.step.records import Masters, Segments, Step, span_of
 from fem_lie.solve.conserving.vector_cells.cells import Energies as RowEnergies
 from fem_lie.solve.conserving.vector_cells.cells import Nodes
 from fem_lie.solve.conserving.vector_cells.cells import add_elastic as add_of_rows
@@ -354,7 +354,7 @@ def _add_viscous(cells: CellTable, middle: Array, twists: Array, F: Array, out: 
 
 
 @uncounted
-def _add_pressure(pressure: Pieces, motion: Motion, out: Array, losses: Array) -> float:
+def _add_pressure(pressure: Segments, motion: Motion, out: Array, losses: Array) -> float:
     """Subtract ``½ (x_j − x_i) × ½ (R_i + R_j) w`` on both nodes of each segment; returns work."""
     pairs, across = pressure
     mean, middle, delta, work = motion.mean, motion.middle, motion.delta, 0.0

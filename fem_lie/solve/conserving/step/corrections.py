@@ -62,7 +62,7 @@ STALLED = 0.8
 
 
 @compiled
-def hasten(
+def accelerate(
     measure: Array, x: Array, slow: Array, known: Array, flags: tuple[bool, bool], fine: float
 ) -> None:
     """Extrapolate corrections that continue in one direction.
@@ -157,7 +157,7 @@ def count(counters: Indices, numbers: Array) -> None:
 
 
 @inlined
-def settled(counters: Indices, numbers: Array, steadily: bool) -> bool:
+def is_round_off(counters: Indices, numbers: Array, steadily: bool) -> bool:
     """Whether only round-off is left: no decrease, or as small as the last stagnant increment.
 
     With ``steadily`` increments are compared with the last one that decreased: a slow, but steady

@@ -41,13 +41,13 @@ from fem_lie.solve.conserving.step.corrections import (
     TOTAL,
     ULPS,
     WINDOW,
+    accelerate,
     converged,
     count,
-    hasten,
     is_lost,
+    is_round_off,
     lags,
     larger,
-    settled,
     shorten,
     size,
     size_of_vectors,
@@ -178,7 +178,7 @@ def run(
         # secants handle the directions of their own corrections
         if state.slow.shape[0] > 0 and addresses[LEARN] == 0:
             x, cut = solution_of(this.r).x, state.filter_state[MEMORY] < 1.0
-            hasten(measure, x, state.slow, state.share, (cut, iteration == 1), noticed)
+            accelerate(measure, x, state.slow, state.share, (cut, iteration == 1), noticed)
         counters[TOTAL] += 1
         x, moved, rests, stalled = solution_of(this.r).x, 0.0, True, False
         own, before = numbers[INCREMENT], larger(numbers[PREVIOUS], numbers[RECENT])
@@ -200,7 +200,7 @@ def run(
         done = at_round_off = False
         numbers[INCREMENT] = own
         if rests:
-            at_round_off = settled(counters, numbers, touches)
+            at_round_off = is_round_off(counters, numbers, touches)
             compares = moved <= round_off_level and addresses[LEARN] == 0
             if not at_round_off and compares and stagnates(counters, numbers):
                 # a single sample of round-off may be small by chance

@@ -34,8 +34,8 @@ from fem_lie.solve.conserving.step.records import (
     Incidences,
     Masters,
     Model,
-    Pieces,
     Scheme,
+    Segments,
     State,
     Step,
 )
@@ -135,7 +135,7 @@ def model_of(packed: PackedModel) -> Model:
         numbers1(table, 21),
         Loads(frames(table, 22), numbers2(table, 23), sixes(table, 24)),
         frames(table, 25),
-        Pieces(integers2(table, 26), numbers2(table, 27)),
+        Segments(integers2(table, 26), numbers2(table, 27)),
         viscous,
         Scheme(h, dissipation, filter_gain),
         (numbers1(table, 28), integers1(table, 29)),

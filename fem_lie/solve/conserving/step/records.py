@@ -54,7 +54,7 @@ class Masters(NamedTuple):
     edges: Indices
 
 
-class Pieces(NamedTuple):
+class Segments(NamedTuple):
     """Segments of lines under pressure.
 
     Attributes:
@@ -141,7 +141,7 @@ class Model(NamedTuple):
     scale: Array
     loads: Loads
     conservative: Array
-    pressure: Pieces
+    pressure: Segments
     viscous: bool
     scheme: Scheme
     probes: PackedJoints

@@ -124,7 +124,7 @@ def write_node(kind: int, H: Array, halves: Array, out: Array) -> None:
 
 
 @inlined
-def room_of(calls: Indices) -> int:
+def workspace_size(calls: Indices) -> int:
     """Size of the workspace for coefficients that are not stored with the cell."""
     return calls[4] + calls[5] if calls[5] > 0 else 1
 
@@ -132,7 +132,7 @@ def room_of(calls: Indices) -> int:
 @inlined_uncounted
 def _call(cells: CellTable, e: int, which: int, rows: Array, place: Pointer) -> None:
     calls = cells.calls[e, which]
-    w = coefficients(calls[1], calls[4], calls[5], stack(room_of(calls)))
+    w = coefficients(calls[1], calls[4], calls[5], stack(workspace_size(calls)))
     packed, at = vector_at(w, 12 * rows.shape[0]), 0
     for a in range(rows.shape[0]):
         for k in range(4):

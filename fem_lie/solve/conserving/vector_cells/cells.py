@@ -276,7 +276,7 @@ def _add_all(
     nodes: Nodes,
     energies: Energies,
     factors: tuple[float, float, float],
-    room: Work,
+    workspace: Work,
     out: Array,
 ) -> float:
     """The same with a workspace for a cell."""
@@ -285,8 +285,8 @@ def _add_all(
         if are_positions(cells, e):
             continue
         begin, count = cells.first[e], cells.first[e + 1] - cells.first[e]
-        r, d, f = room.r[:count], room.d[:count], room.f[:count]
-        work = Work(r, d, f, room.other[:count], room.rows[:count], room.A)
+        r, d, f = workspace.r[:count], workspace.d[:count], workspace.f[:count]
+        work = Work(r, d, f, workspace.other[:count], workspace.rows[:count], workspace.A)
         set_out(cells, e, nodes, work)
         energies.end[e] = energy_of(cells, e, nodes.H, work.other, work.rows)
         take_centre(cells, e, r)
@@ -322,9 +322,9 @@ def _add_all(
 @compiled
 def energies_at(cells: CellTable, H: Array, rest: Array, W: Array) -> None:
     """Energies ``W`` (M,) of all cells at nodes ``H``."""
-    room = memory(largest_cell(cells.first))
+    workspace = memory(largest_cell(cells.first))
     for e in range(W.shape[0]):
         here = slice(cells.first[e], cells.first[e + 1])
-        work = part_of(room, cells.first[e + 1] - cells.first[e])
+        work = part_of(workspace, cells.first[e + 1] - cells.first[e])
         gather(cells.kinds[here], cells.nodes[here], H, rest, work.other)
         W[e] = energy_of(cells, e, H, work.other, work.rows)

@@ -78,10 +78,10 @@ def measure_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> No
         H: All nodes, (≥ n, 4, 3).
         rest: Their digits beyond double precision, (≥ n, 4, 3).
     """
-    room = memory(largest_cell(cells.first))
+    workspace = memory(largest_cell(cells.first))
     for e in range(cells.first.shape[0] - 1):
         here = slice(cells.first[e], cells.first[e + 1])
-        work = part_of(room, cells.first[e + 1] - cells.first[e])
+        work = part_of(workspace, cells.first[e + 1] - cells.first[e])
         gather(cells.kinds[here], cells.nodes[here], H, rest, work.r)
         take_centre(cells, e, work.r)
         _weigh(cells, lengths, e, work.r)
@@ -92,10 +92,10 @@ def measure_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> No
 @compiled
 def weigh_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> None:
     """Set the metric only, see :func:`measure_cells`."""
-    room = memory(largest_cell(cells.first))
+    workspace = memory(largest_cell(cells.first))
     for e in range(cells.first.shape[0] - 1):
         here = slice(cells.first[e], cells.first[e + 1])
-        work = part_of(room, cells.first[e + 1] - cells.first[e])
+        work = part_of(workspace, cells.first[e + 1] - cells.first[e])
         gather(cells.kinds[here], cells.nodes[here], H, rest, work.r)
         take_centre(cells, e, work.r)
         _weigh(cells, lengths, e, work.r)
@@ -256,11 +256,11 @@ def add_changes(
     Returns:
         The works of both.
     """
-    room = memory(largest_cell(cells.first))
+    workspace = memory(largest_cell(cells.first))
     by_change = by_memory = 0.0
     for e in range(cells.sees.shape[0]):
         begin, end = cells.first[e], cells.first[e + 1]
-        work = part_of(room, end - begin)
+        work = part_of(workspace, end - begin)
         set_out(cells, e, nodes, work)
         forces_of(cells, e, nodes.H, work.other, work.rows, cell_forces.end[begin:end])
         take_centre(cells, e, work.r)
@@ -286,9 +286,9 @@ def add_changes(
 @compiled
 def forces_at(cells: CellTable, H: Array, rest: Array, out: Array) -> None:
     """Forces (places, 2, 3) of all cells at nodes ``H``."""
-    room = memory(largest_cell(cells.first))
+    workspace = memory(largest_cell(cells.first))
     for e in range(cells.sees.shape[0]):
         here = slice(cells.first[e], cells.first[e + 1])
-        work = part_of(room, cells.first[e + 1] - cells.first[e])
+        work = part_of(workspace, cells.first[e + 1] - cells.first[e])
         gather(cells.kinds[here], cells.nodes[here], H, rest, work.other)
         forces_of(cells, e, H, work.other, work.rows, out[here])

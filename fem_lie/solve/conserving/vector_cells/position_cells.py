@@ -36,7 +36,7 @@ from fem_lie.solve.conserving.vector_cells.cell_table import (
     CellTable,
     are_positions,
     largest_cell,
-    room_of,
+    workspace_size,
 )
 from fem_lie.solve.conserving.vector_cells.cells import (
     Energies,
@@ -52,7 +52,7 @@ from fem_lie.solve.conserving.vector_cells.cells import (
 def _ask(cells: CellTable, e: int, which: int, places: Array, count: int, found: Pointer) -> None:
     """Add the energy, or forces (k, 6), of a cell at positions (k, 2, 3), along global axes."""
     calls = cells.calls[e, which]
-    w = coefficients(calls[1], calls[4], calls[5], stack(room_of(calls)))
+    w = coefficients(calls[1], calls[4], calls[5], stack(workspace_size(calls)))
     rows = blocks_at(w, count, 4, 3)
     for a in range(count):
         store_row(rows[a], 0, load_row(places[a], 0))
