@@ -6,6 +6,7 @@ import inspect
 import numpy as np
 
 import fem_lie as fl
+from tools.site import reference
 
 CONNECTION = next(base for base in fl.joints.Joint.__mro__ if base.__name__ == "Connection")
 PUT_IN = (
@@ -18,11 +19,13 @@ PUT_IN = (
     fl.contact.Contact,
     fl.extend.Integrator,
 )
-CLASSES = [thing for name in fl.__all__ if inspect.isclass(thing := getattr(fl, name))]
-WANTED = [
-    thing
-    for thing in [*CLASSES, fl.Scene]
-    if issubclass(thing, (*PUT_IN, fl.Scene)) and thing not in (fl.extend.Body, fl.joints.Joint)
+SPACES = [space for space in reference.namespaces() if space.short not in ("fl.extend", "fl.lie")]
+CLASSES = [
+    thing for space in SPACES for name in space.names if inspect.isclass(thing := space.get(name))
+]
+BASES = CONNECTION, fl.extend.Body, fl.joints.Joint
+EXPECTED = [
+    thing for thing in CLASSES if issubclass(thing, (*PUT_IN, fl.Scene)) and thing not in BASES
 ]
 
 
@@ -34,16 +37,16 @@ def example(thing: type) -> doctest.DocTest:
 
 
 def test_all_that_goes_into_a_scene_has_an_example():
-    without = sorted({thing.__name__ for thing in WANTED if not example(thing).examples})
-    assert len(WANTED) > 50
+    without = sorted({thing.__name__ for thing in EXPECTED if not example(thing).examples})
+    assert len(EXPECTED) > 50
     assert without == []
 
 
 def test_examples_run():
     """All in one process: no start of a scheme is made twice."""
-    told: list[str] = []
+    output: list[str] = []
     runner = doctest.DocTestRunner(verbose=False)
     for thing in CLASSES:
-        runner.run(example(thing), out=told.append)
+        runner.run(example(thing), out=output.append)
     assert runner.tries > 150
-    assert "".join(told) == ""
+    assert "".join(output) == ""
