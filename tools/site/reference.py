@@ -9,17 +9,20 @@ from __future__ import annotations
 
 import inspect
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from inspect import isclass, ismodule
 from pathlib import Path
-from types import ModuleType
+from types import GenericAlias, ModuleType, UnionType
 from typing import Any
 
 import fem_lie
 
 FOREIGN = "int, float, str, tuple, Enum, Exception, Warning, UserWarning, ABC, Generic, Protocol"
 """Base classes whose members are left out."""
+
+ALIASES = GenericAlias, UnionType, type(Callable[[], None])
+"""Types of type aliases: they are documented as data, not as what they stand for."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +72,8 @@ def namespaces() -> list[Namespace]:
 
 def summary(thing: Any) -> str:
     """First sentence of a docstring, for a cell of a table; constants show those of their class."""
+    if isinstance(thing, ALIASES):
+        return f"Type: ``{thing}``."
     paragraph = (inspect.getdoc(thing) or "").partition("\n\n")[0]
     return " ".join(paragraph.split()).replace("|", "\\|")
 
@@ -82,7 +87,7 @@ def directive(space: Namespace, name: str) -> str:
     if isclass(thing):
         options = f"   :members:\n   :inherited-members: {FOREIGN}"
         return f".. autoclass:: {full}\n{options}"
-    if callable(thing):
+    if callable(thing) and not isinstance(thing, ALIASES):
         return f".. autofunction:: {full}"
     return f".. autodata:: {full}\n   :no-value:"
 

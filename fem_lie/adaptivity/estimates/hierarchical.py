@@ -187,7 +187,7 @@ class HierarchicalEstimate(ErrorEstimate):
 
     Example:
         >>> fl.adaptivity.HierarchicalEstimate()
-        Hierarchical()
+        HierarchicalEstimate()
     """
 
     def estimators(self) -> Mapping[type, Estimator]:

@@ -306,7 +306,7 @@ class RecoveryEstimate(ErrorEstimate):
 
     Example:
         >>> fl.adaptivity.RecoveryEstimate()
-        Recovery()
+        RecoveryEstimate()
     """
 
     def estimators(self) -> Mapping[type, Estimator]:

@@ -63,7 +63,7 @@ class Rod(Beam):
         >>> tube = fl.Section.circle(0.01, steel)
         >>> rod = fl.Rod.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
         >>> type(rod.formulation).__name__
-        'Kirchhoff'
+        'KirchhoffRod'
     """
 
     standard: ClassVar[BeamFormulation] = KirchhoffRod()
