@@ -235,7 +235,7 @@ _OWN = ("at", "axis", "second", "to", "normal", "pitch", "radius")
 
 @add.register
 def _(item: data.JointData, built: Built) -> None:
-    kind = getattr(fl, item.kind)
+    kind = getattr(fl.joints, item.kind)
     given = {name: getattr(item, name) for name in _OWN if getattr(item, name) is not None}
     joint = kind(built.point(item.a), built.point(item.b), name=item.name, **given)
     built.joints[item.name] = built.scene.add(joint)
@@ -243,7 +243,7 @@ def _(item: data.JointData, built: Built) -> None:
 
 @add.register
 def _(item: data.SlidingData, built: Built) -> None:
-    kind = getattr(fl, item.kind)
+    kind = getattr(fl.joints, item.kind)
     joint = kind(built.bodies[item.beam], built.point(item.b), at=item.at, name=item.name)
     built.joints[item.name] = built.scene.add(joint)
 

@@ -33,7 +33,7 @@ def sliding(joint: str, *, free: bool = True, spin: float = 9.0) -> fl.Scene:
     beam = scene.add(line())
     at = middle_of(beam)
     bead = scene.add(fl.RigidBody(0.5, (0.002, 0.003, 0.004), tuple(at)))
-    scene.add(getattr(fl, joint)(beam, bead.point("centre")))
+    scene.add(getattr(fl.joints, joint)(beam, bead.point("centre")))
     if free:
         for body in (beam, bead):
             body.add_velocity(omega=(0.5, 1.0, spin), about=(0, 0, 0))

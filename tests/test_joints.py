@@ -273,7 +273,7 @@ NO_JOINTS = {"Spring", "Drive", "Gear"}
 @pytest.mark.parametrize("name", [name for name in CONNECTIONS if name not in NO_JOINTS])
 def test_reversible_joint_forbids_the_same_with_its_sides_exchanged(name, seed):
     """A joint that is not reversible keeps its sides."""
-    kind = getattr(fl, name)
+    kind = getattr(fl.joints, name)
     assert kind.reversible == (kind in REVERSIBLE)
     a, b = fl.RigidBody(1.0, (1, 1, 1)), fl.RigidBody(1.0, (1, 1, 1))
     (definition,) = CONNECTIONS[name](a, b)[0].definitions()
