@@ -430,6 +430,6 @@ def test_an_element_that_refuses_cells_names_those_that_take_them(element, cell,
         assert advised
         assert element.__name__ not in advised
         for name in advised:
-            fl.Shell(mesh, section, formulation=getattr(fl, name)())
+            fl.Shell(mesh, section, formulation=getattr(fl.elements, name)())
     else:
         assert (cell, degree) in element().defaults()
