@@ -31,6 +31,10 @@ class NodalColours:
     def rows(self, rows: Indices, states: int) -> NodalColours:
         """Values in some of the states.
 
+        Args:
+            rows: Numbers of the states that are drawn.
+            states: Number of all states.
+
         Raises:
             ValueError: The number of states does not agree.
         """
