@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fem_lie import lie
-from fem_lie.attachments.at_nodes import along_tangent, following, on_section
+from fem_lie.attachments.at_nodes import along_tangent, at_node, on_section
 from fem_lie.attachments.attachment import bend, changes, cores, locate, spread
 from fem_lie.attachments.between_frames import interpolated, on_geodesic
 from fem_lie.attachments.patch import in_the_mean
@@ -89,7 +89,7 @@ ATTACHMENTS = {
     "geodesic": (on_geodesic(0, 1, 0.3), moved_frames),
     "two directors": (interpolated((0, 1), (0.7, 0.3)), moved_frames),
     "three directors": (interpolated((0, 1, 2), (0.28, -0.12, 0.84)), moved_frames),
-    "follower": (following(0, OFFSET), moved_frames),
+    "node": (at_node(0, OFFSET), moved_frames),
     "tangent": (along_tangent(0), moved_slopes),
     **{name: (patch(places), moved_places) for name, places in PATCHES.items()},
     "surface": (on_surface(range(4), SHARES), moved_surface),

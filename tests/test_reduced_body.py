@@ -1,4 +1,4 @@
-"""Bodies in few shapes in time: laws of the equations, convergence to the full body, refusals."""
+"""Reduced-order bodies in time: laws of the equations, convergence to the full body, refusals."""
 
 import numpy as np
 import pytest

@@ -178,5 +178,5 @@ def test_bad_input():
     with pytest.raises(ValueError, match="a ring with an offset from its node needs"):
         other = fl.Net([at, (0.5, 0, 1)], [[0, 1]], THREAD)
         refused(fl.contact.Rope(rope("net")), fl.contact.Rings([other.point(1)], at=[at]))
-    with pytest.raises(ValueError, match="at must be 1 places"):
+    with pytest.raises(ValueError, match="at must be 1 positions"):
         fl.contact.Rings([fl.ground()], at=[(0, 0, 0), (1, 0, 0)])

@@ -70,7 +70,7 @@ def check_refinable(mesh: object, onto: object) -> None:
         TypeError: An argument has another type.
     """
     instance(mesh, LineMesh | SurfaceMesh | SplineMesh, "mesh", "a Line-, Surface- or SplineMesh")
-    instance(onto, Callable | None, "onto", "a function of a place, or None")
+    instance(onto, Callable | None, "onto", "a function of a position, or None")
     if isinstance(mesh, SplineMesh) and onto is not None:
         raise ValueError("onto: a SplineMesh is refined on its own surface: omit onto")
     if isinstance(mesh, SurfaceMesh) and mesh.degree != 1:

@@ -46,12 +46,12 @@ def _bend_on_node(X: Array, data: Array, f: Array, K: Array) -> None:
     K[:] = 0.0
 
 
-FOLLOWER = AttachmentKind(_locate_on_node, _bend_on_node, rigid=True)
+ON_NODE = AttachmentKind(_locate_on_node, _bend_on_node, rigid=True)
 
 
-def following(node: int, offset: Array) -> AttachmentFrame:
+def at_node(node: int, offset: Array) -> AttachmentFrame:
     """Frame with a constant offset (4, 3) in the frame of a node."""
-    return AttachmentFrame(FOLLOWER, (node,), tuple(map(float, np.ravel(offset))))
+    return AttachmentFrame(ON_NODE, (node,), tuple(map(float, np.ravel(offset))))
 
 
 @compiled
@@ -109,12 +109,14 @@ ON_SECTION = AttachmentKind(
 )
 
 
-def on_section(nodes: Sequence[int], shares: Array) -> AttachmentFrame:
+def on_section(nodes: Sequence[int], coefficients: Array) -> AttachmentFrame:
     """Frame of a cross-section between nodes.
 
     Args:
         nodes: Surface-gradient nodes, then as many mixed-derivative nodes.
-        shares: Coefficients of the two coordinate vectors of each node in the position, ``r_y`` and
-            ``r_z``, shape (k, 2, 3).
+        coefficients: Coefficients of the two coordinate vectors of each node in the position,
+            ``r_y`` and ``r_z``, shape (k, 2, 3).
     """
-    return AttachmentFrame(ON_SECTION, tuple(map(int, nodes)), tuple(map(float, shares.ravel())))
+    return AttachmentFrame(
+        ON_SECTION, tuple(map(int, nodes)), tuple(map(float, coefficients.ravel()))
+    )

@@ -140,13 +140,13 @@ PATCH = AttachmentKind(
 
 
 def in_the_mean(
-    nodes: Sequence[int], places: Array, weights: Array, axes: Array
+    nodes: Sequence[int], positions: Array, weights: Array, axes: Array
 ) -> AttachmentFrame:
     """Averaging attachment frame of some nodes of a body.
 
     Args:
         nodes: Numbers of the k nodes.
-        places: Undeformed positions, shape (k, 3).
+        positions: Undeformed positions, shape (k, 3).
         weights: Weights of the nodes, such as their tributary areas, shape (k,). They are
             normalised.
         axes: Axes of the undeformed frame as rows, shape (3, 3).
@@ -155,14 +155,14 @@ def in_the_mean(
         ValueError: The nodes are on a line or coincide.
     """
     shares = weights / weights.sum()
-    arms = (places - shares @ places) @ axes.T
+    arms = (positions - shares @ positions) @ axes.T
     # round-off would give a plane patch a spurious mean coordinate
-    arms[np.abs(arms) <= _ROUND_OFF * np.abs(places).max()] = 0.0
+    arms[np.abs(arms) <= _ROUND_OFF * np.abs(positions).max()] = 0.0
     extents = np.linalg.svd(arms, compute_uv=False)
     if len(extents) < 2 or extents[1] <= _LINE * extents[0]:
         raise ValueError(
             f"expected nodes that are not collinear for an averaging attachment, "
-            f"got {len(nodes)} at\n{places}"
+            f"got {len(nodes)} at\n{positions}"
         )
     data = np.column_stack([shares, arms]).ravel()
     return AttachmentFrame(PATCH, tuple(map(int, nodes)), tuple(map(float, data)))

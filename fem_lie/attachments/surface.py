@@ -101,12 +101,14 @@ def bend_surface(X: Array, data: Array, f: Array, K: Array) -> None:
 ON_SURFACE = AttachmentKind(locate_surface, bend_surface, summed=True, turns=True)
 
 
-def on_surface(nodes: Sequence[int], shares: Array) -> AttachmentFrame:
+def on_surface(nodes: Sequence[int], coefficients: Array) -> AttachmentFrame:
     """Frame at a point of a surface between nodes.
 
     Args:
         nodes: Surface-gradient nodes, then as many mixed-derivative nodes.
-        shares: Coefficients of the two coordinate vectors of each node in the position and its two
-            derivatives, shape (k, 2, 3).
+        coefficients: Coefficients of the two coordinate vectors of each node in the position and
+            its two derivatives, shape (k, 2, 3).
     """
-    return AttachmentFrame(ON_SURFACE, tuple(map(int, nodes)), tuple(map(float, shares.ravel())))
+    return AttachmentFrame(
+        ON_SURFACE, tuple(map(int, nodes)), tuple(map(float, coefficients.ravel()))
+    )

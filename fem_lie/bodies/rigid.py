@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, numbers, vector
-from fem_lie.attachments.at_nodes import following
+from fem_lie.attachments.at_nodes import at_node
 from fem_lie.bodies.body import Body, Point
 from fem_lie.lie.motions import Group
 from fem_lie.sections.properties import director_mass_matrix
@@ -89,4 +89,4 @@ class RigidBody(Body):
         H = self.frames[0]
         offset = np.vstack([H[1:] @ (position - H[0]), np.eye(3)])
         name = ", ".join(f"{component:g}" for component in position)
-        return Point(self, 0, f"at ({name})", following(0, offset))
+        return Point(self, 0, f"at ({name})", at_node(0, offset))

@@ -84,7 +84,7 @@ def krylov(scene: Scene, inputs: Sequence[tuple[Point, npt.ArrayLike]], moments:
     found = LinearisedBody(scene, None)
     loads: Array = np.zeros((len(inputs), *found.free.shape))
     for number, (point, wrench) in enumerate(inputs):
-        instance(point, Point, "an input's place", "a point of a body")
+        instance(point, Point, "the node of an input", "a point of a body")
         if point.body is not found.body or point.attachment is not None:
             raise ValueError(
                 f"{point.label} is not a node of {found.body.label}, so no load can act there"

@@ -202,7 +202,7 @@ def ecsw(states: ReducedStates, tolerance: float) -> CellSample:
         ValueError: The cells of this body cannot be assembled individually, no state has strain, or
             the tolerance is below round-off.
     """
-    instance(states, ReducedStates, "states", "states in few shapes, of basis.project(result)")
+    instance(states, ReducedStates, "states", "states from basis.project(result)")
     if positive(tolerance, "tolerance") >= 1.0:
         raise ValueError(f"tolerance must be below 1, got {tolerance!r}")
     basis = states.basis

@@ -259,7 +259,7 @@ class _Run:
                 return found
             active, span = active | found.activated, self._every
             self._repeated += 1
-        raise ConvergenceError(f"no regions are quiet after time {check.state.time:g}")
+        raise ConvergenceError(f"no regions are inactive after time {check.state.time:g}")
 
     def _inactive_part(self, check: _Check, result: Result, root: Indices, active: Flags) -> _Found:
         """The segment up to the last check at which all merged nodes are inactive."""

@@ -59,9 +59,9 @@ def load_reduced(path: str | os.PathLike[str], full: Body, *, name: str = "") ->
     with h5py.File(path, "r") as file:
         check_mesh(file, path, _WHAT, full)
         nodes, *matrices, quadratic = [file[each][()] for each in _ARRAYS]
-        told = [each.decode() for each in file["points"][()]]
+        names = [each.decode() for each in file["points"][()]]
         label = name or str(file.attrs["name"])
-    pairs = (each.split(" ", 1) for each in told)
+    pairs = (each.split(" ", 1) for each in names)
     points = {point: int(node) for node, point in pairs}
     stiffness, density, shapes = matrices
     return ReducedOrderBody(

@@ -232,4 +232,4 @@ def _check(build: object, mesh: object, scheme: object, onto: object) -> None:
     instance(build, Callable, "build", "a function from a mesh to a Scene")
     instance(mesh, LineMesh | SurfaceMesh, "mesh", "a LineMesh or a SurfaceMesh")
     instance(scheme, Integrator | None, "scheme", "a scheme such as GeneralisedAlpha, or None")
-    instance(onto, Callable | None, "onto", "a function of a place, or None")
+    instance(onto, Callable | None, "onto", "a function of a position, or None")

@@ -1,1 +1,1 @@
-"""Ropes through rings: a place of a rope that slides along it stays where a ring is."""
+"""Contact of ropes with rings that slide along them."""
