@@ -284,7 +284,7 @@ def test_steps_without_a_solution_are_made_in_parts(caplog):
     """Each of which conserves, and the cable goes where small steps take it."""
     result = SCHEME.run(flying("cable")[0], duration=1.2, step=0.1)
     assert result.divided >= 1
-    assert "were made in up to" in caplog.text
+    assert "were divided into up to" in caplog.text
     assert result.energy_error <= 1e-11
     assert max(result.momentum_error, result.angular_momentum_error) <= 1e-11
     small = SCHEME.run(flying("cable")[0], duration=1.2, step=4e-3, save_every=300)

@@ -679,7 +679,7 @@ def with_disc() -> fl.Scene:
 
 REFUSED = {
     "cable": (with_cable, "nodes are frames, not for cables"),
-    "guide": (with_guide, "not held along fixed axes"),
+    "guide": (with_guide, "without supports along fixed axes"),
     "reduced-order body": (with_a_reduced_body, "solids, thin shells and reduced-order bodies"),
     "rolls": (with_disc, "without joints that roll"),
 }

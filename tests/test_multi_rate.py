@@ -145,5 +145,5 @@ def test_bad_input():
             stiffness=1.0,
         )
     )
-    with pytest.raises(ValueError, match="joints alone, got Spring between"):
+    with pytest.raises(ValueError, match="of their own, got Spring between"):
         fl.schemes.MultiRate({two: 2}).run(scene, **span)
