@@ -115,7 +115,7 @@ PLAN = {"duration": 0.1, "step": 5e-3}
 
 
 def test_motion_is_the_same_with_fewer_iterations():
-    """A net that goes slack, within what iterations leave."""
+    """Of a tension-only net, within what iterations leave."""
     plain, better = (scheme(secants).run(slackening(), **PLAN) for secants in (0, 3))
     places, others = (result.frames[:, :, 0] for result in (plain, better))
     assert np.abs(places - others).max() < 1e-6 * np.abs(places - places[0]).max()

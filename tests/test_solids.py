@@ -375,7 +375,7 @@ def test_named_groups_of_gmsh(model, hexahedra, order):
     np.testing.assert_array_equal(body.nodes("edge"), np.flatnonzero(on_edge))
     assert body.point("corner").position[:2] == pytest.approx((0, 0), abs=1e-12)
     faces = body.facets("left")
-    assert faces.shares(x).sum() == pytest.approx(6.0, rel=1e-12)
+    assert faces.consistent_areas(x).sum() == pytest.approx(6.0, rel=1e-12)
     normals = faces.outward[:, None] * faces.rule.normals(x, faces.nodes).sum(axis=1)
     np.testing.assert_allclose(normals.sum(axis=0), (-6.0, 0, 0), atol=1e-12)
 

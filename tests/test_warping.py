@@ -526,7 +526,7 @@ S = fl.SectionShape
         (lambda: S.i_section(0.1, 0.2, 0.01, 0.1), "twice the flange must be less than height"),
         (lambda: S.channel(0.1, 0.2, 0.2, 0.01), "web must be less than width"),
         (lambda: S.channel(0.1, 0.2, 0.01, -0.01), "flange must be a positive"),
-        (lambda: S.l_section(0.1, 0.2, 0.1), "thickness must be less than the shorter leg"),
+        (lambda: S.l_section(0.1, 0.2, 0.1), "thickness must be less than the shorter flange"),
         (lambda: S.l_section(0.1, 0.2, 0.01, 0.1), "root_radius must be at least 0 and less than"),
         (lambda: S.polygon([(0, 0), (1, 0)]), "points must be at least 3 points"),
         (lambda: S.polygon([(0, 0), (1, 0), (np.inf, 1)]), "points must be finite"),

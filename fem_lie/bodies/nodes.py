@@ -146,7 +146,7 @@ class Nodes(ABC):
         """
         raise ValueError(f"{self.label} has no cells for a load")
 
-    def consistent_shares(self) -> tuple[Indices, Array]:
+    def consistent_lengths(self) -> tuple[Indices, Array]:
         """Nodes of each element and their consistent weights in length, both of shape (m, k).
 
         Raises:
@@ -154,7 +154,7 @@ class Nodes(ABC):
         """
         raise ValueError(f"{self.label} has no cells to put a load on")
 
-    def consistent_levers(self) -> Array:
+    def director_weights(self) -> Array:
         """Consistent weights on directors of a unit line force on each element, (m, k, 3).
 
         Raises:
@@ -216,8 +216,8 @@ class Nodes(ABC):
         return None
 
     @property
-    def goes_slack(self) -> bool:
-        """Whether it goes slack, with an energy that is convex all the same."""
+    def tension_only(self) -> bool:
+        """Whether its elements are tension-only, with an energy that is still convex."""
         return False
 
     def within_frame(self) -> WithinFrame | None:

@@ -180,7 +180,7 @@ class LineLoad(NodalLoad):
     def nodal(self) -> Array:
         """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""
         values = np.zeros((len(self.body.frames), 6))
-        nodes, shares = self.body.consistent_shares()
+        nodes, shares = self.body.consistent_lengths()
         chosen = self.body.cells_of(self.cells)
         density = np.concatenate([self.force, self.moment]).astype(np.float64)
         np.add.at(values, nodes[chosen], shares[chosen, :, np.newaxis] * density)
@@ -189,8 +189,8 @@ class LineLoad(NodalLoad):
     def on_directors(self) -> Array:
         """Consistent forces on directors, from the curved interpolation of the axis, (n, 3, 3)."""
         values = np.zeros((len(self.body.frames), 3, 3))
-        nodes, _ = self.body.consistent_shares()
-        chosen, levers = self.body.cells_of(self.cells), self.body.consistent_levers()
+        nodes, _ = self.body.consistent_lengths()
+        chosen, levers = self.body.cells_of(self.cells), self.body.director_weights()
         force = np.asarray(self.force, dtype=np.float64)
         np.add.at(values, nodes[chosen], levers[chosen, :, :, np.newaxis] * force)
         return values

@@ -167,7 +167,7 @@ class SectionShape:
             ValueError: A size is not positive, or sizes are incompatible.
         """
         _positive(width=width, height=height, thickness=thickness)
-        _less("thickness", thickness, "the shorter leg", min(width, height))
+        _less("thickness", thickness, "the shorter flange", min(width, height))
         _fits(root_radius, width - thickness, height - thickness)
         t = thickness
         points = [(0.0, 0.0), (width, 0.0), (width, t), (t, t), (t, height), (0.0, height)]

@@ -227,7 +227,7 @@ def along_the_line(found: SectionForces, k: int, degree: int) -> Array:
     # what is viscous is no elastic stress
     ends = found.elements.at_ends(found.frames[k])
     rows = beam.frames[beam.elements[:, :2]]
-    shares = beam.formulation.shares(rows, beam.lengths)
+    shares = beam.formulation.consistent_lengths(rows, beam.lengths)
     before, behind = neighbours(beam.elements, found.single)
     carried = shares[before, 1] + shares[behind, 0]
     density = (ends[before, 1] - ends[behind, 0]) / carried[:, np.newaxis]

@@ -95,9 +95,9 @@ class LineBody(Sectioned):
         return type(self), self.formulation
 
     @property
-    def goes_slack(self) -> bool:
+    def tension_only(self) -> bool:
         """Whether the formulation is tension-only."""
-        return self.formulation.goes_slack
+        return self.formulation.tension_only
 
     @classmethod
     def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
@@ -131,14 +131,14 @@ class LineBody(Sectioned):
         """
         return self.formulation.attachment(node)
 
-    def consistent_shares(self) -> tuple[Indices, Array]:
+    def consistent_lengths(self) -> tuple[Indices, Array]:
         """Nodes of each element and integrals of their shape functions over its length, (m, k)."""
         ends = self.frames[self.elements[:, :2]]
-        return self.elements, self.formulation.shares(ends, self.lengths)
+        return self.elements, self.formulation.consistent_lengths(ends, self.lengths)
 
-    def consistent_levers(self) -> Array:
+    def director_weights(self) -> Array:
         """Consistent weights on directors of a unit line force on each element, (m, k, 3)."""
-        levers = np.zeros((*self.elements.shape, 3))
+        weights = np.zeros((*self.elements.shape, 3))
         ends = self.frames[self.elements[:, :2]]
-        levers[:, :2] = self.formulation.levers(ends, self.lengths)
-        return levers
+        weights[:, :2] = self.formulation.director_weights(ends, self.lengths)
+        return weights

@@ -272,18 +272,18 @@ class AncfBeam(SectionPoints):
         attachment = self.formulation.place(nodes, float(part), float(self.lengths[element]))
         return Point(self, nodes[0], f"element {element} at {part:g}", attachment)
 
-    def consistent_shares(self) -> tuple[Indices, Array]:
+    def consistent_lengths(self) -> tuple[Indices, Array]:
         """Nodes of each element and integrals of their shape functions over its length, (m, 4)."""
         shares = np.zeros(self.elements.shape)
         shares[:, :2] = 0.5 * self.lengths[:, np.newaxis]
         return self.elements, shares
 
-    def consistent_levers(self) -> Array:
+    def director_weights(self) -> Array:
         """Consistent weights on ``r_x`` of a unit line force: ``±ℓ²/12``, shape (m, 4, 3)."""
-        levers = np.zeros((*self.elements.shape, 3))
-        levers[:, 0, 0] = self.lengths**2 / 12
-        levers[:, 1, 0] = -levers[:, 0, 0]
-        return levers
+        weights = np.zeros((*self.elements.shape, 3))
+        weights[:, 0, 0] = self.lengths**2 / 12
+        weights[:, 1, 0] = -weights[:, 0, 0]
+        return weights
 
 
 def _poisson(section: Section, given: float | None) -> float:

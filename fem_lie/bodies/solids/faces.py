@@ -49,7 +49,7 @@ class Faces:
         """Quadrature rule on a facet."""
         return FaceRule.of(self.cell, self.degree)
 
-    def shares(self, x: Array) -> Array:
+    def consistent_areas(self, x: Array) -> Array:
         """Consistent areas of the nodes of each facet at positions ``x`` (n, 3), shape (f, k)."""
         rule = self.rule
         areas = np.linalg.norm(rule.normals(x, self.nodes), axis=2)

@@ -289,7 +289,7 @@ class Solid(SupportedSolid):
         weights: Array = np.ones(len(nodes))
         if name in self.mesh.faces:
             faces, total = self.facets(name), np.zeros(len(self.frames))
-            np.add.at(total, faces.nodes, faces.shares(self.places))
+            np.add.at(total, faces.nodes, faces.consistent_areas(self.places))
             weights = total[nodes]
         chosen = numbers(axes, f"axes of {self.label}.{name}")
         if chosen.shape != (3, 3) or not _is_rotation(chosen):

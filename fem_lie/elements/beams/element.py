@@ -95,7 +95,7 @@ class BeamFormulation(ABC):
         return stiffness
 
     @property
-    def goes_slack(self) -> bool:
+    def tension_only(self) -> bool:
         """Whether it is tension-only, with an energy that is still convex."""
         return False
 
@@ -124,7 +124,7 @@ class BeamFormulation(ABC):
         """
         return None
 
-    def shares(self, ends: Array, lengths: Array) -> Array:
+    def consistent_lengths(self, ends: Array, lengths: Array) -> Array:
         """Consistent length of each node: integrals of shape functions, (m, degree + 1).
 
         Args:
@@ -133,7 +133,7 @@ class BeamFormulation(ABC):
         """
         return np.asarray(lengths[:, np.newaxis] * _INTEGRALS[self.degree])
 
-    def levers(self, ends: Array, lengths: Array) -> Array:
+    def director_weights(self, ends: Array, lengths: Array) -> Array:
         """Consistent weights of a unit line force on the first directors of both ends, (m, 2, 3).
 
         The default is ``∫ ½ (s − s²) (t_A − t_B) ℓ ds`` of a parabolic axis, along the axes of A.
@@ -142,12 +142,12 @@ class BeamFormulation(ABC):
             ends: Coordinates of both ends, shape (m, 2, 4, 3).
             lengths: Lengths of the cells, shape (m,).
         """
-        levers = np.zeros((len(lengths), 2, 3))
+        on_directors = np.zeros((len(lengths), 2, 3))
         if self.bows:
             moved = lie.se3_relative(ends[:, 0], ends[:, 1])[:, :3]  # ℓ times the slope
             along = lengths[:, np.newaxis] * moved / 12
-            levers[:, 0], levers[:, 1] = along, -along
-        return levers
+            on_directors[:, 0], on_directors[:, 1] = along, -along
+        return on_directors
 
     def place(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
         """Attachment frame at ``0 ≤ ξ ≤ 1`` along an element, as the element interpolates it.

@@ -230,7 +230,7 @@ class HermiteCable(BeamFormulation):
             positive(self.slack, "HermiteCable: slack")
 
     @property
-    def goes_slack(self) -> bool:
+    def tension_only(self) -> bool:
         """Whether it is tension-only: with ``slack``."""
         return self.slack is not None
 
@@ -256,12 +256,12 @@ class HermiteCable(BeamFormulation):
         """
         return along_tangent(node)
 
-    def levers(self, ends: Array, lengths: Array) -> Array:
+    def director_weights(self, ends: Array, lengths: Array) -> Array:
         """Consistent weights on gradients: ``±ℓ²/12``, integrals of their cubics."""
-        levers = np.zeros((len(lengths), 2, 3))
-        levers[:, 0, 0] = lengths**2 / 12
-        levers[:, 1, 0] = -levers[:, 0, 0]
-        return levers
+        on_directors = np.zeros((len(lengths), 2, 3))
+        on_directors[:, 0, 0] = lengths**2 / 12
+        on_directors[:, 1, 0] = -on_directors[:, 0, 0]
+        return on_directors
 
     def speeds(self, ends: Array, lengths: Array, along: Array) -> Array | None:
         """Unstretched arc length per parameter, shape (m, p), or ``None`` if it is one.

@@ -56,7 +56,7 @@ class DiscreteCable(BeamFormulation):
             positive(self.slack, "DiscreteCable: slack")
 
     @property
-    def goes_slack(self) -> bool:
+    def tension_only(self) -> bool:
         """Whether it is tension-only: with ``slack``."""
         return self.slack is not None
 

@@ -48,17 +48,17 @@ class IsogeometricCable(HermiteCable):
         found[:, :, :2, :, :2] = np.einsum("mp,mpia,mpjb->miajb", mass, shapes, shapes)
         return found
 
-    def shares(self, ends: Array, lengths: Array) -> Array:
+    def consistent_lengths(self, ends: Array, lengths: Array) -> Array:
         """Consistent weights ``∫ Nᵢ J du`` on positions."""
         shapes, weights = self._shapes(ends, lengths)
         return np.asarray(np.einsum("mp,mpi->mi", weights, shapes[..., 0]))
 
-    def levers(self, ends: Array, lengths: Array) -> Array:
+    def director_weights(self, ends: Array, lengths: Array) -> Array:
         """Consistent weights ``∫ Nᵢ J du`` on derivatives."""
         shapes, weights = self._shapes(ends, lengths)
-        levers = np.zeros((len(lengths), 2, 3))
-        levers[:, :, 0] = np.einsum("mp,mpi->mi", weights, shapes[..., 1])
-        return levers
+        on_directors = np.zeros((len(lengths), 2, 3))
+        on_directors[:, :, 0] = np.einsum("mp,mpi->mi", weights, shapes[..., 1])
+        return on_directors
 
     def _shapes(self, ends: Array, lengths: Array) -> tuple[Array, Array]:
         """Cubics of position and derivative of both ends, (m, p, 2, 2), and arc weights, (m, p)."""

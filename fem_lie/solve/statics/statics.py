@@ -87,10 +87,10 @@ def statics(
     along = partial(followed, scene, levels, ArcLength(), petsc_options_prefix)
     asked = partial(stepped, steps, options.smallest_step)
     roads: list[Callable[[], StaticResult]]
-    goes_slack = any(body.goes_slack for body in scene.bodies)
+    tension_only = any(body.tension_only for body in scene.bodies)
     has_friction = any(contact.has_friction for contact in scene.contacts)
     if (
-        goes_slack
+        tension_only
         or has_friction
         or not options.carried_stress
         or rotation
