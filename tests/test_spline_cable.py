@@ -134,7 +134,7 @@ REFUSED = {
         "increase",
     ),
     "shapes": (lambda: fl.SplineCable([0, 1, 2], CONTROL[:2], CONTROL[:2], SECTION), "shapes"),
-    "points": (lambda: fl.SplineCable.through([(0, 0, 0), (0, 0, 0)], SECTION), "apart"),
+    "points": (lambda: fl.SplineCable.through([(0, 0, 0), (0, 0, 0)], SECTION), "distinct"),
     "circle": (
         lambda: fl.SplineCable.circle((0, 0, 0), 1.0, (0, 0, 1), SECTION, cells=2),
         "3 cells",

@@ -223,17 +223,17 @@ def _cells(table: FormTable) -> list[Indices]:
     return found
 
 
-def of_cells(table: FormTable, wanted: Sequence[Flags]) -> FormTable:
+def of_cells(table: FormTable, chosen: Sequence[Flags]) -> FormTable:
     """Forms restricted to some cells.
 
     Args:
         table: Forms whose arrays stay alive.
-        wanted: Mask of the cells of each form.
+        chosen: Mask of the cells of each form.
     """
     found, kept, at = [], [table.nodes[:0]], 0
     for k, cells in enumerate(_cells(table)):
         row: Indices = table.rows[k]
-        edges = np.flatnonzero(np.diff(wanted[k], prepend=False, append=False))
+        edges = np.flatnonzero(np.diff(chosen[k], prepend=False, append=False))
         # cells that follow each other in memory are one row
         for start, end in edges.reshape(-1, 2):
             some = row.copy()

@@ -363,8 +363,8 @@ def _map(
 def _checked(name: str, value: ArrayLike, core: tuple[int, ...]) -> Array:
     array = np.asarray(value, dtype=np.float64)
     if array.shape[-len(core) :] != core:
-        wanted = ", ".join(["…", *map(str, core)])
-        raise ValueError(f"{name} has shape {array.shape}, wanted ({wanted})")
+        expected = ", ".join(["…", *map(str, core)])
+        raise ValueError(f"{name} has shape {array.shape}, expected ({expected})")
     return array
 
 

@@ -29,14 +29,14 @@ _SAME = 1e-9  # relative, of the two ends of a closed curve
 
 
 class Spline(NamedTuple):
-    """A cubic spline with doubled inner knots: places and slopes at these.
+    """Cubic spline with double inner knots, by positions and derivatives at the knots.
 
     :class:`~fem_lie.SplineCable` takes all three, and :class:`~fem_lie.Rod` its :meth:`mesh`.
 
     Attributes:
-        knots: The parameter ``u`` there, increasing, shape (n,).
-        places: Shape (n, 3).
-        slopes: ``dr/du``, shape (n, 3).
+        knots: Parameter ``u`` of the knots, increasing, shape (n,).
+        places: Positions at the knots, shape (n, 3).
+        slopes: Derivatives ``dr/du`` at the knots, shape (n, 3).
 
     Example:
         >>> ring = fl.mesh.Spline.circle((0, 0, 0), 1.0, (0, 0, 1), cells=8)
@@ -50,7 +50,7 @@ class Spline(NamedTuple):
 
     @classmethod
     def checked(cls, knots: npt.ArrayLike, places: npt.ArrayLike, slopes: npt.ArrayLike) -> Spline:
-        """As arrays; arguments as the attributes.
+        """Spline from array-like arguments, checked.
 
         Args:
             knots: Parameters of the knots, shape (n,).
@@ -58,7 +58,7 @@ class Spline(NamedTuple):
             slopes: Derivatives with respect to the parameter, shape (n, 3).
 
         Raises:
-            ValueError: Shapes do not fit, knots do not increase, or the curve stands still.
+            ValueError: Shapes do not agree, knots do not increase, or a derivative is zero.
         """
         x, u = points_of(places), numbers(knots, "knots of a spline")
         rates = numbers(slopes, "slopes of a spline")
@@ -77,20 +77,20 @@ class Spline(NamedTuple):
 
     @classmethod
     def of(cls, spline: BSpline, cells: int = 1) -> Spline:
-        """A cubic spline of SciPy's with doubled inner knots, of points in space, exactly.
+        """Exact representation of a cubic spline of SciPy with double inner knots.
 
         Args:
-            spline: Of degree 3, with control points of shape (n, 3).
-            cells: Of each piece between knots; more of them leave the curve as it is.
+            spline: Spline of degree 3, with control points of shape (n, 3).
+            cells: Cells between two knots; the curve does not depend on it.
 
         Raises:
-            ValueError: It is of another degree or dimension, or has an inner knot that is not
-                doubled: a simple one lets no slope move by itself, a triple one is a corner.
+            ValueError: It has another degree or dimension, or an inner knot that is not double:
+                with a simple knot, derivatives are not independent; a triple knot is a corner.
         """
         instance(spline, BSpline, "Spline.of: spline", "a scipy.interpolate.BSpline")
         if spline.k != 3 or np.shape(spline.c)[1:] != (3,):
             raise ValueError(
-                "wanted is a cubic spline of control points of shape (n, 3), got one of degree "
+                "expected a cubic spline of control points of shape (n, 3), got one of degree "
                 f"{spline.k} of shape {np.shape(spline.c)}"
             )
         begin, end = float(spline.t[3]), float(spline.t[len(spline.c)])
@@ -107,19 +107,21 @@ class Spline(NamedTuple):
 
     @classmethod
     def through(cls, points: npt.ArrayLike, cells: int = 1) -> Spline:
-        """The smooth cubic spline over distances of points; closed if the last is the first.
+        """Smooth cubic spline through points, with their distances as knots.
+
+        It is closed if the last point equals the first.
 
         Args:
             points: Shape (n, 3).
-            cells: Of each piece between points.
+            cells: Cells between two points.
 
         Raises:
-            ValueError: Successive points are the same, or there are less than two.
+            ValueError: Successive points coincide, or there are less than two.
         """
         x = points_of(points)
         steps = np.linalg.norm(np.diff(x, axis=0), axis=1)
         if len(x) < 2 or not steps.min() > 0:
-            raise ValueError(f"wanted are two points or more, successive ones apart, got\n{x}")
+            raise ValueError(f"expected two distinct points or more, got\n{x}")
         closed = len(x) > 3 and np.array_equal(x[0], x[-1])
         knots = np.concatenate([[0.0], np.cumsum(steps)])
         curve = CubicSpline(knots, x, bc_type="periodic" if closed else "not-a-knot")
@@ -133,18 +135,16 @@ class Spline(NamedTuple):
     def circle(
         cls, centre: npt.ArrayLike, radius: float, normal: npt.ArrayLike, cells: int
     ) -> Spline:
-        """A circle, of sixth order: slopes are those of the best cubics for arcs.
-
-        It goes round the normal, in 3 cells or more.
+        """Circle, approximated to sixth order by the best cubics for arcs.
 
         Args:
             centre: Centre, shape (3,).
             radius: Radius of the circle.
-            normal: Normal of the plane, shape (3,).
-            cells: Number of cubic pieces.
+            normal: Normal of the plane, about which it is oriented, shape (3,).
+            cells: Number of cubic pieces, 3 or more.
 
         Raises:
-            ValueError: The radius is not positive, there is no normal, or there are too few cells.
+            ValueError: The radius is not positive, the normal is zero, or there are too few cells.
         """
         middle, r = vector(centre, 3, "centre of a circle"), positive(radius, "radius")
         e3 = direction(normal, "normal of a circle")
@@ -160,7 +160,10 @@ class Spline(NamedTuple):
         return cls.checked(range(cells + 1), places, slopes)
 
     def mesh(self) -> LineMesh:
-        """From knot to knot, with points "start" and "end"; closed if it ends as it began."""
+        """Line mesh with a cell between two knots and points "start" and "end".
+
+        It is closed if the end has the position and derivative of the start.
+        """
         u, places, rates = self
         n, speeds = len(places), np.linalg.norm(rates, axis=1)
         gaps = np.abs(places[-1] - places[0]).max(), np.abs(rates[-1] - rates[0]).max()
@@ -177,22 +180,19 @@ class Spline(NamedTuple):
 
 
 def _divided(knots: Array, cells: int) -> Array:
-    """Each piece in so many equal ones."""
+    """Knots with each interval divided into equal parts."""
     ξ = np.arange(cells) / cells
     inner = knots[:-1, np.newaxis] + ξ * np.diff(knots)[:, np.newaxis]
     return np.append(inner.ravel(), knots[-1])
 
 
 def straight_line(start: npt.ArrayLike, end: npt.ArrayLike, cells: int) -> LineMesh:
-    """Straight line in equal cells; its ends are named "start" and "end".
+    """Straight line of equal cells, with points "start" and "end".
 
     Args:
         start: First point, shape (3,).
         end: Last point, shape (3,).
         cells: Number of cells.
-
-    Raises:
-        ValueError: The ends coincide or are not points, or there is no cell.
     """
     a, b = points_of([start, end])
     if np.array_equal(a, b):
@@ -205,19 +205,19 @@ def straight_line(start: npt.ArrayLike, end: npt.ArrayLike, cells: int) -> LineM
 def polyline(
     points: Sequence[npt.ArrayLike] | npt.ArrayLike, cells: int | Sequence[int]
 ) -> LineMesh:
-    """Straight pieces from corner to corner, each in equal cells; corners are corners at any angle.
+    """Straight segments of equal cells, with corners at any angle between them.
 
-    Its ends are named "start" and "end", the corners "corner 1", "corner 2" and so on; its pieces
-    are the groups "piece 1", "piece 2" and so on. If the last point is the first one the line is
+    Its ends are named "start" and "end", the corners "corner 1", "corner 2" and so on; its segments
+    are the groups "piece 1", "piece 2" and so on. If the last point equals the first, the line is
     closed: "start" is a corner, too, and there is no "end".
 
     Args:
         points: Ends and corners, shape (n, 3).
-        cells: Of each piece, or of each piece its own number.
+        cells: Number of cells of each segment, one for all or one each.
 
     Raises:
-        ValueError: There are less than two points, successive ones coincide, a piece goes back on
-            the one before it, or there are not as many numbers of cells as pieces.
+        ValueError: There are less than two points, successive ones coincide, a segment reverses the
+            one before it, or the number of entries of ``cells`` is not that of segments.
     """
     x = points_of(points)
     if len(x) < 2:
@@ -242,7 +242,9 @@ def polyline(
 def _cells_of_pieces(cells: int | Sequence[int], pieces: int) -> list[int]:
     given = [cells] * pieces if np.ndim(cells) == 0 else list(cells)  # type: ignore[arg-type]
     if len(given) != pieces:
-        raise ValueError(f"wanted are numbers of cells of {pieces} pieces, got {len(given)}")
+        raise ValueError(
+            f"polyline: expected numbers of cells of {pieces} pieces, got {len(given)}"
+        )
     return [whole_number(count) for count in given]  # type: ignore[arg-type]
 
 
@@ -252,17 +254,17 @@ def curve(
     *,
     derivative: Callable[[float], npt.ArrayLike] | None = None,
 ) -> LineMesh:
-    """Smooth curve, cut at equal steps of its parameter; its ends are named "start" and "end".
+    """Smooth curve, divided at equal steps of its parameter, with points "start" and "end".
 
     Args:
         function: Point at ``s``, shape (3,); s from 0 to 1.
         cells: Number of cells.
-        derivative: Any vector along the tangent at ``s``, shape (3,). Default: differences of sixth
-            order of ``function``, within [0, 1], good to about 1e-12.
+        derivative: Any vector along the tangent at ``s``, shape (3,). Default: finite differences
+            of sixth order of ``function``, within [0, 1], accurate to about 1e-12.
 
     Raises:
-        ValueError: The curve stands still somewhere, has a kink or is not finite, or there is no
-            cell.
+        ValueError: The derivative vanishes somewhere, the curve has a kink or is not finite, or
+            there is no cell.
     """
     instance(function, Callable, "a curve", "a function of s from 0 to 1")
     s = np.linspace(0.0, 1.0, whole_number(cells) + 1)
@@ -276,7 +278,7 @@ def curve(
 
 
 def _refuse_kinks(function: Callable[[float], npt.ArrayLike], s: Array) -> None:
-    """Narrow down where the curve turns most: on a smooth one the turn shrinks with the length."""
+    """Bisect towards the largest rotation of the tangent: on a smooth curve it decreases."""
     for a, b in pairwise(float(si) for si in s):
         # half a cell further on each side, or a kink at a node is not seen
         low, high = max(0.0, 1.5 * a - 0.5 * b), min(1.0, 1.5 * b - 0.5 * a)
@@ -306,7 +308,7 @@ def _chain(points: Array, tangents: Array) -> LineMesh:
 
 
 def _slope(function: Callable[[float], npt.ArrayLike], s: float) -> Array:
-    """Derivative from seven points around ``s``, moved inward at the ends."""
+    """Derivative from seven points around ``s``, one-sided at the ends."""
     step, offsets = 2.0**-10, np.arange(-3.0, 4.0)
     centre = min(max(s, 3 * step), 1.0 - 3 * step)
     offsets += (centre - s) / step

@@ -1,4 +1,4 @@
-"""Lines and surfaces of gmsh models: cells, tangents and normals of the CAD, named groups."""
+"""Lines and surfaces of gmsh models: cells, tangents and normals of CAD, named groups."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from fem_lie.mesh.lines import circle_tangents, flipped
 
 _log = logging.getLogger(__name__)
 
-_STRAIGHT = 1e-6  # rad, as two tangents that agree
+_STRAIGHT = 1e-6  # rad, between tangents that count as equal
 _LINE_2 = 1  # gmsh's element type
 
 
 @dataclass(frozen=True, eq=False)
 class RawLines:
-    """Line cells as gmsh has them; points without cells are dropped.
+    """Line cells in the order of gmsh; points without cells are removed.
 
     Attributes:
         points: Coordinates, shape (n, 3).
@@ -49,11 +49,11 @@ class RawLines:
 
 
 def read_lines(path: str | os.PathLike[str] | GmshScript, kink_angle: float) -> RawLines:
-    """Lines of a file, in a model of its own that is removed afterwards.
+    """Lines of a file, read into a temporary gmsh model.
 
     Raises:
         FileNotFoundError: There is no such file.
-        ValueError: gmsh cannot read it, a parameter is not in it, or it has no lines.
+        ValueError: gmsh cannot read it, a parameter does not exist, or it has no lines.
     """
     with opened(path) as (gmsh, file):
         if gmsh.model.mesh.getNodes()[0].size == 0:
@@ -67,14 +67,15 @@ def read_curve(
     *,
     curve: int | None = None,
 ) -> Spline:
-    """A curve of a CAD file (STEP, IGES, BREP) or of a script, rational ones (NURBS) too.
+    """Curve of a CAD file (STEP, IGES, BREP) or of a script, rational curves (NURBS) included.
 
-    gmsh evaluates it, so that places and slopes are those of the curve itself. Between them the
-    cubic follows it to fourth order; with the knots of a cubic spline among ``u`` it is the curve.
+    gmsh evaluates the curve, so that positions and derivatives at the knots are exact. Between them
+    the cubic approximates it to fourth order; it is exact for a cubic spline with its knots among
+    ``u``.
 
     Args:
-        path: The file, or a script (:func:`~fem_lie.mesh.run_gmsh_script`).
-        cells: Equal parts of the curve's parameter.
+        path: File, or a script (:func:`~fem_lie.mesh.run_gmsh_script`).
+        cells: Number of equal intervals of the curve's parameter.
         curve: gmsh's number of the curve; default: the only one.
 
     Raises:
@@ -85,16 +86,16 @@ def read_curve(
     count = whole_number(cells) + 1
     with opened(path) as (gmsh, file):
         known = [tag for _, tag in gmsh.model.getEntities(1)]
-        wanted = known[0] if curve is None and len(known) == 1 else curve
-        if wanted not in known:
+        chosen = known[0] if curve is None and len(known) == 1 else curve
+        if chosen not in known:
             raise ValueError(
                 f"{str(file)!r} has the curves {known}, and read_curve takes one of them, got "
                 f"curve = {curve}"
             )
-        (begin,), (end,) = gmsh.model.getParametrizationBounds(1, wanted)
+        (begin,), (end,) = gmsh.model.getParametrizationBounds(1, chosen)
         u = np.linspace(begin, end, count)
-        places = np.reshape(gmsh.model.getValue(1, wanted, u), (-1, 3))
-        slopes = np.reshape(gmsh.model.getDerivative(1, wanted, u), (-1, 3))
+        places = np.reshape(gmsh.model.getValue(1, chosen, u), (-1, 3))
+        slopes = np.reshape(gmsh.model.getDerivative(1, chosen, u), (-1, 3))
     return Spline(u, places, slopes)
 
 
@@ -140,7 +141,7 @@ def _line_cells(gmsh: Any, curve: int, what: str) -> Indices:
         if kind != _LINE_2:
             name = gmsh.model.mesh.getElementProperties(kind)[0]
             raise ValueError(
-                f"{what}: curve {curve} has cells of type {name!r}; wanted are lines of order 1"
+                f"{what}: curve {curve} has cells of type {name!r}; expected lines of order 1"
             )
     return nodes[0].astype(np.int64).reshape(-1, 2) if len(nodes) else np.empty((0, 2), np.int64)
 
@@ -185,13 +186,13 @@ _LINES = {1: 2, 8: 3}  # nodes of gmsh's lines of order 1 and 2
 
 @dataclass(frozen=True, eq=False)
 class RawShell:
-    """Cells as DOLFINx orders them; points without cells are dropped.
+    """Surface cells in DOLFINx's order; points without cells are removed.
 
     Attributes:
         points: Coordinates, shape (n, 3).
         cells: Points of each cell, shape (m, k).
         cell: ``triangle`` or ``quadrilateral``.
-        normals: Of the CAD at the cells' nodes, shape (m, k, 3), nan where there is no CAD.
+        normals: Normals of the CAD surface at the cells' nodes, shape (m, k, 3), nan without CAD.
         groups: Cells of each physical group of surfaces.
         curves: Edges of each physical group of curves.
         named_points: Points of each physical group of points.
@@ -211,7 +212,7 @@ def read_shell(path: str | os.PathLike[str] | GmshScript) -> RawShell:
 
     Raises:
         FileNotFoundError: There is no such file.
-        ValueError: gmsh cannot read it, a parameter is not in it, or it has no usable cells.
+        ValueError: gmsh cannot read it, a parameter does not exist, or it has no supported cells.
     """
     with opened(path) as (gmsh, file):
         if not len(gmsh.model.mesh.getElements(2)[0]):
@@ -225,7 +226,7 @@ def model_shell(what: str) -> RawShell:
 
     chosen, named = chosen_entities(gmsh, 2, what), physical(gmsh, 2)
     block = cell_block(gmsh, named or {"": chosen}, what)
-    # a surface in two groups is there once
+    # a surface in two groups counts once
     _, once = np.unique(np.sort(block.cells, axis=1), axis=0, return_index=True)
     once.sort()
     cells, surfaces = block.cells[once], block.surfaces[once]
@@ -279,7 +280,7 @@ def _cad_normals(gmsh: Any, cells: Indices, surfaces: Indices) -> Array:
 
 
 def _on_one_side(normals: Array, coordinates: Array) -> Array:
-    """The CAD's normals, turned to the side to which the cells' corners go round."""
+    """Normals of the CAD surface, oriented like the cells' corners."""
     x = coordinates.reshape(*normals.shape)
     cross = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
     side = np.sign(np.einsum("mj,mkj->mk", cross, normals))
@@ -296,14 +297,14 @@ _CELLS = {
 
 @dataclass(frozen=True, eq=False)
 class CellBlock:
-    """Cells of one kind by gmsh's node tags, in DOLFINx's order.
+    """Cells of one type by gmsh's node tags, in DOLFINx's order.
 
     Attributes:
         cells: Node tags, shape (m, k).
-        regions: Number of each cell's group, shape (m,).
+        regions: Index of each cell's group, shape (m,).
         surfaces: gmsh's tag of the surface of each cell, shape (m,).
         cell: ``triangle`` or ``quadrilateral``.
-        degree: Of the cells' edges.
+        degree: Degree of the cells' edges.
     """
 
     cells: Indices
@@ -317,7 +318,7 @@ def cell_block(gmsh: Any, groups: Mapping[str, list[int]], what: str) -> CellBlo
     """Cells of groups of surfaces.
 
     Raises:
-        ValueError: They are of several kinds, of an unknown one, or there are none.
+        ValueError: There are no cells, or cells of several or unsupported types.
     """
     blocks, owner, kinds = [], [], set()
     for region, surfaces in enumerate(groups.values()):

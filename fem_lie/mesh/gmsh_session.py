@@ -1,7 +1,7 @@
-"""One session of gmsh: models that are open or in files, named groups and points in them.
+"""Sessions of gmsh: models that are open or in files, named groups and points.
 
-gmsh takes a file that it does not recognise for a script, and a script can run any command of the
-system. So the first bytes decide here what a file is, and gmsh never has to guess.
+gmsh treats a file that it does not recognise as a script, and a script can run any command of the
+system. Therefore the first bytes determine the type of a file here, and gmsh never has to guess.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ _CAD = {
     "brep": re.compile(rb"\s*(DBRep_DrawableShape|CASCADE Topology)"),
     "iges": re.compile(rb"[^\r\n]{72}S *0*1\s"),
 }
-"""How files of CAD begin, by gmsh's name of their format."""
+"""First bytes of CAD files, by gmsh's name of their format."""
 _BEGINNING = 100  # bytes, beyond the first line of an IGES file
 
 
 @dataclass(frozen=True)
 class GmshScript:
-    """A script of gmsh (``.geo``), which the function that reads it runs.
+    """Script of gmsh (``.geo``), which the function that reads it runs.
 
     Attributes:
-        path: The script.
+        path: Script file.
         parameters: Numbers that replace those of ``DefineConstant`` in the script.
     """
 
@@ -53,14 +53,14 @@ class GmshScript:
 def run_gmsh_script(
     path: str | os.PathLike[str], parameters: Mapping[str, float] | None = None
 ) -> GmshScript:
-    """The model that a script of gmsh (``.geo``) builds, for a function that reads a model.
+    """Model of a gmsh script (``.geo``), for a function that reads a model.
 
     ``fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script("frame.geo", {"cells": 4}))`` runs the script
     and meshes its curves. A script can run any command of the system: run only those that you
     trust.
 
     Args:
-        path: The script.
+        path: Script file.
         parameters: Numbers that replace those of ``DefineConstant`` in the script.
 
     Raises:
@@ -71,12 +71,12 @@ def run_gmsh_script(
 
 @contextmanager
 def opened(source: str | os.PathLike[str] | GmshScript) -> Iterator[tuple[Any, Path]]:
-    """Gmsh with a file in a model of its own, which is removed afterwards; and the file.
+    """Session of gmsh with a file in a temporary model, and the path of the file.
 
     Raises:
         FileNotFoundError: There is no such file.
-        ValueError: The file is neither a mesh of gmsh nor CAD, gmsh cannot read it, or a script
-            has no such parameter.
+        ValueError: The file is neither a gmsh mesh nor CAD, gmsh cannot read it, or a script has no
+            such parameter.
     """
     if isinstance(source, GmshScript):
         with session() as gmsh:
@@ -99,7 +99,7 @@ def _existing(path: str | os.PathLike[str]) -> Path:
 
 
 def _format(file: Path) -> str:
-    """``msh``, or gmsh's name of a format of CAD, by the first bytes of a file."""
+    """File format by the first bytes: ``msh``, or gmsh's name of a CAD format."""
     with file.open("rb") as opened_file:
         beginning = opened_file.read(_BEGINNING)
     if beginning.startswith(_MESH):
@@ -131,7 +131,7 @@ def _read(gmsh: Any, file: Path, form: str) -> None:
 
 @contextmanager
 def session() -> Iterator[Any]:
-    """gmsh, started if it was not, silent, and left as it was."""
+    """Session of gmsh without output, started if necessary; its state is restored."""
     import gmsh
 
     own = not gmsh.isInitialized()
@@ -151,7 +151,7 @@ def session() -> Iterator[Any]:
 
 @contextmanager
 def model(gmsh: Any) -> Iterator[None]:
-    """A model of its own; the user's parameters and current model come back afterwards."""
+    """Temporary model; the user's parameters and current model are restored."""
     current, onelab = gmsh.model.getCurrent(), gmsh.onelab.get()
     gmsh.onelab.clear()
     gmsh.model.add("fem_lie")
@@ -170,7 +170,7 @@ def _run(gmsh: Any, script: GmshScript) -> None:
     gmsh.parser.clear()
     for name, value in script.parameters.items():
         gmsh.parser.setNumber(name, [float(value)])
-    # "open" would forget the numbers
+    # "open" would discard the numbers
     logged(gmsh, script.path, lambda: gmsh.merge(str(script.path)))
 
 
@@ -205,12 +205,12 @@ def _check_parameters(gmsh: Any, script: GmshScript) -> None:
         for name, value in parameters.items():
             if gmsh.parser.getNumber(name)[0] != float(value):
                 raise ValueError(
-                    f"{str(file)!r} sets {name!r} itself; let it stand in DefineConstant[...]"
+                    f"{str(file)!r} sets {name!r} itself; define it by DefineConstant[...]"
                 )
 
 
 def physical(gmsh: Any, dim: int) -> dict[str, list[int]]:
-    """Entities of each physical group; a group without a name is called by its number."""
+    """Entities of each physical group; a group without a name has its number as name."""
     return {
         gmsh.model.getPhysicalName(dim, tag) or str(tag): list(
             gmsh.model.getEntitiesForPhysicalGroup(dim, tag)
@@ -220,10 +220,10 @@ def physical(gmsh: Any, dim: int) -> dict[str, list[int]]:
 
 
 def chosen_entities(gmsh: Any, dim: int, what: str) -> list[int]:
-    """Entities in physical groups, or all if there are none; what is left out goes to the log.
+    """Entities in physical groups, or all if there are none; ignored entities are logged.
 
     Raises:
-        ValueError: There is no physical group of them, and they are borders of something else.
+        ValueError: They have no physical group, and are boundaries of other entities.
     """
     every = {tag for _, tag in gmsh.model.getEntities(dim)}
     grouped = {tag for entities in physical(gmsh, dim).values() for tag in entities}

@@ -1,8 +1,8 @@
 """Line meshes in space: points, cells with tangents at both ends, named groups and points.
 
-A mesh comes from a helper (:func:`straight`, :func:`polyline`, :func:`curve`), from gmsh or DOLFINx
-(:mod:`fem_lie.mesh.reading`), or from bare arrays (:meth:`LineMesh.from_cells`). A corner is a
-corner, unless points are said to lie on a curve.
+A mesh comes from a function (:func:`straight_line`, :func:`polyline`, :func:`curve`), from gmsh or
+DOLFINx (:mod:`fem_lie.mesh.reading`), or from arrays (:meth:`LineMesh.from_cells`). Lines have
+corners between cells, unless the user declares the points to be on a smooth curve.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def valence(cells: Indices, points: int) -> Indices:
 
 
 def flipped(cells: Indices, points: int) -> npt.NDArray[np.bool_]:
-    """Which cells to turn round so that each follows the one before it, shape (m,).
+    """Mask of the cells to reverse so that each follows the one before it, shape (m,).
 
     Along every chain the cell with the lowest number keeps its direction; a chain ends where not
     exactly two cells meet.
@@ -65,14 +65,14 @@ def flipped(cells: Indices, points: int) -> npt.NDArray[np.bool_]:
 def circle_tangents(points: Array, cells: Indices, kink_angle: float) -> Array:
     """Unit tangents at both ends of each cell, from circles through three successive points.
 
-    Inversion about the middle point b turns the circle through a, b, c into a line parallel to its
+    Inversion about the middle point b maps the circle through a, b, c to a line parallel to its
     tangent at b: ``t ∥ (b − a)/|b − a|² + (c − b)/|c − b|²``. At the end of a chain the same
-    circle, mirrored about the chord's middle, gives the tangent; at a kink the chords do.
+    circle, mirrored about the chord's midpoint, gives the tangent; at a kink the chords do.
 
     Args:
         points: Coordinates, shape (n, 3).
         cells: Pairs of points, shape (m, 2), each following the one before it (:func:`flipped`).
-        kink_angle: Where successive chords turn by more than this angle the line has a kink, rad.
+        kink_angle: Angle between successive chords above which the line has a kink, rad.
 
     Returns:
         Tangents, shape (m, 2, 3): exact on circles, second order on other smooth lines.
@@ -100,9 +100,9 @@ def circle_tangents(points: Array, cells: Indices, kink_angle: float) -> Array:
 
 
 def join_tangents(cells: Indices, tangents: Array, points: int) -> Array:
-    """Give both sides of a point their mean tangent where they differ by less than a degree.
+    """Give both sides of a point their mean tangent if they differ by less than a degree.
 
-    Curves of a CAD model that are meant to be smooth meet only as well as their data.
+    Curves of a CAD model that are meant to be smooth agree only as well as their data.
     """
     before, after = _meeting(cells, points)
     left, right = tangents[before, 1], tangents[after, 0]
@@ -138,15 +138,15 @@ def _meeting(cells: Indices, points: int) -> tuple[Indices, Indices]:
 
 
 CORNER_ANGLE = radians(1.0)
-"""What turns by less is straight: coordinates have so many digits."""
+"""Angle below which a line is straight, up to the accuracy of coordinates."""
 
 KINK_ANGLE = radians(40.0)
-"""Of points on a curve: a circle of ten cells is still smooth, a corner of 45 degrees is not."""
+"""Default for points on a curve: a circle of ten cells is smooth, a corner of 45° is not."""
 
 
 @dataclass(frozen=True, eq=False)
 class LineMesh:
-    """Straight or curved lines cut into cells; they may branch.
+    """Straight or curved lines divided into cells; lines may branch.
 
     Attributes:
         points: Coordinates, shape (n, 3); every point belongs to a cell.
@@ -155,13 +155,13 @@ class LineMesh:
             shape (m, 2, 3). The two sides of a point differ at a kink or branch.
         groups: Cells of each named group.
         named_points: Points of each name.
-        source: DOLFINx's own mesh, if the points and cells are those of one.
-        slopes: Of cubics from end to end: how long ``dr/dξ`` is at both ends of each cell,
-            0 ≤ ξ ≤ 1, shape (m, 2); default: curves of which no more is known.
+        source: DOLFINx mesh with these points and cells, if any.
+        slopes: For cubic cells, ``|dr/dξ|`` at both ends of each cell, 0 ≤ ξ ≤ 1, shape (m, 2);
+            default: unknown.
 
     Raises:
-        ValueError: Something is not finite, has the wrong shape or is out of range; a cell has no
-            length, stands there twice or lies on another; a point has no cell.
+        ValueError: A value is not finite, has the wrong shape or is out of range; a cell has no
+            length, occurs twice or overlaps another; a point has no cell.
     """
 
     points: Array
@@ -206,24 +206,24 @@ class LineMesh:
         kink_angle: float = CORNER_ANGLE,
         source: dolfinx.mesh.Mesh | None = None,
     ) -> LineMesh:
-        """Mesh from bare arrays; straight cells with corners, or arcs where a curve is asked for.
+        """Mesh from arrays; straight cells with corners, or arcs on a curve.
 
-        Cells are turned round where needed, so that along a line each follows the one before it;
-        the one with the lowest number keeps its direction.
+        Cells are reversed where needed, so that along a line each follows the one before it; the
+        one with the lowest number keeps its direction.
 
         Args:
             points: Coordinates, shape (n, 3).
             cells: Pairs of points, shape (m, 2).
-            tangents: Those that are known, as in the class, nan elsewhere. Where the two sides of a
-                point differ by less than a degree both get their mean.
+            tangents: Known tangents, as in the class, nan elsewhere. If the two sides of a point
+                differ by less than a degree both get their mean.
             groups: Cells of each named group.
             named_points: Points of each name.
-            kink_angle: Where successive chords turn by more than this angle, rad, the line has a
-                corner, and the tangents on both sides are the chords. Where they turn by less they
-                are those of the circle through three successive points: exact on circles, second
-                order on other smooth lines. For points on a curve give more than the default of one
-                degree: 40 degrees make a circle of ten cells smooth.
-            source: See the class.
+            kink_angle: Angle between successive chords, rad, above which the line has a corner with
+                the chords as tangents. Below, tangents are those of the circle through three
+                successive points: exact on circles, second order on other smooth lines. For points
+                on a curve pass more than the default of one degree: with 40 degrees a circle of ten
+                cells is smooth.
+            source: DOLFINx mesh with these points and cells.
 
         Raises:
             ValueError: See the class.
@@ -265,24 +265,18 @@ class LineMesh:
         return find_name(self.groups, name, "group of cells")
 
     def named(self, name: str) -> Indices:
-        """Points of a name.
+        """Points with a name.
 
         Args:
             name: Name of the point.
-
-        Raises:
-            ValueError: There is no such name; the message lists those that exist.
         """
         return find_name(self.named_points, name, "named point")
 
     def part(self, group: str) -> LineMesh:
-        """The mesh of one group, with the names that it contains.
+        """Mesh of one group, with the names that it contains.
 
         Args:
             group: Name of the group.
-
-        Raises:
-            ValueError: There is no such group; the message lists those that exist.
         """
         index = self.group(group)
         used, local = np.unique(self.cells[index], return_inverse=True)
@@ -303,7 +297,7 @@ class LineMesh:
 
 
 def check_kink_angle(kink_angle: float) -> None:
-    """Raise ``ValueError`` if it is no angle in rad."""
+    """Raise ``ValueError`` if ``kink_angle`` is not an angle between 0 and π, rad."""
     number(kink_angle, "kink_angle")
     if not 0.0 <= kink_angle <= pi:
         raise ValueError(f"kink_angle must be between 0 and pi, got {kink_angle!r}")
@@ -325,7 +319,7 @@ def _tangents(value: npt.ArrayLike, cells: int) -> Array:
 
 def _check_cells(points: Array, cells: Indices) -> None:
     length = np.linalg.norm(points[cells[:, 1]] - points[cells[:, 0]], axis=1)
-    # two points of one place, up to the digits with which they are given
+    # points that coincide up to the accuracy of their coordinates
     short = np.flatnonzero(length <= 1e-14 * np.abs(points).max())
     if len(short):
         a, b = cells[short[0]]
@@ -337,7 +331,7 @@ def _check_cells(points: Array, cells: Indices) -> None:
     )
     if (count > 1).any():
         twice = first[count > 1][0]
-        raise ValueError(f"cell {twice} (points {cells[twice]}) stands there twice")
+        raise ValueError(f"cell {twice} (points {cells[twice]}) occurs twice")
     alone = np.flatnonzero(valence(cells, len(points)) == 0)
     if len(alone):
         raise ValueError(f"{len(alone)} points have no cell, the first is {alone[0]}")
@@ -345,7 +339,7 @@ def _check_cells(points: Array, cells: Indices) -> None:
 
 
 def _refuse_overlaps(points: Array, cells: Indices) -> None:
-    """Raise ``ValueError`` if two cells leave a point in one direction."""
+    """Raise ``ValueError`` if two cells start at a point in the same direction."""
     point = cells.ravel()
     away = points[cells[:, ::-1].ravel()] - points[point]
     away /= np.linalg.norm(away, axis=1, keepdims=True)

@@ -1,4 +1,4 @@
-"""Smooth patches of a surface mesh: where cells share a node, and where each side has its own."""
+"""Smooth patches of a surface mesh: shared nodes within, separate nodes along kinks."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ _FLAT = cos(radians(5.0))
 
 @dataclass(frozen=True, eq=False)
 class Patches:
-    """Nodes of a surface of which every patch is smooth.
+    """Nodes of a surface whose patches are smooth.
 
     Attributes:
         cells: Nodes of each cell, shape (m, k).
-        places: The point of each node, shape (N,), which is also its first node.
+        places: Point of each node, shape (N,), which is also the first node of that point.
         directors: Mean of the cells' normals at each node, shape (N, 3).
     """
 
@@ -41,14 +41,14 @@ class Patches:
 
 
 class Edges:
-    """All sides of cells, and where they meet.
+    """All sides of cells, and the edges where they meet.
 
     Attributes:
         cells: Points of each cell, shape (m, k).
-        owner: The cell of each side, shape (s,).
+        owner: Cell of each side, shape (s,).
         nodes: Local nodes of each side, its ends first, shape (s, 2 or 3).
-        inward: Unit vectors in the surface, across the side and into the cell, shape (s, 3).
-        edge: The edge of the mesh that each side is, shape (s,).
+        inward: Unit vectors in the surface, perpendicular to the side, into the cell, shape (s, 3).
+        edge: Edge of the mesh of each side, shape (s,).
         count: Number of cells at each edge.
     """
 
@@ -70,9 +70,9 @@ class Edges:
         self.edge = edge.ravel()
 
     def refuse_overlaps(self) -> None:
-        """Raise ``ValueError`` if two cells at an edge lie on top of each other.
+        """Raise ``ValueError`` if two cells at an edge overlap.
 
-        A surface cannot fold back on itself; a mesh with a cell that is turned over does.
+        A surface cannot fold back onto itself; a mesh with an inverted cell does.
         """
         order = np.argsort(self.edge, kind="stable")
         # at a branch, too, those that lie on each other are seen in one of these steps
@@ -89,7 +89,7 @@ class Edges:
                 )
 
     def check_curve(self, name: str, curve: Indices) -> None:
-        """Raise ``ValueError`` if a curve, shape (e, 2 or 3), has no edges or those of no cell."""
+        """Raise ``ValueError`` if a curve (e, 2 or 3) is empty or not made of edges of cells."""
         k = self.nodes.shape[1]
         if curve.ndim != 2 or curve.shape[1] != k or not len(curve):
             raise ValueError(
@@ -108,9 +108,9 @@ class Edges:
             )
 
     def smooth_pairs(self, kink_angle: float) -> Indices:
-        """Pairs of sides that continue each other by no more than ``kink_angle``, rad, (p, 2).
+        """Pairs of sides with an angle of at most ``kink_angle``, rad, shape (p, 2).
 
-        Where more than two cells meet, those that are straightest go on through the branch.
+        Where more than two cells meet, the straightest pairs continue through the branch.
 
         Raises:
             ValueError: The normals of such a pair point to opposite sides.
@@ -146,7 +146,7 @@ class Edges:
         return np.array(found, dtype=np.int64).reshape(-1, 2)
 
     def _cosine(self, pairs: Indices) -> Array:
-        """Cosine of the angle by which the surface turns from one side to the other."""
+        """Cosine of the angle of the surface between the sides."""
         return np.asarray(
             -np.einsum("pj,pj->p", self.inward[pairs[:, 0]], self.inward[pairs[:, 1]])
         )
@@ -155,14 +155,14 @@ class Edges:
 def smooth_patches(
     points: Array, cells: Indices, cell: str, normals: Array, kink_angle: float
 ) -> Patches:
-    """Give the cells on both sides of a kink, and those that branch off, nodes of their own.
+    """Separate nodes on both sides of a kink, and for cells that branch off.
 
     Args:
         points: Coordinates, shape (n, 3).
         cells: Points of each cell, shape (m, k).
         cell: ``"triangle"`` or ``"quadrilateral"``.
         normals: Unit normals at the nodes of each cell, shape (m, k, 3).
-        kink_angle: Largest angle, rad, between neighbouring cells that is still smooth.
+        kink_angle: Largest angle between neighbouring cells of a smooth surface, rad.
 
     Raises:
         ValueError: The sides of smooth neighbours do not agree; the surface has a sharp tip.
@@ -186,7 +186,7 @@ def smooth_patches(
 
 
 def _numbered(place: Indices, count: int) -> Indices:
-    """A number for each node: the first one at a point has that of the point."""
+    """Number of each node: that of the point for its first node."""
     order = np.argsort(place, kind="stable")
     leads = np.append(True, np.diff(place[order]) > 0)
     number = np.empty(len(place), dtype=np.int64)

@@ -65,10 +65,10 @@ def read_gmsh_lines(
 
 
 def line_of(mesh: LineMesh | dolfinx.mesh.Mesh, what: str) -> LineMesh:
-    """A line as a body takes it: one of this package, or a DOLFINx mesh as it is.
+    """Line mesh of a body: a :class:`LineMesh`, or one from a DOLFINx mesh.
 
     Raises:
-        ValueError: See :func:`from_dolfinx`.
+        ValueError: See :func:`lines_from_dolfinx`.
         TypeError: It is something else.
     """
     import dolfinx
@@ -215,7 +215,7 @@ def surface_from_dolfinx(
     vertices = tagged(vertex_tags, named_points, "vertex_tags")
     turned = turned_round(cells, cell)
     if turned.any():
-        _log.info("%d of %d cells are turned round, to look to one side", turned.sum(), len(cells))
+        _log.info("%d of %d cells are reversed, for a common orientation", turned.sum(), len(cells))
     return SurfaceMesh.from_cells(
         mesh.geometry.x,
         turn(cells, cell, turned),
@@ -238,8 +238,8 @@ def tagged(
             raise ValueError(f"names {sorted(names)} need {what}, got none")
         return {}
     exist = np.unique(tags.values)
-    wanted = {str(tag): int(tag) for tag in exist} if names is None else names
-    for name, tag in wanted.items():
+    named_tags = {str(tag): int(tag) for tag in exist} if names is None else names
+    for name, tag in named_tags.items():
         if tag not in exist:
             raise ValueError(f"{what} has no tag {tag} (for {name!r}); it has: {exist.tolist()}")
-    return {name: tags.find(tag) for name, tag in wanted.items()}
+    return {name: tags.find(tag) for name, tag in named_tags.items()}

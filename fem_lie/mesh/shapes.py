@@ -1,4 +1,4 @@
-"""Shapes of surface cells: normals, orientation, folded cells, points of integration."""
+"""Surface cells: normals, orientation, folded cells, quadrature."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ _CORNERS_AROUND = {
     "quadrilateral": [(0, 1), (1, 3), (3, 2), (2, 0)],
 }
 
-"""Sides, one after the other around a cell."""
+"""Sides in cyclic order around a cell."""
 
 
 def turned_round(cells: Indices, cell: str) -> Flags:
-    """Cells to be turned round, the first of each piece stays as it is; shape (m,).
+    """Mask of the cells to reverse; the first of each piece is kept; shape (m,).
 
-    Neighbours that look to the same side go along their common edge in opposite directions. Edges
-    at which other than two cells meet say nothing. Of a surface with one side, as Möbius's strip,
-    no choice is right, and what is left is for others to refuse.
+    Neighbours with the same orientation run along their common edge in opposite directions. Edges
+    with other than two cells are ignored. On a surface with one side, such as a Möbius strip, no
+    choice is consistent; later checks refuse it.
 
     Args:
         cells: Points of each cell in DOLFINx's order, shape (m, k).
@@ -56,7 +56,7 @@ def turned_round(cells: Indices, cell: str) -> Flags:
 
 
 def turn(cells: Indices, cell: str, chosen: Flags) -> Indices:
-    """The cells (m, 3 or 4), with the chosen ones turned round."""
+    """Cells (m, 3 or 4) with the chosen ones reversed."""
     swapped = {"triangle": [0, 2, 1], "quadrilateral": [0, 2, 1, 3]}[cell]
     return np.where(chosen[:, np.newaxis], cells[:, swapped], cells)
 
@@ -71,12 +71,12 @@ _DEGREES = {
 
 
 def tabulated(cell: str, degree: int, points: Array) -> Array:
-    """Shape functions at points of the reference cell, and their slopes, shape (3, p, k).
+    """Shape functions at points of the reference cell, and their derivatives, shape (3, p, k).
 
     Args:
         cell: ``"triangle"`` or ``"quadrilateral"``.
-        degree: Of its edges.
-        points: Shape (p, 2).
+        degree: Degree of its edges.
+        points: Points, shape (p, 2).
     """
     return np.asarray(_element(cell, degree).tabulate(1, points), dtype=np.float64)[..., 0]
 
@@ -87,7 +87,7 @@ def nodes_of(cell: str, degree: int) -> Array:
 
 
 def rule(cell: str, degree: int) -> tuple[Array, Array]:
-    """Points of integration of the reference cell, shape (g, 2), and their weights (g,)."""
+    """Quadrature points of the reference cell, shape (g, 2), and their weights (g,)."""
     points, weights = basix.make_quadrature(basix.CellType[cell], degree)
     return np.asarray(points, dtype=np.float64), np.asarray(weights, dtype=np.float64)
 
@@ -100,12 +100,12 @@ def _element(cell: str, degree: int) -> basix.finite_element.FiniteElement:
 
 @dataclass(frozen=True, eq=False)
 class FaceRule:
-    """Points of integration of a reference cell.
+    """Quadrature rule of a reference cell.
 
     Attributes:
         values: Shape functions, shape (g, k).
         slopes: Their derivatives in the two reference coordinates, shape (2, g, k).
-        weights: Shape (g,).
+        weights: Quadrature weights, shape (g,).
     """
 
     values: Array
@@ -114,24 +114,24 @@ class FaceRule:
 
     @classmethod
     def of(cls, cell: str, degree: int) -> FaceRule:
-        """For the Lagrange cells of :class:`~fem_lie.mesh.surfaces.SurfaceMesh`."""
+        """Rule for the Lagrange cells of :class:`~fem_lie.mesh.surfaces.SurfaceMesh`."""
         points, weights = rule(cell, _DEGREES[cell, degree])
         table = tabulated(cell, degree, points)
         parts = table[0], table[1:], weights
         return cls(*(np.ascontiguousarray(part) for part in parts))
 
     def places(self, x: Array, cells: Indices) -> Array:
-        """Points of integration of cells with nodes at ``x`` (n, 3), shape (m, g, 3)."""
+        """Quadrature points of cells with nodes at ``x`` (n, 3), shape (m, g, 3)."""
         return np.einsum("gk,mkj->mgj", self.values, x[cells])
 
     def normals(self, x: Array, cells: Indices) -> Array:
-        """Weight times ``x,₁ × x,₂`` there, shape (m, g, 3): vectors of area."""
+        """Area vectors: weight times ``x,₁ × x,₂`` at the points, shape (m, g, 3)."""
         g1, g2 = np.einsum("agk,mkj->amgj", self.slopes, x[cells])
         return np.asarray(self.weights[:, np.newaxis] * np.cross(g1, g2))
 
 
 DEGREES = {"triangle": {3: 1, 6: 2}, "quadrilateral": {4: 1, 9: 2}}
-"""Degree of each kind of cell by its number of points."""
+"""Degree of each cell type by its number of points."""
 
 _AROUND = [0, 1, 3, 2]  # corners given one after the other, in DOLFINx's order
 _CROSSED = [0, 2, 3, 1]
@@ -140,7 +140,7 @@ _FOLDED = 1e-6  # cosine; cells of a smooth surface are far from it
 
 
 def cell_normals(points: Array, cells: Indices, cell: str) -> Array:
-    """Unit normals of each cell's own interpolation at its nodes, shape (m, k, 3).
+    """Unit normals of each cell's interpolation at its nodes, shape (m, k, 3).
 
     Args:
         points: Coordinates, shape (n, 3).
@@ -169,7 +169,7 @@ def _places(cell: str, degree: int) -> tuple[Array, Array]:
 
 
 def _normals(points: Array, cells: Indices, cell: str, places: Array) -> tuple[Array, Array]:
-    """``x,₁ × x,₂`` at places of the reference cell, (m, p, 3), and the sine of the two, (m, p)."""
+    """``x,₁ × x,₂`` at points of the reference cell, (m, p, 3), and the sine of the two, (m, p)."""
     slopes = tabulated(cell, DEGREES[cell][cells.shape[1]], places)[1:]
     # about a point of the cell: far from the origin differences of places are small
     x = points[cells] - points[cells[:, :1]]
@@ -180,7 +180,7 @@ def _normals(points: Array, cells: Indices, cell: str, places: Array) -> tuple[A
 
 
 def _cosines(normals: Array) -> Array:
-    """Of each normal and their mean, shape (m, p)."""
+    """Cosine between each normal and their mean, shape (m, p)."""
     mean = normals.mean(axis=1, keepdims=True)
     size = np.linalg.norm(normals, axis=-1) * np.linalg.norm(mean, axis=-1)
     return np.asarray((normals * mean).sum(axis=-1) / np.maximum(size, 1e-300))
@@ -199,7 +199,7 @@ def _refuse_folded(points: Array, cells: Indices, cell: str, normals: Array) -> 
             if (_cosines(_normals(points, turned, cell, _places(cell, 1)[0])[0]) > _FOLDED).all():
                 raise ValueError(
                     f"{what} crosses itself like a bow tie, as {len(bad)} of {len(cells)} cells do "
-                    "or nearly so: corners of a quadrilateral are wanted row by row, as DOLFINx "
+                    "or nearly so: corners of a quadrilateral are expected row by row, as DOLFINx "
                     f"has them, not one after the other around it; here that is {turned[0]}"
                 )
         corner = cells[first, int(cosine[first, :4].argmin())]

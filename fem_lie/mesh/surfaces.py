@@ -1,7 +1,7 @@
-"""Surface meshes in space, and those from functions of two parameters.
+"""Surface meshes in space, and those of functions of two parameters.
 
-A mesh comes from a helper (:func:`surface`), from gmsh or DOLFINx (:mod:`fem_lie.mesh.reading`),
-or from bare arrays (:meth:`SurfaceMesh.from_cells`).
+A mesh comes from a function (:func:`parametric_surface`), from gmsh or DOLFINx
+(:mod:`fem_lie.mesh.reading`), or from arrays (:meth:`SurfaceMesh.from_cells`).
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ if TYPE_CHECKING:
 # A circle of ten cells is still smooth, a corner of 45 degrees is not.
 KINK_ANGLE = radians(40.0)
 
-_FAR_OFF = 0.5  # cosine: a smooth surface does not turn by twice 60° in one cell
+_FAR_OFF = 0.5  # cosine of 60°: a smooth surface turns by less than twice that in one cell
 _ROUND = {"triangle": (0, 1, 2), "quadrilateral": (0, 1, 3, 2)}  # corners, one after the other
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceMesh:
-    """Surfaces cut into triangles or quadrilaterals, of first or second order.
+    """Surfaces divided into triangles or quadrilaterals, of first or second order.
 
     Attributes:
         points: Coordinates, shape (n, 3); every point belongs to a cell.
@@ -51,13 +51,14 @@ class SurfaceMesh:
         groups: Cells of each named group.
         curves: Edges of each named curve, two ends and the node between, if any, shape (e, 2 or 3).
         named_points: Points of each name.
-        source: DOLFINx's own mesh, if the points and cells are those of one.
+        source: DOLFINx mesh with these points and cells, if any.
 
     Raises:
-        ValueError: Something is not finite, has the wrong shape or is out of range; a cell has no
-            area, folds over (corners around it instead of row by row, a re-entrant corner), lies
-            on its neighbour or stands there twice; a normal is far from that of its cell, or those
-            of smooth neighbours point to opposite sides; an edge of a curve is none of a cell.
+        ValueError: A value is not finite, has the wrong shape or is out of range; a cell has no
+            area, folds over (corners in cyclic order instead of row by row, a re-entrant corner),
+            overlaps its neighbour or occurs twice; a normal is far from that of its cell, or those
+            of smooth neighbours point to opposite sides; an edge of a curve is not an edge of a
+            cell.
     """
 
     points: Array
@@ -107,18 +108,18 @@ class SurfaceMesh:
         named_points: Mapping[str, npt.ArrayLike] | None = None,
         source: dolfinx.mesh.Mesh | None = None,
     ) -> SurfaceMesh:
-        """Mesh from bare arrays.
+        """Mesh from arrays.
 
         Args:
             points: Coordinates, shape (n, 3).
             cells: Points of each cell in DOLFINx's order, shape (m, k).
             cell: ``"triangle"`` or ``"quadrilateral"``.
-            normals: Those that are known, as in the class, nan elsewhere: there they are those of
-                the cell itself.
+            normals: Known normals, as in the class, nan elsewhere: those are computed from the
+                cell.
             groups: Cells of each named group.
             curves: Edges of each named curve.
             named_points: Points of each name.
-            source: See the class.
+            source: DOLFINx mesh with these points and cells.
 
         Raises:
             ValueError: See the class.
@@ -147,16 +148,16 @@ class SurfaceMesh:
 
     @property
     def degree(self) -> int:
-        """Of the cells' edges."""
+        """Degree of the cells' edges."""
         return DEGREES[self.cell][self.cells.shape[1]]
 
     @property
     def corners(self) -> Indices:
-        """Corners of each cell, one after the other around it, shape (m, 3 or 4)."""
+        """Corners of each cell in cyclic order, shape (m, 3 or 4)."""
         return self.corners_of(self.cells)
 
     def corners_of(self, cells: Indices) -> Indices:
-        """The same of cells with other numbers for their nodes.
+        """Corners in cyclic order of cells with other node numbers, shape (m, 3 or 4).
 
         Args:
             cells: Nodes of the cells, shape (m, k).
@@ -205,10 +206,10 @@ class SurfaceMesh:
         raise ValueError(f"the mesh has no points, curve or group {name!r}; it has: {known}")
 
     def patches(self, kink_angle: float = KINK_ANGLE) -> Patches:
-        """Nodes of which each belongs to one smooth patch.
+        """Nodes that belong to one smooth patch each.
 
         Args:
-            kink_angle: Largest angle, rad, between neighbouring cells that is still smooth.
+            kink_angle: Largest angle between neighbouring cells of a smooth surface, rad.
 
         Raises:
             ValueError: The angle is out of range, the sides of smooth neighbours do not agree, or
@@ -248,7 +249,7 @@ class SurfaceMesh:
 
 
 def _check_normals(given: Array, own: Array, points: Array, cells: Indices) -> None:
-    """Refuse normals that cannot be of the surface that the cells are cut from."""
+    """Raise ``ValueError`` for normals that are inconsistent with the cells."""
     cosine = np.einsum("mkj,mkj->mk", given, own)
     if cosine.min() < _FAR_OFF:
         m, k = np.unravel_index(int(cosine.argmin()), cosine.shape)
@@ -280,24 +281,24 @@ def parametric_surface(
     cell: str = "quadrilateral",
     degree: int = 1,
 ) -> SurfaceMesh:
-    """Smooth surface over the unit square ``(a, b)``, cut at equal steps of both parameters.
+    """Smooth surface over the unit square ``(a, b)``, divided at equal steps of both parameters.
 
     Its sides are the curves "a=0", "a=1", "b=0" and "b=1", its corners the points "00", "10", "01"
-    and "11". Triangles are two for each square. The normals are those of the cells; give
-    :class:`~fem_lie.bodies.shells.shell.Shell` a director where they are known.
+    and "11". Each square has two triangles. The normals are those of the cells; pass a director to
+    :class:`~fem_lie.bodies.shells.shell.Shell` if the exact normals are known.
 
     Args:
         function: Point at ``(a, b)``, shape (3,).
-        cells: Numbers along a and b.
+        cells: Numbers of cells along a and b.
         cell: ``"quadrilateral"`` or ``"triangle"``.
         degree: 1 or 2.
 
     Raises:
-        ValueError: A cell has no area, or something is out of range.
+        ValueError: A cell has no area, or an argument is out of range.
     """
     if cell not in DEGREES or degree not in (1, 2):
         raise ValueError(
-            "wanted cells 'triangle' or 'quadrilateral' of degree 1 or 2, got "
+            "expected cells 'triangle' or 'quadrilateral' of degree 1 or 2, got "
             f"{cell!r} of degree {degree!r}"
         )
     instance(function, Callable, "a surface", "a function of a and b from 0 to 1")
@@ -317,7 +318,7 @@ def parametric_surface(
 
 
 def _edges(along: Indices, degree: int) -> Indices:
-    """Edges of successive points: two ends, and what is between."""
+    """Edges of successive points: two ends, and the node between."""
     parts = [along[:-1:degree], along[degree::degree], *([along[1::2]] if degree == 2 else [])]
     return np.column_stack(parts)
 

@@ -23,7 +23,7 @@ _CELLS = {
     12: ("hexahedron", 2),
 }
 
-"""Shape and degree by gmsh's type of element."""
+"""Cell type and degree by gmsh's element type."""
 
 
 def read_gmsh_volume(
@@ -66,7 +66,7 @@ def volume_from_dolfinx(
     curves: Mapping[str, int] | None = None,
     named_points: Mapping[str, int] | None = None,
 ) -> VolumeMesh:
-    """A DOLFINx mesh as it is, with names for what is tagged.
+    """Volume mesh of a DOLFINx mesh, with names for tagged entities.
 
     Args:
         mesh: Hexahedra or tetrahedra of degree 1 or 2 in space, on one process.
@@ -78,9 +78,6 @@ def volume_from_dolfinx(
         faces: Name of each tag of facets; default: the tags' numbers.
         curves: Name of each tag of edges; default: the tags' numbers.
         named_points: Name of each tag of vertices; default: the tags' numbers.
-
-    Raises:
-        ValueError: A tag does not exist, or anything that the class refuses.
     """
     names = (
         (cell_tags, groups, "cell_tags"),
@@ -121,10 +118,10 @@ def _model_volume(what: str) -> VolumeMesh:
 
 
 def _cell_block(gmsh: Any, chosen: list[int], what: str) -> tuple[Indices, Indices, str, int]:
-    """Node tags of all cells in DOLFINx's order, the volume of each, their shape and degree.
+    """Node tags of all cells in DOLFINx's order, volume of each, cell type and degree.
 
     Raises:
-        ValueError: They are of several kinds, of an unknown one, or there are none.
+        ValueError: There are no cells, or cells of several or unsupported types.
     """
     blocks, owner, kinds = [], [], set()
     for volume in chosen:

@@ -1,4 +1,4 @@
-"""Meshes of hexahedra and tetrahedra, integrals over their cells, and those from functions."""
+"""Meshes of hexahedra and tetrahedra, quadrature over their cells, and meshes of functions."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ _GEOMETRY = {4: 1, 10: 2, 8: 1, 27: 2}
 
 @dataclass(frozen=True, eq=False)
 class VolumeRule:
-    """Points of integration in all cells.
+    """Quadrature rule in all cells.
 
     Attributes:
         values: Shape functions of the nodes, shape (g, k).
-        jacobian: Determinant of the cell's map, of one sign unless it is inside out, (m, g).
+        jacobian: Jacobian determinant of the cell's map, of one sign unless it is inverted, (m, g).
         volumes: Weight times volume, shape (m, g).
-        places: Unloaded, shape (m, g, 3).
+        places: Unloaded positions of the points, shape (m, g, 3).
         mean_slopes: Integrals of the shape functions' gradients, shape (m, k, 3).
     """
 
@@ -38,12 +38,12 @@ class VolumeRule:
 
     @classmethod
     def of(cls, mesh: dolfinx.mesh.Mesh, degree: int, *, checked: bool = False) -> VolumeRule:
-        """Exact for products of two shape functions on cells with plane faces.
+        """Rule that is exact for products of two shape functions on cells with plane faces.
 
         Args:
-            mesh: Of hexahedra or tetrahedra.
-            degree: Of the shape functions.
-            checked: Take the nodes of a cell, too, with weight one.
+            mesh: Mesh of hexahedra or tetrahedra.
+            degree: Degree of the shape functions.
+            checked: Add the nodes of a cell as points with weight one.
         """
         cell, nodes = mesh.topology.cell_name(), _compat.geometry_dofmap(mesh)
         points, weights = rule(cell, 2 * degree + 1)
@@ -62,15 +62,15 @@ class VolumeRule:
 
 
 _KINDS = {"tetrahedron": (4, 10), "hexahedron": (8, 27)}
-"""Nodes of cells of degree 1 and 2."""
+"""Numbers of nodes of cells of degree 1 and 2."""
 
 _FLAT = 1e-12
-"""Volume over the third power of the longest edge, of cells that have none."""
+"""Volume over the third power of the longest edge below which a cell has no volume."""
 
 
 @dataclass(frozen=True, eq=False)
 class VolumeMesh:
-    """A mesh of DOLFINx that fills a volume; see ``block``, ``read_gmsh_volume`` and others.
+    """Volume mesh of DOLFINx; see ``parametric_volume``, ``read_gmsh_volume`` and others.
 
     Attributes:
         mesh: Hexahedra or tetrahedra of degree 1 or 2 in space, on one process.
@@ -80,8 +80,8 @@ class VolumeMesh:
         named_points: Vertices of each name.
 
     Raises:
-        ValueError: The mesh is another one, or a cell is turned inside out or has no volume.
-        TypeError: It is no mesh of DOLFINx.
+        ValueError: The mesh has other cells, or a cell is inverted or has no volume.
+        TypeError: ``mesh`` is not a DOLFINx mesh.
     """
 
     mesh: dolfinx.mesh.Mesh
@@ -91,7 +91,7 @@ class VolumeMesh:
     named_points: Mapping[str, Indices] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """See the class."""
+        """Check the mesh."""
         instance(self.mesh, dolfinx.mesh.Mesh, "VolumeMesh: mesh", "a mesh of DOLFINx")
         if self.mesh.comm.size > 1:
             raise ValueError(f"the mesh must be on one process, got one on {self.mesh.comm.size}")
@@ -111,12 +111,12 @@ class VolumeMesh:
 
     @property
     def degree(self) -> int:
-        """Of the cells' edges."""
+        """Degree of the cells' edges."""
         return int(_KINDS[self.cell].index(_compat.geometry_dofmap(self.mesh).shape[1])) + 1
 
     @property
     def cells(self) -> int:
-        """How many there are."""
+        """Number of cells."""
         return int(self.mesh.topology.index_map(3).size_local)
 
     def group(self, name: str) -> Indices:
@@ -159,7 +159,7 @@ class VolumeMesh:
 
 
 def entities_at(mesh: dolfinx.mesh.Mesh, dim: int, corners: Indices) -> Indices:
-    """Entities whose vertices are these nodes of the geometry, shape (k, corners).
+    """Entities whose vertices are the geometry nodes ``corners``, shape (k, corners).
 
     Raises:
         ValueError: There is no such entity.
@@ -170,19 +170,19 @@ def entities_at(mesh: dolfinx.mesh.Mesh, dim: int, corners: Indices) -> Indices:
     vertices: Indices = geometry_of_vertices(mesh)
     own = vertices[mesh.topology.connectivity(dim, 0).array.reshape(count, -1)]
     keys = np.sort(own, axis=1)
-    wanted = np.sort(corners.reshape(-1, keys.shape[1]), axis=1)
-    both, number = np.unique(np.concatenate([keys, wanted]), axis=0, return_inverse=True)
+    corner_keys = np.sort(corners.reshape(-1, keys.shape[1]), axis=1)
+    both, number = np.unique(np.concatenate([keys, corner_keys]), axis=0, return_inverse=True)
     number = number.ravel()
     at = np.full(len(both), -1)
     at[number[:count]] = np.arange(count)
     found = at[number[count:]]
     if (found < 0).any():
-        raise ValueError(f"points {wanted[found < 0][0]} are no corners of one part of a cell")
+        raise ValueError(f"points {corner_keys[found < 0][0]} are no corners of one part of a cell")
     return np.unique(found)
 
 
 def entities_on(mesh: dolfinx.mesh.Mesh, dim: int, nodes: Indices) -> Indices:
-    """Entities all of whose vertices are among these nodes of the geometry."""
+    """Entities whose vertices are all among some geometry nodes."""
     mesh.topology.create_entities(dim)
     mesh.topology.create_connectivity(dim, 0)
     count = mesh.topology.index_map(dim).size_local
@@ -191,7 +191,7 @@ def entities_on(mesh: dolfinx.mesh.Mesh, dim: int, nodes: Indices) -> Indices:
 
 
 def geometry_of_vertices(mesh: dolfinx.mesh.Mesh) -> Indices:
-    """Node of the geometry of each vertex, shape (v,)."""
+    """Geometry node of each vertex, shape (v,)."""
     mesh.topology.create_connectivity(0, 3)
     mesh.topology.create_connectivity(3, 0)
     count = mesh.topology.index_map(0).size_local
@@ -200,7 +200,7 @@ def geometry_of_vertices(mesh: dolfinx.mesh.Mesh) -> Indices:
 
 
 def _refuse_inverted(mesh: dolfinx.mesh.Mesh, degree: int) -> None:
-    """Cells may be left-handed, as those of DOLFINx are, but of one sense everywhere."""
+    """Raise ``ValueError`` for inverted cells; all left-handed, as in DOLFINx, is accepted."""
     volumes: Array = VolumeRule.of(mesh, degree, checked=True).jacobian
     edges = np.ptp(mesh.geometry.x[_compat.geometry_dofmap(mesh)], axis=1).max(axis=1)
     turned = volumes * np.sign(volumes[:, :1]) <= _FLAT * edges[:, np.newaxis] ** 3
@@ -208,14 +208,14 @@ def _refuse_inverted(mesh: dolfinx.mesh.Mesh, degree: int) -> None:
     if len(bad):
         nodes = _compat.geometry_dofmap(mesh)[bad[0]]
         raise ValueError(
-            f"{len(bad)} of {len(volumes)} cells are turned inside out or have no volume; the "
+            f"{len(bad)} of {len(volumes)} cells are inverted or have no volume; the "
             f"first is cell {bad[0]} with corners at\n{mesh.geometry.x[nodes]}"
         )
 
 
 _PARAMETERS = "abc"
 _TETRAHEDRA = ((0, 1, 3, 7), (0, 1, 7, 5), (0, 5, 7, 4), (0, 3, 2, 7), (0, 6, 4, 7), (0, 2, 6, 7))
-"""Six of a hexahedron, about its diagonal."""
+"""Six tetrahedra of a hexahedron, about its diagonal."""
 
 
 def parametric_volume(
@@ -224,7 +224,7 @@ def parametric_volume(
     *,
     cell: str = "hexahedron",
 ) -> VolumeMesh:
-    """Volume over the unit cube ``(a, b, c)``, cut at equal steps of the three parameters.
+    """Volume over the unit cube ``(a, b, c)``, divided at equal steps of the three parameters.
 
     Its faces are "a=0", "a=1" and so on, its edges the curves "a=0,b=0" and so on, its corners the
     points "000" to "111". Edges of cells are straight; a tetrahedral mesh has six cells for each
@@ -232,14 +232,14 @@ def parametric_volume(
 
     Args:
         function: Point at ``(a, b, c)``, shape (3,).
-        cells: Numbers along a, b and c.
+        cells: Numbers of cells along a, b and c.
         cell: ``"hexahedron"`` or ``"tetrahedron"``.
 
     Raises:
-        ValueError: A cell has no volume, or something is out of range.
+        ValueError: A cell has no volume, or an argument is out of range.
     """
     if cell not in ("hexahedron", "tetrahedron"):
-        raise ValueError(f"wanted cells 'hexahedron' or 'tetrahedron', got {cell!r}")
+        raise ValueError(f"expected cells 'hexahedron' or 'tetrahedron', got {cell!r}")
     instance(function, Callable, "a block", "a function of a, b and c from 0 to 1")
     if not isinstance(cells, Sequence) or len(cells) != 3:
         raise ValueError(f"cells must be three numbers, along a, b and c, got {cells!r}")
@@ -278,7 +278,7 @@ def brick(
 
 
 def _named(mesh: dolfinx.mesh.Mesh, parameters: Array) -> VolumeMesh:
-    """With the names of faces, edges and corners; parameters of each node, shape (n, 3)."""
+    """Mesh with names of faces, edges and corners; ``parameters`` of each node, shape (n, 3)."""
     sides = {
         f"{name}={end}": np.flatnonzero(parameters[:, k] == end)
         for k, name in enumerate(_PARAMETERS)

@@ -188,17 +188,17 @@ def _tagged(
             raise ValueError(f"regions {sorted(names)} need cell_tags, got none")
         return np.zeros(cells, dtype=np.int64), ("section",)
     exist = np.unique(tags.values)
-    wanted = {str(tag): int(tag) for tag in exist} if names is None else names
-    if sorted(wanted.values()) != exist.tolist():
+    named_tags = {str(tag): int(tag) for tag in exist} if names is None else names
+    if sorted(named_tags.values()) != exist.tolist():
         raise ValueError(
-            f"regions must name each of the tags {exist.tolist()} once, got {dict(wanted)}"
+            f"regions must name each of the tags {exist.tolist()} once, got {dict(named_tags)}"
         )
     if not np.array_equal(np.sort(tags.indices), np.arange(cells)):
         raise ValueError(f"cell_tags must tag each of the {cells} cells, got {len(tags.indices)}")
-    numbers = {tag: i for i, tag in enumerate(wanted.values())}
+    numbers = {tag: i for i, tag in enumerate(named_tags.values())}
     regions = np.empty(cells, dtype=np.int64)
     regions[tags.indices] = [numbers[int(tag)] for tag in tags.values]
-    return regions, tuple(wanted)
+    return regions, tuple(named_tags)
 
 
 def _simplified(points: Array) -> Array:

@@ -75,8 +75,8 @@ class Ply:
     def __post_init__(self) -> None:
         positive(self.thickness, "thickness of a ply")
         number(self.angle, "angle of a ply")
-        wanted = "a Material or Orthotropic"
-        instance(self.material, Material | Orthotropic, "material of a ply", wanted)
+        expected = "a Material or Orthotropic"
+        instance(self.material, Material | Orthotropic, "material of a ply", expected)
 
     def stiffness(self) -> tuple[Array, Array]:
         """Plane-stress moduli on ``(E₁₁, E₂₂, 2E₁₂)``, shear moduli on ``(γ₁, γ₂)``.

@@ -185,8 +185,8 @@ def _check(coupling: PatchCoupling, lengths: Array, gaps: Array, cosines: Array)
         )
 
 
-def _solved(basis: Array, wanted: Array) -> Array:
-    return np.asarray(np.linalg.solve(basis, wanted[..., np.newaxis])[..., 0])
+def _solved(basis: Array, right: Array) -> Array:
+    return np.asarray(np.linalg.solve(basis, right[..., np.newaxis])[..., 0])
 
 
 def _unit(a: Array) -> Array:
