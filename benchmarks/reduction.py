@@ -134,7 +134,7 @@ def spinning(modes: int) -> dict[str, float]:
     return record
 
 
-def spinning_in_few_shapes(modes: int, stretching: bool = True) -> dict[str, float]:
+def spinning_reduced(modes: int, stretching: bool = True) -> dict[str, float]:
     """Likewise of the blade as a reduced body on its clamp: tension is that of its modes."""
     scene, beam = blade(16)
     lag = float(np.sqrt(beam.stiffness[0, 5, 5] / beam.density[0, 0, 0])) / LENGTH**2
@@ -223,8 +223,8 @@ def main(cells: int = 16, modes: int = 16, count: int = 10) -> dict[str, float]:
     """Figures, printed."""
     record = postures(cells, modes, count)
     for shapes in (6, 8, 12):
-        record |= spinning(shapes) | spinning_in_few_shapes(shapes)
-    record |= spinning_in_few_shapes(6, stretching=False)
+        record |= spinning(shapes) | spinning_reduced(shapes)
+    record |= spinning_reduced(6, stretching=False)
     for shapes in (2, 4, 6, 8):
         record |= bent(shapes) | answering(shapes)
     for key, value in record.items():

@@ -340,8 +340,8 @@ def test_a_line_is_refined_where_it_bends():
     assert found.rate == pytest.approx(-1.0, abs=0.15), "of first order"
 
 
-def test_elements_grow_again_where_they_were_too_small():
-    """Made anew from the first mesh: in the end all elements have about the same error."""
+def test_elements_are_coarsened_where_they_were_too_small():
+    """Meshes are generated from the first one: at the end all elements have similar errors."""
     line = fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 4)
     goal = fl.adaptivity.PointDisplacementGoal("beam.end", (0, 0, 1))
     found = fl.adaptivity.adapt(cantilever, line, tolerance=2e-3, goal=goal, fall=0.3)
@@ -357,7 +357,7 @@ def test_a_fall_that_is_none(fall):
         fl.adaptivity.adapt(never, square(2, "triangle"), tolerance=0.1, fall=fall)
 
 
-def test_quadrilaterals_are_not_made_anew():
+def test_quadrilaterals_are_not_generated_from_the_first_mesh():
     with pytest.raises(ValueError, match="quadrilaterals"):
         fl.adaptivity.adapt(never, square(2, "quadrilateral"), tolerance=0.1, fall=0.5)
 

@@ -40,7 +40,7 @@ def test_it_is_the_path_on_a_fine_mesh():
     assert len(set(found.cells)) > 1, "the mesh has changed"
     assert found.segments[-1].change is not None
     assert found.solved < 3 * len(LEVELS)
-    # where it goes on from is where it has come to
+    # the next increment starts from the last state
     again = fl.follow_loads(cantilever(found.segments[-1].mesh)).displacement("beam.end")[-1]
     np.testing.assert_allclose(found.displacement("beam.end")[-1], again, rtol=1e-8)
 

@@ -46,7 +46,7 @@ def test_one_array_for_what_all_meshes_have(swung):
     assert swung.elastic.shape == swung.kinetic.shape == (count,)
     assert (np.diff(swung.times) >= 0).all()
     assert swung.times[-1] == pytest.approx(0.2)
-    # a point goes on where it was
+    # the position of a point is continuous
     changes = np.flatnonzero(np.diff(swung.times) < 1e-12)
     assert len(changes) == 3
     gaps = np.diff(swung.position("arm.end"), axis=0)[changes]
@@ -98,7 +98,7 @@ def never(mesh):
 
 
 @pytest.mark.parametrize(
-    ("wrong", "told"),
+    ("wrong", "message"),
     [
         ({"tolerance": 0.0}, "tolerance"),
         ({"tolerance": float("nan")}, "tolerance"),
@@ -111,10 +111,10 @@ def never(mesh):
         ({"most": 0}, "most"),
     ],
 )
-def test_bad_numbers(wrong, told):
+def test_bad_numbers(wrong, message):
     """Before anything is made."""
     given = {"duration": 1.0, "every": 0.1, "tolerance": 0.1, "size": 1.0} | wrong
-    with pytest.raises(ValueError, match=told):
+    with pytest.raises(ValueError, match=message):
         fl.adaptivity.adapt_motion(never, LINE, **given)
 
 

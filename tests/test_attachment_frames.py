@@ -155,7 +155,7 @@ def test_mean_coordinates_move_the_frame_and_couple_all_nodes(name, seed):
 @pytest.mark.parametrize("name", ATTACHMENTS)
 @given(seed=seeds)
 @settings(max_examples=10, deadline=None)
-def test_bending_is_the_derivative_of_the_pulled_force(name, seed):
+def test_geometric_stiffness_is_the_derivative_of_the_nodal_forces(name, seed):
     attachment, data, X, move, rng = state(name, seed)
     f, h = rng.normal(size=6), rng.normal(size=(len(X), 6))
     K = bend(attachment.kind, X[np.newaxis], data[np.newaxis], f[np.newaxis])[0]
@@ -180,7 +180,7 @@ def test_changes_are_second_rates_of_the_frame(name, seed):
 @pytest.mark.parametrize("name", ATTACHMENTS)
 @given(seed=seeds)
 @settings(max_examples=10, deadline=None)
-def test_frames_are_frames_and_turn_with_the_body(name, seed):
+def test_frames_are_frames_and_rotate_with_the_body(name, seed):
     attachment, data, X, _, rng = state(name, seed)
     H, J = one(attachment, data, X)
     np.testing.assert_allclose(H[1:] @ H[1:].T, np.eye(3), atol=1e-14)

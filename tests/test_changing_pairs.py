@@ -1,7 +1,7 @@
 """Terms whose pairs of nodes change, without anything else knowing of it.
 
-Soft balls push each other off where they overlap: which pairs there are changes in the middle of a
-run. They come into a scene as loads do, by what they contribute.
+Soft balls repel each other where they overlap: the pairs change in the middle of a run. They are
+added to a scene as loads are, by their contributions.
 """
 
 from collections.abc import Callable
@@ -74,7 +74,7 @@ class Overlaps(fl.extend.Term):
 
 @dataclass(frozen=True, eq=False)
 class SoftBalls(fl.extend.Load):
-    """All bodies push each other off."""
+    """All bodies repel each other."""
 
     carrier = fl.extend.Carrier("balls", tuple, "bodies")
     balls: tuple[fl.extend.Body, ...]

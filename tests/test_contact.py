@@ -65,12 +65,12 @@ def test_a_ball_bounces_as_the_closed_form():
     assert found.penetration.max() == pytest.approx(deepest, rel=1e-4)
     np.testing.assert_allclose(found.total[:, 2], stiffness * found.penetration, rtol=1e-13)
     assert result.energy_error < 1e-4
-    # what the ground has given is booked
+    # the balance includes the work of the ground
     assert result.momentum_error < 1e-6
 
 
-def test_damping_takes_energy_and_never_pulls():
-    """A critically damped ball comes to rest where its weight is carried; losses are booked."""
+def test_damping_dissipates_energy_and_is_never_tensile():
+    """A critically damped ball comes to rest under its weight; the balance includes the losses."""
     stiffness = 1e3
     scene, body, contact = dropped(fl.contact.Penalty(stiffness, damping=2 * np.sqrt(stiffness)))
     result = run(scene, 3.0, 5e-4, radius=0.8)
@@ -109,7 +109,7 @@ def test_momenta_of_free_balls_stay(hollow):
 
 
 def test_a_round_end_of_a_beam_lies_on_a_plane():
-    """In statics: a cantilever whose tip is pressed on a floor, by springs beside each other."""
+    """In statics: a cantilever whose tip is pressed on a floor, by two contact springs."""
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=8)
     bending = SECTION.stiffness[4, 4]
     gap, stiffness, force = 0.001, 300.0, 2.0
@@ -169,8 +169,8 @@ def pile() -> tuple[fl.Scene, list[fl.RigidBody]]:
     return scene, balls
 
 
-def test_a_list_with_a_skin_has_all_that_touch():
-    """Forces along a run are those of a list that is made anew."""
+def test_a_list_with_a_margin_has_all_contacts():
+    """Forces during a run are those of a list that is recomputed."""
     scene, _ = pile()
     nodes = fl.extend.Equations(scene, dynamics=True).unknowns.bodies
     result = run(scene, 0.2, 2e-3)
@@ -346,7 +346,7 @@ def test_is_no_such_thing(name):
 
 
 def test_pictures_show_forces_as_arrows(tmp_path):
-    """Orange ones, at places and along forces of a state; where nothing touches there are none."""
+    """Orange arrows at the contact points of a state; without contact there are none."""
     scene, body, contact = dropped(fl.contact.Penalty(1e3))
     scheme = fl.GeneralisedAlpha(radius=1.0)
     result = scheme.run(scene, duration=0.5, step=1e-2, progress=False)

@@ -56,8 +56,8 @@ def unsettled() -> None:
     equations = fl.extend.Equations(scene.without_impacts(), dynamics=True)
     one = Run(fl.GeneralisedAlpha(radius=0.8), equations, 1e-2)
     assert one._impacts is not None
-    one._impacts._why, told = UNSETTLED, one._impacts._failed_step
-    told[CONTACTS], told[RESIDUAL] = 1, 4e-3
+    one._impacts._why, reported = UNSETTLED, one._impacts._failed_step
+    reported[CONTACTS], reported[RESIDUAL] = 1, 4e-3
     raise fl.ConvergenceError(one._failure(1))
 
 
@@ -145,7 +145,7 @@ def test_is_refused(name):
         make()
 
 
-def test_contacts_that_did_not_settle_are_named():
+def test_contacts_that_did_not_converge_are_named():
     with pytest.raises(
         fl.ConvergenceError,
         match=r"1 contacts did not converge \(residual 4e-03\).* such as left and right\?",
@@ -154,7 +154,7 @@ def test_contacts_that_did_not_settle_are_named():
 
 
 @pytest.mark.parametrize(("speed", "through"), [(100.0, True), (15.0, False)])
-def test_what_goes_through_another_is_told_of(speed, through):
+def test_a_body_that_passes_through_another_is_named(speed, through):
     """Ten radii in a step; with less than that the impact is seen, wherever steps begin."""
     bodies = [ball((0, 0, 0), "ball", speed), ball((1.53, 0, 0), "other")]
     scene = falling(fl.contact.Impact(restitution=1.0), bodies)

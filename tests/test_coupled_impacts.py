@@ -122,7 +122,7 @@ BALL = 0.05
 
 
 def in_box(count: tuple[int, int, int], speed=0.0, restitution=0.0) -> fl.Scene:
-    """Balls that fall from a lattice into a box, rub, spin and bounce."""
+    """Balls that fall from a lattice into a box, with friction, rotation and rebound."""
     rng, law, radius = np.random.default_rng(1), fl.contact.Impact(0.3, restitution), BALL
     scene, balls = fl.Scene(gravity=(0, 0, -GRAVITY)), []
     for at in np.ndindex(count):
@@ -142,7 +142,7 @@ def in_box(count: tuple[int, int, int], speed=0.0, restitution=0.0) -> fl.Scene:
     return scene
 
 
-def test_balls_that_rub_and_bounce_do_so_whatever_else_is_in_the_scene():
+def test_balls_with_friction_bounce_the_same_whatever_else_is_in_the_scene():
     """A joint and a beam elsewhere make no difference; free bodies alone have a step of their own.
 
     Of that the end differs by errors of a step, what impacts and friction take with it.
@@ -158,12 +158,12 @@ def test_balls_that_rub_and_bounce_do_so_whatever_else_is_in_the_scene():
             assert lost == pytest.approx(expected, rel=part)
 
 
-def test_a_pile_settles_beside_a_joint():
+def test_a_pile_comes_to_rest_next_to_a_joint():
     """More contacts than Newton's method takes, most of them among balls that nothing couples."""
-    told = run(hung_up(in_box((4, 4, 4))), 0.12, 2e-3).contacts
-    assert told.contacts.max() > 60
-    assert told.cone_residual.max() <= 1e-6
-    assert told.penetration.max() < 1e-11
+    reported = run(hung_up(in_box((4, 4, 4))), 0.12, 2e-3).contacts
+    assert reported.contacts.max() > 60
+    assert reported.cone_residual.max() <= 1e-6
+    assert reported.penetration.max() < 1e-11
 
 
 def test_an_impact_spreads_over_a_whole_row_in_one_step():
@@ -284,14 +284,14 @@ def test_impact_of_a_double_pendulum_is_that_of_impulses(friction, restitution, 
     expected, lost = after(restitution), loss(restitution)
     near = 2e-3 if gains else 5e-5
     np.testing.assert_allclose(turned, expected, rtol=near, atol=2e-5)
-    told = result.contacts
-    assert told.impact_loss[0] + told.friction_loss[0] == pytest.approx(
+    reported = result.contacts
+    assert reported.impact_loss[0] + reported.friction_loss[0] == pytest.approx(
         lost, rel=1e-4, abs=2 * near
     )
     n, t = -np.cos(angles), np.sin(angles)
     _, along = np.linalg.solve(np.stack([n, t]).T, M @ (expected - rates))
-    rubbed = -along * 0.5 * t @ (rates + expected)
-    assert told.friction_loss[0] == pytest.approx(rubbed, rel=2 * near, abs=2 * near)
+    friction_work = -along * 0.5 * t @ (rates + expected)
+    assert reported.friction_loss[0] == pytest.approx(friction_work, rel=2 * near, abs=2 * near)
     assert result.joint_violations.max() < 1e-12
 
 
@@ -299,9 +299,9 @@ def test_impact_of_a_double_pendulum_is_that_of_impulses(friction, restitution, 
 def test_a_pendulum_that_bounces_keeps_its_joints_and_gains_nothing(scheme):
     scene, _, _ = pendulum((1.2, 1.0), (0, 0), fl.contact.Impact(0.2, 0.5), -1.6)
     result = run(scene, 2.0, 1e-3, scheme)
-    told = result.contacts
-    assert (told.contacts > 0).sum() >= 2
-    assert told.penetration.max() < 1e-12
+    reported = result.contacts
+    assert (reported.contacts > 0).sum() >= 2
+    assert reported.penetration.max() < 1e-12
     assert result.joint_violations.max() < 1e-9
     # what steps of 1e-3 s make of the swing after the impact
     assert np.diff(result.total_energy).max() < 4e-5
@@ -395,11 +395,11 @@ def test_a_platform_that_a_joint_holds_is_ground():
     np.testing.assert_allclose(paths[0][::50], paths[1][::50], rtol=0, atol=2e-3)
 
 
-# --- what is told of each contact ---
+# --- what is reported of each contact ---
 
 
 @pytest.mark.parametrize("jointed", [False, True])
-def test_forces_of_impacts_are_told_place_by_place(jointed, tmp_path):
+def test_forces_of_impacts_are_reported_for_each_contact_point(jointed, tmp_path):
     """A block slides, and is held by friction: weight and friction, on its four lower corners."""
     edges, scene = (0.2, 0.2, 0.1), fl.Scene(gravity=(0, 0, -GRAVITY))
     block = scene.add(fl.RigidBody(2.0, cuboid(2.0, edges), (0, 0, 0.05)))
@@ -416,9 +416,9 @@ def test_forces_of_impacts_are_told_place_by_place(jointed, tmp_path):
     for each in (result, fl.Result.load(tmp_path / "block.h5")):
         found = fl.post.contact_forces(each, touch)
         assert found.touching[0] == 0
-        weight, rubs = 2 * GRAVITY, np.where(result.times < 1.0 / (0.5 * GRAVITY), GRAVITY, 0.0)
+        weight, friction = 2 * GRAVITY, np.where(result.times < 1.0 / (0.5 * GRAVITY), GRAVITY, 0.0)
         np.testing.assert_allclose(found.total[1:, 2], weight, rtol=1e-9)
-        np.testing.assert_allclose(found.total[1:20, 0], -rubs[1:20], rtol=1e-8)
+        np.testing.assert_allclose(found.total[1:20, 0], -friction[1:20], rtol=1e-8)
         np.testing.assert_allclose(found.total[22:], [[0, 0, weight]] * 9, atol=1e-8)
         assert not found.sticks[found.states == 10].any()
         assert found.sticks[found.states == 30].all()
@@ -432,7 +432,7 @@ def test_forces_of_impacts_are_told_place_by_place(jointed, tmp_path):
         np.testing.assert_allclose(found.impulses, 1e-2 * found.forces)
 
 
-def test_joints_are_told_to_carry_what_contacts_push():
+def test_joint_forces_include_contact_forces():
     """A platform of 3 kg on a joint, with a block of 1 kg on it; a beam at rest on a floor."""
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     platform = scene.add(fl.RigidBody(3.0, np.ones(3), (0, 0, -0.1)))
@@ -449,11 +449,11 @@ def test_joints_are_told_to_carry_what_contacts_push():
 def test_what_a_drive_does_through_friction_is_its_work(scheme):
     """On a platform that is shaken a block slides to and fro: friction alone takes energy."""
     result = run(stick_and_slip(), 0.3, 2.5e-3, scheme)
-    told = result.contacts
-    work, lost = result.balance[-1, 0], told.friction_loss.sum()
+    reported = result.contacts
+    work, lost = result.balance[-1, 0], reported.friction_loss.sum()
     assert lost > 0.05
-    assert told.friction_loss.min() > -1e-9
-    assert np.abs(told.impact_loss).sum() < 0.02 * lost
+    assert reported.friction_loss.min() > -1e-9
+    assert np.abs(reported.impact_loss).sum() < 0.02 * lost
     assert work == pytest.approx(lost + result.total_energy[-1] - result.total_energy[0], rel=2e-2)
     assert result.energy_error < 5e-3
 
@@ -466,7 +466,7 @@ WAVE = np.sqrt(2e9 / 1000.0)
 
 @each_scheme
 @pytest.mark.parametrize("courant", [0.5, 1.0, 2.0])
-def test_an_elastic_bar_pushes_a_wall_as_its_wave_says(courant, scheme):
+def test_an_elastic_bar_hits_a_wall_with_the_force_of_its_wave(courant, scheme):
     """ρ c v A while the wave goes and comes back; the energy never grows."""
     cells, gap, area = 50, 1e-3, np.pi * 0.02**2
     beam = fl.Beam.straight((0, 0, 0), (-1, 0, 0), fl.Section.circle(0.02, STEEL), cells=cells)
@@ -512,10 +512,10 @@ def test_a_step_with_impacts_that_has_no_solution_says_that_parts_have_none():
 
 def test_a_beam_that_bounces_never_gains_energy():
     result = run(bouncing_beam(), 0.4, 1e-3)
-    told = result.contacts
-    assert told.contacts.max() >= 4
-    assert told.penetration.max() < 1e-11
-    assert told.cone_residual.max() < 1e-6
+    reported = result.contacts
+    assert reported.contacts.max() >= 4
+    assert reported.penetration.max() < 1e-11
+    assert reported.cone_residual.max() < 1e-6
     assert np.diff(result.total_energy).max() < 1e-6 * result.total_energy[0]
     assert result.total_energy[-1] < 0.8 * result.total_energy[0]
 

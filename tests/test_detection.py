@@ -24,7 +24,7 @@ def test_pairs_are_the_same_in_any_order_and_as_all_against_all():
 
 @pytest.mark.parametrize("first", [3, 200])
 def test_pairs_between_two_sides_are_those_of_all(first):
-    """Few places beside many, that may be large, and as many on both sides."""
+    """A few points among many, which may be large, and equal numbers on both sides."""
     rng = np.random.default_rng(1)
     places, reach = rng.uniform(0, 4, size=(400, 3)), rng.uniform(0.05, 0.3, size=400)
     reach[:first] *= 4.0 if first == 3 else 1.0

@@ -51,7 +51,7 @@ def test_a_block_sticks_or_slides(degrees, sticks):
 
 
 def test_a_block_on_a_body_that_a_joint_holds_slides_to_rest():
-    """And stays there, though no load or damping is booked from outside the compiled loop."""
+    """And stays there, without other loads or damping in the energy balance."""
     μ, k, speed = 0.3, 1e6, 0.3
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     slab = scene.add(fl.RigidBody(1e3, 1e3 * np.eye(3), (0, 0, -0.5)))
@@ -113,24 +113,25 @@ def sheet(height: float, cells: int) -> fl.Shell:
     return fl.Shell(mesh, fl.ShellSection.layer(0.1, fl.Material(1e9, 0.3, 1.0)))
 
 
-def skin_on_skin() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
+def shell_on_shell() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
     upper, lower = sheet(0.097, 1), sheet(0.0, 2)
     return [upper, lower], (fl.contact.ShellSurface(upper), fl.contact.ShellSurface(lower))
 
 
-def skin_on_plane() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
+def shell_on_plane() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
     one = sheet(0.048, 1)
     return [one], (fl.contact.ShellSurface(one), FLOOR)
 
 
-def ball_on_skin() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
+def ball_on_shell() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
     one, body = sheet(0.0, 1), fl.RigidBody(1.0, np.eye(3), (0.3, 0.4, 0.148))
     return [body, one], (fl.contact.Sphere(body.point("centre"), 0.1), fl.contact.ShellSurface(one))
 
 
 @pytest.mark.parametrize("friction", [100.0, 0.1])
 @pytest.mark.parametrize(
-    "make", [ball_on_ball, ball_on_plane, line_on_plane, skin_on_skin, skin_on_plane, ball_on_skin]
+    "make",
+    [ball_on_ball, ball_on_plane, line_on_plane, shell_on_shell, shell_on_plane, ball_on_shell],
 )
 def test_derivatives(make, friction):
     """By differences, sticking and slipping."""
@@ -209,7 +210,7 @@ def in_a_box(steps: int) -> fl.Result:
     return fl.EnergyMomentum().run(scene, duration=steps * step, step=step, progress=False)
 
 
-def test_what_rubs_and_is_apart_keeps_its_matrix():
+def test_an_open_contact_with_friction_keeps_its_matrix():
     """Anchors of what flies freely hold no spring, not even of round-off."""
     assert in_a_box(10).factorisations <= 2
 
@@ -267,7 +268,7 @@ def test_a_beam_goes_on_to_the_last_bit_amid_stick_and_slip(tmp_path, line):
 
 
 def crossing() -> fl.Scene:
-    """Two lines, which rub in no conserving scheme."""
+    """Two lines, which have no friction in conserving schemes."""
     section, scene = fl.Section.circle(0.01, fl.Material(1e9, 0.3, 1000.0)), fl.Scene()
     one = scene.add(fl.Beam.straight((-1, 0, 0), (1, 0, 0), section, cells=4))
     other = scene.add(fl.Beam.straight((0, -1, 0.1), (0, 1, 0.1), section, cells=4))

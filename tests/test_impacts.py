@@ -73,7 +73,7 @@ def test_a_ball_bounces_as_the_closed_form(restitution, step, error):
     )
     height = result.position(ball.point("centre"))[:, 2] - RADIUS
     np.testing.assert_allclose(height, falls(restitution, result.times), rtol=0, atol=error)
-    # what impacts take, and what ground gives, is booked
+    # the balance includes losses of impacts and the impulse of the ground
     assert result.energy_error < 1e-13
     assert result.momentum_error < 1e-13
     assert result.contacts.impact_loss.min() > -1e-13
@@ -254,7 +254,7 @@ def test_a_rocking_block_loses_what_housner_says():
 
 
 def test_restitution_adds_no_energy_in_a_box():
-    """Sixteen balls that bounce and rub; momentum of what is free stays."""
+    """Sixteen balls with friction and rebound; momentum of free bodies is conserved."""
     rng = np.random.default_rng(1)
     scene = fl.Scene()
     balls = []
@@ -335,7 +335,7 @@ def test_many_contacts_without_friction_are_solved_as_exactly_as_few():
     np.testing.assert_allclose(problem.r[:, 0], weight * np.arange(k, 0, -1), rtol=1e-4)
 
 
-def test_many_contacts_settle():
+def test_many_contacts_come_to_rest():
     """A heap of 100 balls in a box, from its lattice on: cones to 1e-6 in every step."""
     rng, radius, law = np.random.default_rng(1), 0.05, fl.contact.Impact(0.3)
     scene, balls = fl.Scene(gravity=(0, 0, -GRAVITY)), []
@@ -351,11 +351,11 @@ def test_many_contacts_settle():
     for at, normal in ((0, (1, 0, 0)), (side, (-1, 0, 0)), (0, (0, 1, 0)), (side, (0, -1, 0))):
         wall = fl.contact.Plane(fl.ground(), normal, (at, at, 0))
         scene.add(fl.contact.Contact(heap, wall, law))
-    told = run(scene, 0.12, 2e-3).contacts
-    assert told.contacts.max() > 100
-    assert told.cone_residual.max() <= 1e-6
-    assert told.penetration.max() < 1e-12
-    assert told.friction_loss.min() > -1e-9
+    reported = run(scene, 0.12, 2e-3).contacts
+    assert reported.contacts.max() > 100
+    assert reported.cone_residual.max() <= 1e-6
+    assert reported.penetration.max() < 1e-12
+    assert reported.friction_loss.min() > -1e-9
 
 
 def in_a_groove(degrees: float) -> tuple[fl.Scene, fl.extend.Point, float]:
@@ -443,7 +443,7 @@ def test_results_come_back_from_a_file(tmp_path):
 
 
 def rolling_pile(friction: float = 0.4) -> fl.Scene:
-    """Balls that fall on each other in a box, spin, rub and bounce."""
+    """Balls that fall on each other in a box, with rotation, friction and rebound."""
     rng = np.random.default_rng(3)
     scene = fl.Scene(gravity=(0, 0, -9.81))
     places = 0.22 * np.stack(np.meshgrid(*3 * [np.arange(2)], indexing="ij"), -1).reshape(-1, 3)

@@ -50,7 +50,7 @@ def array(packed):
     return np.frombuffer(base64.b64decode(packed["data"]), KINDS[packed["kind"]])
 
 
-def test_places_are_those_of_pictures(fallen):
+def test_positions_are_those_of_pictures(fallen):
     """To a ten thousandth of the scene, less than a pixel."""
     _, result = fallen
     shown = content(result.page(states=7))

@@ -1,4 +1,4 @@
-"""Rigid motion taken out of bodies, bases of the rest, and what few shapes miss."""
+"""Floating frames, reduction bases, and errors of reduced-order bodies."""
 
 from dataclasses import replace
 
@@ -51,7 +51,7 @@ def test_a_rigid_motion_is_found_and_nothing_is_left(rng, axes):
 
 
 @pytest.mark.parametrize("axes", [fl.reduction.MeanAxes(), fl.reduction.NodeAxes(3)], ids=str)
-def test_local_motion_knows_no_place_and_expands_to_where_it_was(rng, axes):
+def test_local_motion_is_independent_of_position_and_expands_to_the_state(rng, axes):
     _, body = rod()
     bent = lie.se3_retract(body.frames, rng.uniform(-0.1, 0.1, (1, 9, 6)))
     everywhere = lie.se3_compose(motions(rng, 3)[:, np.newaxis], bent)
@@ -60,7 +60,7 @@ def test_local_motion_knows_no_place_and_expands_to_where_it_was(rng, axes):
     np.testing.assert_allclose(expanded(body, there), everywhere, atol=1e-13)
 
 
-def test_axes_of_shells_do_not_feel_turns_about_third_directors(rng):
+def test_axes_of_shells_ignore_drilling_rotations(rng):
     _, body = square()
     G, spun = motions(rng, 2), np.zeros((2, len(body.frames), 6))
     spun[:, :, 5] = rng.uniform(-1.0, 1.0, spun.shape[:2])

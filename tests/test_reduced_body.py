@@ -100,7 +100,7 @@ def dense(system):
     return sp.bsr_matrix((blocks, kkt.indices, kkt.indptr)).toarray()
 
 
-def test_forces_know_no_place_and_no_posture(rng):
+def test_forces_are_independent_of_position_and_orientation(rng):
     at = Anywhere(rng, gravity=(0, 0, 0))
     n, G = at.system.count, lie.se3_exp(rng.normal(size=6))
     H = at.H.copy()
@@ -177,7 +177,7 @@ def test_more_shapes_come_nearer_to_the_full_body():
     assert away(6, stretching=False) > 5 * most
 
 
-def test_inertial_shapes_carry_weight_as_all_unknowns_do():
+def test_inertial_modes_respond_to_weight_as_the_full_body():
     """With no vibration at all: between clamps, along and across a bowed beam."""
     places = []
     for body in (reduced(0)[0], part(8, 0.1)[1]):
@@ -207,9 +207,9 @@ def test_inertial_shapes_have_unit_mass_and_are_in_the_order_of_stiffness(spinni
 
 
 def test_spin_stiffens():
-    from benchmarks.reduction import spinning_in_few_shapes
+    from benchmarks.reduction import spinning_reduced
 
-    stretched, constant = (spinning_in_few_shapes(6, each) for each in (True, False))
+    stretched, constant = (spinning_reduced(6, each) for each in (True, False))
     assert stretched["body_6_error_at_0"] < 1e-8
     assert stretched["body_6_error_at_5"] < 1e-3 and stretched["body_6_error_at_10"] < 2e-3
     assert constant["constant_6_error_at_2"] > 0.1

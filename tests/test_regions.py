@@ -75,7 +75,7 @@ def test_rigid_motion_needs_one_frame_and_a_bent_rod_more():
     assert 1 < len(np.unique(root)) < 9 or (root == np.arange(9)).all()
 
 
-def test_projected_twists_have_the_same_momenta_and_less_energy_by_what_is_told():
+def test_projected_twists_have_the_same_momenta_and_the_reported_energy_loss():
     random = np.random.default_rng(2)
     look = looking(
         rod(), 0.02 * random.uniform(-1.0, 1.0, (9, 6)), random.uniform(-1.0, 1.0, (9, 6))
@@ -94,7 +94,7 @@ def test_projected_twists_have_the_same_momenta_and_less_energy_by_what_is_told(
     assert look.kinetic - kinetic == pytest.approx(lost, rel=1e-12)
 
 
-def test_followers_keep_the_deformation_in_which_solvers_begin():
+def test_merged_nodes_keep_the_deformation_at_the_start():
     scene = rod()
     (body,) = scene.bodies
     bent = np.zeros((9, 6))
@@ -132,7 +132,7 @@ def test_a_struck_rod_is_split_and_merged_again():
     assert "of 9 frames" in str(found)
 
 
-def test_what_stirs_at_the_first_look_is_made_again():
+def test_a_segment_with_activity_at_the_first_check_is_repeated():
     """A blow soon after a stretch has begun, but not so soon that it was seen before."""
 
     def build():

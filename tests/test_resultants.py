@@ -167,7 +167,7 @@ numbers = st.floats(-10, 10)
 
 @given(st.lists(numbers, min_size=8, max_size=8), st.floats(-7, 7))
 @settings(deadline=None)
-def test_components_turn_as_tensors(values, angle):
+def test_components_rotate_as_tensors(values, angle):
     values, c, s = np.array(values), np.cos(angle), np.sin(angle)
     R = np.array([[c, s], [-s, c]])
     found = turned(values, c, s)
@@ -540,7 +540,7 @@ def test_cylinder_under_pressure_and_axial_pull(cell, degree, formulation):
 
 
 @pytest.mark.parametrize(("cell", "degree", "formulation"), ELEMENTS)
-def test_functions_are_the_values_at_their_places(cell, degree, formulation):
+def test_functions_interpolate_the_values(cell, degree, formulation):
     shell = arch_shell(cell, degree, formulation, along=around)
     H = crumpled(shell)
     found = fl.post.resultants(states(shell, H), shell)

@@ -32,7 +32,7 @@ def test_rings_on_beams_among_frames_alone():
 
 @pytest.mark.parametrize("kind", ["net", "cable", "beam"])
 def test_schemes_agree_on_all_kinds_of_nodes(kind):
-    """The rope is what it is made of: places, slopes or frames."""
+    """A rope of nodes with positions, position gradients or frames."""
     found = []
     for scheme in (fl.EnergyMomentum(), fl.GeneralisedAlpha(radius=1.0)):
         scene = free(kind, "place")
@@ -49,7 +49,7 @@ KNOTS = np.array([0.0, 0.2, 0.5, 0.6, 1.0])
 @pytest.mark.parametrize("backwards", [False, True])
 @pytest.mark.parametrize("kind", ["net", "cable"])
 def test_curves_of_ropes_are_exact_between_uneven_nodes(kind, backwards):
-    """Of places what is a parabola along the rope, of places and slopes what is a cubic."""
+    """A parabola along the rope with positions, a cubic with position gradients."""
     if kind == "net":
         body = fl.Net([(s, 0, 0) for s in KNOTS], [range(len(KNOTS))], THREAD)
         p = np.polynomial.Polynomial([0.3, -1.0, 2.0])

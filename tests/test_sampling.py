@@ -134,7 +134,7 @@ def test_all_cells_in_all_shapes_are_the_full_model(make, wide):
     np.testing.assert_allclose(found, full, atol=1e-6 * away)
 
 
-def test_weight_and_turning_loads_act_as_on_all_cells():
+def test_weight_and_follower_loads_act_as_on_all_cells():
     scene, basis, _ = trained("beam", 3, force=0.0)
     beam = basis.body
     scene.add(fl.PointLoad(beam.point("end"), force=(0.0, 5e-4, 1e-3), following=True))
@@ -151,7 +151,7 @@ def test_what_cannot_be_sampled_is_said():
     scene, basis, states = trained("beam", 2)
     with pytest.raises(ValueError, match="below 1"):
         fl.reduction.ecsw(states, 1.0)
-    with pytest.raises(TypeError, match="few shapes"):
+    with pytest.raises(TypeError, match=r"basis\.project"):
         fl.reduction.ecsw(basis, 0.1)
     nothing = fl.reduction.ReducedStates(
         basis, states.rigid, np.zeros_like(states.coordinates), states.errors

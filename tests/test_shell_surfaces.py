@@ -52,7 +52,7 @@ def resultants(H: np.ndarray, out: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     ("start", "smooth"), [(0.0, True), (0.13, True), (0.4, True), (0.13, False)]
 )
 def test_pressure_between_plates_is_even_whatever_the_meshes(cell, start, smooth, degree):
-    """Force is that of the overlap on the whole area, and pushes neither aside nor round."""
+    """The force is that of the overlap over the whole area, without tangential force or moment."""
     one = plate(0.998 * THICK, (3, 3), start, 0.5, cell, degree)
     two = plate(0, (7, 5), cell=cell, degree=degree)
     a, b = fl.contact.ShellSurface(one, smooth=smooth), fl.contact.ShellSurface(two, smooth=smooth)
@@ -68,7 +68,7 @@ def test_pressure_between_plates_is_even_whatever_the_meshes(cell, start, smooth
     np.testing.assert_allclose(M.sum(axis=0), 0, atol=1e-12 * wanted)
 
 
-def test_a_plane_pushes_a_plate_likewise():
+def test_a_plane_acts_on_a_plate_in_the_same_way():
     one = plate(0.499 * THICK, (3, 3))
     H, out = forces_of(
         fl.contact.Contact(
@@ -104,7 +104,7 @@ def test_a_ball_feels_no_edges_of_cells():
 
 
 def bent(turn: float, cells: int = 24) -> fl.Shell:
-    """A strip that is bent to a part of a turn with a little pitch."""
+    """A strip that is bent to a part of a circle with a small pitch."""
 
     def place(a, b):
         φ, r = 2 * np.pi * turn * a, 0.2 + 0.6 * THICK * a
@@ -124,8 +124,8 @@ def test_a_sheet_that_comes_round_touches_itself_and_else_does_not():
         np.testing.assert_allclose(M.sum(axis=0), 0, atol=1e-12 * max(size, 1.0))
 
 
-def test_a_bilinear_skin_turns_no_node():
-    """A ball on a cell whose corners are in no plane: forces alone, through its places."""
+def test_a_bilinear_shell_surface_rotates_no_node():
+    """A ball on a cell whose corners are not in a plane: forces on positions only."""
     shell = arch(3)
     ball = fl.RigidBody(1.0, np.eye(3), (0.03, 0.02, 1.1))
     surface = fl.contact.ShellSurface(shell, smooth=False)
@@ -143,7 +143,7 @@ def test_a_bilinear_skin_turns_no_node():
 
 
 @pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
-def test_a_ball_beside_a_straight_edge_is_pushed_off_its_foot(cell):
+def test_a_ball_next_to_a_straight_edge_is_repelled_by_its_closest_point(cell):
     shell = plate(0, (1, 1), cell=cell)
     ball = fl.RigidBody(1.0, np.eye(3), (1.1, 0.3, 0))
     surface = fl.contact.ShellSurface(shell, smooth=False)
@@ -239,7 +239,7 @@ def rubbing(start: float, drop: float = -1e-4 * THICK, friction: float = 0.2) ->
 
 @pytest.mark.parametrize(("speed", "drop", "friction"), [(1e-3, -5e-6, 0.2), (0.0, 1e-3, 0.4)])
 def test_tractions_do_not_drill(speed, drop, friction):
-    """A sheet that lies, or falls, on another: tractions have no levers along the sheets."""
+    """A sheet that lies, or falls, on another: tractions have no moment arms along the sheets."""
     scene = rubbing(speed, drop, friction)
     scheme = fl.GeneralisedAlpha(radius=0.8)
     result = scheme.run(scene, duration=0.025, step=2.5e-4, progress=False)

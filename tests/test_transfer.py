@@ -1,4 +1,4 @@
-"""States on other meshes of the same bodies: momenta, energy, what is carried exactly."""
+"""States on other meshes of the same bodies: momenta, energy, exact transfer."""
 
 from functools import cache
 
@@ -47,13 +47,13 @@ def test_momenta(kind, formulation, mesh):
     """Refined in part, and made coarse again."""
     coarse, fine = free(mesh, formulation, kind), free(beside(mesh, [0, 1, 3]), formulation, kind)
     result = thrown(coarse)
-    told = fl.adaptivity.transfer(result, coarse, fine)
-    assert told.momentum_error < 1e-12
+    changes = fl.adaptivity.transfer(result, coarse, fine)
+    assert changes.momentum_error < 1e-12
     again = thrown(fine, 2)
     np.testing.assert_allclose(again.momentum[0], result.momentum[-1], rtol=1e-12)
     np.testing.assert_allclose(again.angular_momentum[0], result.angular_momentum[-1], rtol=1e-12)
     total = result.kinetic[-1] + result.elastic[-1]
-    assert abs(told.energy_change) < 5e-3 * total
+    assert abs(changes.energy_change) < 5e-3 * total
     back = fl.adaptivity.transfer(again, fine, free(mesh, formulation, kind))
     assert back.momentum_error < 1e-12
     assert abs(back.energy_change) < 5e-3 * total
@@ -80,7 +80,7 @@ def begun(scene, frames, velocities):
 
 
 @pytest.mark.parametrize("mesh", [ARC, LINE])
-def test_rigid_motions_are_carried_exactly(mesh):
+def test_rigid_motions_are_transferred_exactly(mesh):
     coarse, fine = free(mesh), free(beside(mesh, [1, 2]))
     beam, finer = coarse.bodies[0], fine.bodies[0]
     spin = np.array([0.4, 0.1, -0.3, 2.0, -1.0, 0.5])
@@ -94,7 +94,7 @@ def test_rigid_motions_are_carried_exactly(mesh):
     np.testing.assert_allclose(finer.velocities, wanted, atol=allowed * np.abs(wanted).max())
 
 
-def test_constant_strain_is_carried_exactly():
+def test_constant_strain_is_transferred_exactly():
     """A stretched and twisted circle: a screw, with the energy that it has."""
     strain = np.array([1.03, 0.01, -0.02, 0.4, 1.5, -0.7])
     plain = fl.elements.GeodesicBeam(bending_flexibility=False)
@@ -105,9 +105,9 @@ def test_constant_strain_is_carried_exactly():
 
     beam, finer = coarse.bodies[0], fine.bodies[0]
     still = np.zeros((len(beam.frames), 6))
-    told = fl.adaptivity.transfer(begun(coarse, screw(beam), still), coarse, fine, step=0)
+    changes = fl.adaptivity.transfer(begun(coarse, screw(beam), still), coarse, fine, step=0)
     np.testing.assert_allclose(finer.start_frames, screw(finer), atol=1e-13)
-    assert told.elastic[1] == pytest.approx(told.elastic[0], rel=1e-11)
+    assert changes.elastic[1] == pytest.approx(changes.elastic[0], rel=1e-11)
 
 
 @pytest.mark.parametrize("kind", [fl.Beam, fl.Rod])
@@ -137,13 +137,13 @@ def swinging(mesh):
     return scene
 
 
-def test_dynamics_goes_on():
-    """As without an interruption on the same mesh; angles are counted, histories go on."""
+def test_dynamics_restarts_from_a_transferred_state():
+    """As without an interruption on the same mesh; angles are counted, histories continue."""
     whole = fl.GeneralisedAlpha().run(swinging(LINE), duration=0.4, step=1e-3)
     first, second = swinging(LINE), swinging(LINE)
     half = fl.GeneralisedAlpha().run(first, duration=0.2, step=1e-3)
-    told = fl.adaptivity.transfer(half, first, second)
-    assert told.energy_change == pytest.approx(0.0, abs=1e-9)
+    changes = fl.adaptivity.transfer(half, first, second)
+    assert changes.energy_change == pytest.approx(0.0, abs=1e-9)
     rest = fl.GeneralisedAlpha().run(second, duration=0.2, step=1e-3)
     gap = rest.position("beam.end")[-1] - whole.position("beam.end")[-1]
     assert np.linalg.norm(gap) < 2e-3
@@ -160,13 +160,13 @@ def cantilever(mesh):
 
 
 @pytest.mark.parametrize("solve", [fl.statics, fl.follow_loads])
-def test_statics_goes_on(solve):
-    """To the same state as from the unloaded one."""
+def test_statics_restarts_from_a_transferred_state(solve):
+    """To the same state as from the undeformed one."""
     fine = beside(LINE, [0, 1])
     coarse, onto = cantilever(LINE), cantilever(fine)
     half = solve(coarse, levels=[0.5])
-    told = fl.adaptivity.transfer(half, coarse, onto)
-    assert told.elastic[1] == pytest.approx(told.elastic[0], rel=0.05)
+    changes = fl.adaptivity.transfer(half, coarse, onto)
+    assert changes.elastic[1] == pytest.approx(changes.elastic[0], rel=0.05)
     there, direct = solve(onto, levels=[0.5, 1.0]), solve(cantilever(fine))
     np.testing.assert_allclose(there.frames[-1], direct.frames[-1], atol=1e-8)
     np.testing.assert_allclose(
@@ -176,7 +176,7 @@ def test_statics_goes_on(solve):
         solve(onto, levels=[0.25])
 
 
-def test_a_path_goes_on():
+def test_a_path_restarts_from_a_transferred_state():
     fine = beside(LINE, [0, 1])
     coarse, onto = cantilever(LINE), cantilever(fine)
     fl.adaptivity.transfer(fl.follow_path(coarse, 0.5), coarse, onto)
@@ -233,9 +233,9 @@ def test_momenta_of_shells():
     mesh = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2), cell="triangle")
     coarse, fine = plate(mesh), plate(fl.adaptivity.refine(mesh, [0, 3]))
     result = fl.GeneralisedAlpha().run(coarse, duration=4e-3, step=1e-3)
-    told = fl.adaptivity.transfer(result, coarse, fine)
-    assert told.momentum_error < 1e-12
-    assert abs(told.energy_change) < 1e-2 * (result.kinetic[-1] + result.elastic[-1])
+    changes = fl.adaptivity.transfer(result, coarse, fine)
+    assert changes.momentum_error < 1e-12
+    assert abs(changes.energy_change) < 1e-2 * (result.kinetic[-1] + result.elastic[-1])
 
 
 def spun(u: UnitSystem, cells: int) -> fl.Scene:

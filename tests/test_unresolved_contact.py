@@ -197,8 +197,8 @@ def test_damping_takes_energy_without_a_warning():
     assert 0.0 < result.velocity(ball.point("centre"))[-1, 2] < 0.6
 
 
-def test_what_is_known_of_a_contact_goes_on_from_a_checkpoint(tmp_path):
-    """A run that goes on from the middle of a contact warns as the whole one does."""
+def test_the_energy_watch_restarts_from_a_checkpoint(tmp_path):
+    """A run that restarts in the middle of a contact warns as the whole run does."""
     scheme, step = fl.GeneralisedAlpha(radius=0.8), 1.04e-3
     options = {"duration": 7 * step, "step": step, "checkpoint_every": 4, "progress": False}
     scene, _ = floor(100.0, 202.0 * step)

@@ -1,4 +1,4 @@
-"""Contact of nodes that are places: nets and discrete cables that meet what is round."""
+"""Contact of nodes with positions only: nets and discrete cables with round surfaces."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ RADIUS = 0.2
 
 
 def net(count: int = 9) -> fl.Net:
-    """A square one of 1 m, of straight threads."""
+    """A square net of 1 m, of straight cables."""
     along = np.linspace(-0.5, 0.5, count)
     x, y = np.meshgrid(along, along, indexing="ij")
     places = np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3)
@@ -79,7 +79,7 @@ def test_a_run_goes_on_to_the_last_bit(tmp_path):
         np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
 
 
-def test_what_turns_needs_axes():
+def test_rotating_surfaces_need_axes():
     threads, scene = net(3), fl.Scene()
     scene.add(threads)
     nodes = fl.contact.Vertices([threads.point(0)], 1e-3)
