@@ -238,7 +238,7 @@ def test_drive_in_statics_follows_the_load_factor():
         ),
         (lambda j: fl.joints.Distance(j.a, j.b), "a distance needs two different positions"),
         (lambda j: fl.joints.RollingDisc(j.a, j.b, axis=(1, 0, 0)), "radius must be a positive"),
-        (lambda j: fl.joints.RollingDisc(j.a, j.b, axis=Z, radius=1.0), "that of the plane"),
+        (lambda j: fl.joints.RollingDisc(j.a, j.b, axis=Z, radius=1.0), "the normal of the plane"),
     ],
 )
 def test_bad_input_says_what_is_wrong(make, message):
