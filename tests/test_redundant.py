@@ -203,6 +203,6 @@ def test_what_binds_nothing_that_is_free_is_to_be_removed():
     )
     scene.add(fl.Clamp(beam.point("start")))
     scene.add(fl.joints.Fixed(fl.ground(), beam.point("start"), name="twice"))
-    with pytest.raises(ValueError, match="Remove twice: the rest holds all") as caught:
+    with pytest.raises(ValueError, match="Remove twice: the others suffice") as caught:
         fl.statics(scene)
     assert "Spherical" not in str(caught.value)
