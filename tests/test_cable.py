@@ -513,8 +513,8 @@ def test_velocities_of_results_are_those_of_places():
     result = free_flight(2e-3)
     node, k, h = 2, 100, 2e-3
     moved = (result.frames[k + 1, node, 0] - result.frames[k - 1, node, 0]) / (2 * h)
-    told = result.velocities[k, node, :3] @ result.frames[k, node, 1:]
-    np.testing.assert_allclose(told, moved, rtol=1e-3)
+    reported = result.velocities[k, node, :3] @ result.frames[k, node, 1:]
+    np.testing.assert_allclose(reported, moved, rtol=1e-3)
 
 
 def test_steps_that_change_follow_the_same_motion():

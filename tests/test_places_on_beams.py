@@ -87,7 +87,7 @@ def test_loads_at_a_place_are_those_at_a_node_there(element, following):
 
 
 @every_element
-def test_a_load_at_a_place_does_the_work_that_is_booked(element):
+def test_a_load_at_a_place_does_the_work_that_is_accounted_for(element):
     beam, place = beam_of(element, 3)
     scene = fl.Scene()
     scene.add(beam)

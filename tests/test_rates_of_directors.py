@@ -22,14 +22,14 @@ def plate() -> tuple[fl.Scene, fl.Shell]:
 
 
 @pytest.mark.parametrize("name", SCHEMES)
-def test_told_velocities_are_those_of_the_frames(name):
+def test_reported_velocities_are_those_of_the_frames(name):
     """Not what directors without inertia remember, which changes sign in every step."""
     scene, _ = plate()
     result = SCHEMES[name].run(scene, duration=0.4, step=STEP)
     moved = lie.se3_relative(result.frames[:-2], result.frames[2:])[:, :, 3:] / (2 * STEP)
-    told = result.velocities[1:-1, :, 3:]
+    reported = result.velocities[1:-1, :, 3:]
     assert np.abs(moved[..., :2]).max() > 1.0
-    np.testing.assert_allclose(told, moved, atol=0.02 * np.abs(moved).max())
+    np.testing.assert_allclose(reported, moved, atol=0.02 * np.abs(moved).max())
 
 
 def test_rates_of_a_turning_frame_give_its_velocity():

@@ -111,7 +111,7 @@ def test_stiff_solids_go_on_as_saint_venants(scheme, law, held, E):
 @pytest.mark.parametrize("held", ["free", "joint"])
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_steel_takes_long_steps_whole(scheme, held):
-    """A matrix of the start of the step is that of a body that has yet to turn half-way.
+    """A matrix of the start of the step is that of a body that has yet to rotate to its midpoint.
 
     Where it fails, corrections that learn from each other reach the end with one more.
     """

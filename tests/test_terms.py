@@ -350,7 +350,7 @@ def line_on_plane(**law) -> fl.Scene:
     )
 
 
-def few_shapes() -> fl.Scene:
+def reduced_order() -> fl.Scene:
     """A beam with a bow, in its ends and four shapes between."""
     full = fl.Scene()
     line = fl.mesh.curve(lambda s: (2 * s, 0.3 * np.sin(np.pi * s), 0.2 * s**2), 6)
@@ -441,7 +441,7 @@ TERMS: dict[str, Case] = {
         lambda: scene_with(random_body("function of products, with a law")), "elements"
     ),
     "solid": Case(solid, "elements"),
-    "body in few shapes": Case(few_shapes, "reduced bodies"),
+    "reduced-order body": Case(reduced_order, "reduced bodies"),
     "rope in rings": Case(rope_in_rings, "rings on a rope"),
     "pressure on a thin shell": Case(lambda: pressed(thin_shell()), "pressure on thin shells"),
     "load within a geodesic": Case(lambda: held(beam()), HELD),

@@ -191,18 +191,18 @@ def test_shear_centre_of_channels_tends_to_that_of_thin_walls():
 
 
 def test_shear_centre_of_a_thin_angle_is_at_its_corner():
-    """Shear flows of both legs pass through the point where their middle lines meet."""
+    """Shear flows of both flanges pass through the point where their middle lines meet."""
     p = properties(fl.SectionShape.l_section(1.0, 1.5, 0.03))
     np.testing.assert_allclose(p.shear_centre, [0.015, 0.015], atol=0.1 * 0.03)
 
 
 def test_principal_axes_of_angles():
-    """Equal legs: the axis of symmetry; unequal ones: Mohr's circle of two rectangles."""
+    """Equal flanges: the axis of symmetry; unequal ones: Mohr's circle of two rectangles."""
     equal = properties(fl.SectionShape.l_section(0.1, 0.1, 0.01))
     assert equal.principal_angle == pytest.approx(-pi / 4, abs=1e-9)
     a, b, t = 0.1, 0.15, 0.012
     p = properties(SHAPES["angle"])
-    # leg along y, and the rest of the leg along z
+    # flange along y, and the rest of the flange along z
     A = np.array([a * t, (b - t) * t])
     c = np.array([(a / 2, t / 2), (t / 2, t + (b - t) / 2)])
     centre = A @ c / A.sum()

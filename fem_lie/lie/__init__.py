@@ -1,4 +1,4 @@
-r"""Rotations and rigid-body frames: the convention card of the project, and the operations.
+r"""Rotations and rigid-body frames: conventions of the package, and operations.
 
 **Frame.** ``H = (R, x)``: position ``x`` and rotation ``R`` of a point; ``R`` maps components
 along the point's own axes (local) to components along the fixed axes (global). Stored as 12
@@ -13,7 +13,7 @@ and the tangent operator is the right Jacobian: ``H⁻¹δH = (T₆(d) δd)^`` f
 ``T₆(−d) = Ad(exp d) T₆(d)``.
 
 **Adjoints.** ``Ad(H) = [[R, x̂R], [0, R]]`` takes a twist out of the frame H, ``Ad⁻ᵀ(H)`` a force,
-and the power ``f·v`` stays. ``ad(v) = [[ω̂, û], [0, ω̂]]``.
+and the power ``f·v`` is invariant. ``ad(v) = [[ω̂, û], [0, ω̂]]``.
 
 ======================  =========================================  ===========================
 symbol                  one point, compiled, in place              arrays of points
@@ -45,9 +45,9 @@ cay d, its T₆           cayley_se3, cayley_tangent_se3             se3_cayley,
 ======================  =========================================  ===========================
 
 Functions of the second column are for compiled loops: the result is the last argument, may be any
-view, may be an input, and nothing is allocated. Those of the third take anything that NumPy takes,
-with any leading dimensions, broadcast their arguments and return new arrays; rotations are
-matrices ``R``, not directors. All are accurate to round-off at every angle; ``T⁻¹`` ends at 2π.
+view, may be an input, and nothing is allocated. Those of the third accept array-like arguments
+with any leading dimensions, broadcast them and return new arrays; rotations are matrices ``R``,
+not directors. All are accurate to round-off at every angle; ``T⁻¹`` is singular at 2π.
 
 Sources: G. S. Chirikjian, *Stochastic Models, Information Theory, and Lie Groups* 2 (2012), ch. 10;
 V. Sonneville, A. Cardona & O. Brüls, *CMAME* 268 (2014) 451, doi:10.1016/j.cma.2013.10.008;

@@ -1,6 +1,6 @@
-"""How twists and forces are seen from another frame of SE(3), at one point, for compiled loops.
+"""Adjoint operators of SE(3): change of frame of twists and forces at one point; compiled.
 
-As in :mod:`fem_lie.lie.se3`: in place, without allocation.
+As in :mod:`fem_lie.lie.se3`, results are written in place, without allocation.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The operations of SE(3) and SO(3) on arrays of points; conventions in :mod:`fem_lie.lie`."""
+"""Operations of SE(3) and SO(3) on arrays of points; conventions in :mod:`fem_lie.lie`."""
 
 from __future__ import annotations
 
@@ -393,4 +393,4 @@ def _each_pair(a: Array, b: Array, out: Array) -> None:
 
 
 def _kernel(*views: Array) -> None:
-    """Stands in :func:`_each` for the operation that :func:`_loop` puts there."""
+    """Placeholder in :func:`_each` for the operation that :func:`_loop` inserts."""

@@ -1,11 +1,12 @@
-"""Functions of rotation vectors, as plain numbers, for compiled code.
+"""Functions of rotation vectors as tuples of numbers, for compiled code.
 
-All of SO(3) is of one form, with coefficients that depend on ``x = θ·θ``::
+All operators of SO(3) have one form, with coefficients that depend on ``x = θ·θ``::
 
     M(θ) = α I + β θ̂ + γ θθᵀ                                       (′ = d/dx below)
 
-and SE(3) is the same over dual numbers: with ``θ + ε u`` in place of ``θ``, where ``ε² = 0``, the
-real part belongs to the rotation and the dual part to the translation (Chirikjian, vol. 2, §10).
+and those of SE(3) are the same over dual numbers: with ``θ + ε u`` in place of ``θ``, where
+``ε² = 0``, the real part is the rotation and the dual part the translation (Chirikjian, vol. 2,
+§10).
 """
 
 from __future__ import annotations
@@ -171,7 +172,7 @@ def rotation_vector(r1: Vector, r2: Vector, r3: Vector) -> Vector:
     """Rotation vector, ``|θ| ≤ π``, of the rotation with columns ``r1, r2, r3``.
 
     Shepperd's choice (1978) of a quaternion, here ``(w, v)`` up to a positive factor: the one whose
-    largest entry is a sum of non-negative terms, so that no digit is lost for any rotation.
+    largest entry is a sum of non-negative terms, so that there is no cancellation for any rotation.
     """
     a, b, c = r1[0], r2[1], r3[2]
     if a + b + c > max(a, b, c):

@@ -1,7 +1,7 @@
-"""The operations of SO(3) in :mod:`fem_lie.lie` for one point at a time, for compiled loops.
+"""Operations of SO(3) in :mod:`fem_lie.lie` for one point, for compiled loops.
 
-As in :mod:`fem_lie.lie.se3`: in place, without allocation; rotations are director rows ``D``,
-shape ``(3, 3)``.
+As in :mod:`fem_lie.lie.se3`, results are written in place, without allocation; rotations are
+director rows ``D``, shape ``(3, 3)``.
 """
 
 from __future__ import annotations

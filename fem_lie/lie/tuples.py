@@ -1,7 +1,7 @@
-"""Vectors, matrices and wrenches as plain numbers, for compiled code.
+"""Vectors, matrices and wrenches as tuples of numbers, for compiled code.
 
-Vectors are tuples of 3 numbers and matrices tuples of 9, row by row: they live in registers, so
-nothing here allocates. In a six-vector with a dual part, ``(A, dA)`` stands for a matrix (6, 6).
+Vectors are tuples of 3 numbers and matrices tuples of 9, row by row: they are kept in registers,
+without allocation. In a six-vector with a dual part, ``(A, dA)`` represents a matrix (6, 6).
 """
 
 from __future__ import annotations
@@ -19,31 +19,31 @@ ZERO: Matrix = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 @inlined
 def load(v: Array, k: int) -> Vector:
-    """Three numbers of ``v`` from the k-th."""
+    """Three numbers of ``v`` from index ``k``."""
     return v[k], v[k + 1], v[k + 2]
 
 
 @inlined
 def store(v: Array, k: int, a: Vector) -> None:
-    """Write three numbers into ``v`` from the k-th."""
+    """Write three numbers into ``v`` from index ``k``."""
     v[k], v[k + 1], v[k + 2] = a
 
 
 @inlined
 def load_row(M: Array, i: int) -> Vector:
-    """Row i of a matrix of three columns."""
+    """Row ``i`` of a matrix with three columns."""
     return M[i, 0], M[i, 1], M[i, 2]
 
 
 @inlined
 def store_row(M: Array, i: int, a: Vector) -> None:
-    """Write row i of a matrix of three columns."""
+    """Write row ``i`` of a matrix with three columns."""
     M[i, 0], M[i, 1], M[i, 2] = a
 
 
 @inlined
 def store_rows(M: Array, i: int, a: Vector, b: Vector, c: Vector) -> None:
-    """Write three rows from the i-th."""
+    """Write three rows from row ``i``."""
     store_row(M, i, a)
     store_row(M, i + 1, b)
     store_row(M, i + 2, c)
@@ -51,7 +51,7 @@ def store_rows(M: Array, i: int, a: Vector, b: Vector, c: Vector) -> None:
 
 @inlined
 def store_block(M: Array, i: int, j: int, A: Matrix) -> None:
-    """Write nine numbers, row by row, from place (i, j)."""
+    """Write nine numbers, row by row, from entry (i, j)."""
     M[i, j], M[i, j + 1], M[i, j + 2] = A[0], A[1], A[2]
     M[i + 1, j], M[i + 1, j + 1], M[i + 1, j + 2] = A[3], A[4], A[5]
     M[i + 2, j], M[i + 2, j + 1], M[i + 2, j + 2] = A[6], A[7], A[8]
@@ -59,7 +59,7 @@ def store_block(M: Array, i: int, j: int, A: Matrix) -> None:
 
 @inlined
 def load_frame(H: Array) -> tuple[Vector, Vector, Vector, Vector]:
-    """Place and directors of a frame (4, 3)."""
+    """Position and directors of a frame (4, 3)."""
     return load_row(H, 0), load_row(H, 1), load_row(H, 2), load_row(H, 3)
 
 
@@ -181,7 +181,7 @@ def add_wrench(out: Array, at: int, x: Vector, force: Vector, moment: Vector) ->
 
 @inlined
 def add_dead(out: Array, at: int, sign: float, H: Array, f: Array) -> None:
-    """Add ``sign f``, forces on the rows (x, d₁, d₂, d₃) of ``H``, likewise."""
+    """Add ``sign f`` with forces ``f`` on the vectors (x, d₁, d₂, d₃) of ``H`` to ``out``."""
     for k in range(4):
         arm = cross(load_row(H, k), load_row(f, k))
         for j in range(3):
