@@ -239,7 +239,7 @@ class Nodes(ABC):
         """Whether nodes have drilling rotations for these holds, and the stiffness of each cell.
 
         Args:
-            holds: What takes hold of rotations of nodes.
+            holds: Rotations of nodes that joints, motions and moments act on.
         """
         return self.drills(holds), None
 

@@ -263,17 +263,17 @@ def brick(
     """Box of equal cells with a corner at ``origin``; a, b and c go along x, y and z.
 
     Args:
-        lengths: Of its edges, shape (3,).
-        cells: Numbers along them.
+        lengths: Lengths of its edges, shape (3,).
+        cells: Numbers of cells along x, y and z.
         origin: Corner with the smallest coordinates.
-        cell: See :func:`block`.
+        cell: ``"hexahedron"`` or ``"tetrahedron"``.
 
     Raises:
         ValueError: A length is not positive, or something is out of range.
     """
     edges, start = (points_of([value])[0] for value in (lengths, origin))
     if not (edges > 0.0).all():
-        raise ValueError(f"a brick needs three positive lengths, got {lengths!r}")
+        raise ValueError(f"a box needs three positive lengths, got {lengths!r}")
     return parametric_volume(lambda a, b, c: start + edges * np.array([a, b, c]), cells, cell=cell)
 
 

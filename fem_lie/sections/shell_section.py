@@ -109,7 +109,7 @@ class ShellSection:
     Attributes:
         stiffness: Symmetric positive definite, shape (8, 8).
         inertia: Mass matrix of (x, t) per area, shape (2, 2).
-        thickness: Of all plies.
+        thickness: Total thickness of the plies, length.
     """
 
     stiffness: Array

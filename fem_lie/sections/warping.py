@@ -1,17 +1,15 @@
-"""Sections of any shape: Saint-Venant's torsion and flexure, and what follows for a beam.
-
-Saint-Venant's torsion and flexure of a section of any shape, solved by finite elements.
+"""Sections of any shape: Saint-Venant torsion and flexure, solved by finite elements.
 
 Axial stress is ``σ = E ε`` with the strain ``ε = Γ₁ + z κ₂ − y κ₃``, shear stress ``τ = G γ``, and
-no stress acts in the plane of the section (Saint-Venant; exact if all regions have the same ν).
+the stress in the plane of the section is zero (Saint-Venant; exact if all regions have the same ν).
 With r = (y, z) from the centroid ``∫E r dA = 0``, t = (−z, y), and ∇ in the plane:
 
 *Torsion*: ``γ = κ₁ (∇ω + t)``, ``∫G (∇ω + t)·∇η dA = 0`` for all η, and ``GJ = ∫G (∇ω + t)·t dA``.
 
-*Shear centre* s: the pole from which the warping function is orthogonal to extension and bending,
-``∫E ω_s (1, r) dA = 0`` (E. Trefftz, ZAMM 15 (1935) 220). A force through s does no work on a twist
-and a torque none on bending. It does not depend on ν, unlike the centre at which some mean twist
-vanishes.
+*Shear centre* s: the pole for which the warping function is orthogonal to extension and bending,
+``∫E ω_s (1, r) dA = 0`` (E. Trefftz, ZAMM 15 (1935) 220). A force through s does no work on a
+twist, and a torque none on bending. It does not depend on ν, unlike the centre for which some mean
+twist vanishes.
 
 *Flexure*: the axial strain grows along the beam, ``ε' = k·r`` with ``∫E r⊗r dA k = Q``, and
 
@@ -19,8 +17,8 @@ vanishes.
 
     a = −ν [ ½ (y² − z²) k₁ + y z k₂,   y z k₁ − ½ (y² − z²) k₂ ]
 
-(A. E. H. Love, *Theory of Elasticity* (1927), §229). Here a is the gradient along the beam of what
-Poisson's ratio does to the section, and α makes the resultant pass through s.
+(A. E. H. Love, *Theory of Elasticity* (1927), §229). Here a is the gradient along the beam of the
+section's transverse contraction, and α makes the resultant pass through s.
 
 *Shear factors*: G. R. Cowper, J. Appl. Mech. 33 (1966) 335, doi:10.1115/1.3625046. The beam's
 displacement is the mean of the section's, its rotation the mean rotation ``∫E r u dA`` of the axial
@@ -28,21 +26,20 @@ displacement, so that its shear strain is
 
     Γ = (∫E r⊗r dA)⁻¹ ∫E r ψ dA + ∫E a dA / ∫E dA + α (z_s, −y_s) = F Q.
 
-Three things are not in his paper, as he treats forces along axes of symmetry of one material:
+Three points are not in his paper, which treats forces along axes of symmetry of one material:
 
-* All means are weighted by E. Then ``F`` for ν = 0 is the flexibility by energy, ``Q·F Q =
-  ∫G γ·γ dA``, whatever the section is made of.
-* Kinematics alone does not say what the twist is that a displacement depending on ν contains; here
-  it is the one on which a torque does work, and a force through s has none. It changes nothing for
-  sections with two axes of symmetry.
+* All means are weighted by E. Then ``F`` for ν = 0 is the flexibility by energy,
+  ``Q·F Q = ∫G γ·γ dA``, for any materials.
+* Kinematics alone does not define the twist in a displacement that depends on ν; here it is the
+  twist conjugate to a torque, and a force through s has none. It does not matter for sections with
+  two axes of symmetry.
 * For ν ≠ 0 and a section without symmetry, F is not quite symmetric, because a mean displacement is
-  not what the shear stress does work on. Its symmetric part is taken, as a stiffness must be
-  symmetric. Flexibility by energy would be symmetric, but has other values than Cowper's (solid
-  circle, ν = 0.3: 0.851 instead of 0.886), and would not agree with the closed forms of
-  :class:`~fem_lie.sections.section.Section`.
+  not conjugate to the shear stress. Its symmetric part is used, as a stiffness must be symmetric.
+  The flexibility by energy would be symmetric, but differs from Cowper's (solid circle, ν = 0.3:
+  0.851 instead of 0.886), and from the closed forms of :class:`~fem_lie.sections.section.Section`.
 
-The shear factors are ``k = (F ∫G dA)⁻¹``. In a composite of different ν, ``a`` takes the mean of ν
-weighted by E; stress in the plane that keeps the regions together is neglected.
+The shear factors are ``k = (F ∫G dA)⁻¹``. In a composite with different ν, ``a`` uses the mean of ν
+weighted by E; stress in the plane from the coupling of regions is neglected.
 """
 
 from __future__ import annotations
@@ -200,21 +197,21 @@ def _forms(V: fem.FunctionSpace, weight: fem.Function) -> dict[str, fem.Form]:
 
 
 class Warping:
-    """How a section of given materials warps, and what follows for a beam.
+    """Warping function of a section of given materials, and its beam properties.
 
     Args:
-        mesh: Its cells.
-        material: Of all regions, or of each region by its name.
-        degree: Of the Lagrange elements of warping functions.
+        mesh: Cells of the section.
+        material: Material of all regions, or of each region by its name.
+        degree: Degree of the Lagrange elements of warping functions.
 
     Attributes:
-        mesh: As given.
+        mesh: Cells of the section.
         properties: Area, moments, torsion constant, shear centre and factors, in the coordinates of
             the mesh.
-        points: Points (y, z) at which the warping function is kept, for drawing, shape (n, 2).
-        function: Axial displacement there per unit of twist about the shear centre, length²,
-            shape (n,).
-        triangles: Points of triangles between them, shape (t, 3).
+        points: Points (y, z) of the sampled warping function, for drawing, shape (n, 2).
+        function: Axial displacement at these points per unit of twist about the shear centre,
+            length², shape (n,).
+        triangles: Triangles of these points, shape (t, 3).
 
     Raises:
         ValueError: A region has no material, a material no region, or the degree is less than 2.
@@ -258,16 +255,13 @@ class Warping:
         self._inertia = inertia if inertia[0, 0] > 0.0 else None
 
     def section(self, at: npt.ArrayLike | None = None, angle: float = 0.0) -> Section:
-        """Stiffness and inertia with the beam's axis through a point, in axes turned by an angle.
+        """Section with the beam's axis through a point, in axes rotated by an angle.
 
         Args:
             at: Point (y, z) in the coordinates of the mesh; default: the centroid. The shear centre
                 is ``warping.properties.shear_centre``.
             angle: From the mesh's y axis to the section's e₂, towards z; in the principal axes it
                 is ``warping.properties.principal_angle``.
-
-        Raises:
-            ValueError: The point is not two finite numbers or the angle not finite.
         """
         point = self.properties.centroid if at is None else np.asarray(at, dtype=np.float64)
         if point.shape != (2,) or not np.isfinite(point).all():

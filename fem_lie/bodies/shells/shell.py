@@ -186,7 +186,7 @@ class Shell(SupportedSurface):
         """Whether nodes have a drilling rotation for these holds, and its stiffness, shape (m,).
 
         Args:
-            holds: What takes hold of rotations of nodes.
+            holds: Rotations of nodes that joints, motions and moments act on.
         """
         drills = self.drills(holds)
         return drills, self.drilling_stiffness(holds) if drills else None
@@ -197,7 +197,7 @@ class Shell(SupportedSurface):
         Moments that a rigid part applies to several nodes act by forces, and do not raise γ.
 
         Args:
-            holds: What takes hold of rotations of nodes.
+            holds: Rotations of nodes that joints, motions and moments act on.
         """
         bound: dict[int, set[Hashable]] = {}
         for hold in holds:

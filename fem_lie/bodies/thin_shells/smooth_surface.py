@@ -256,7 +256,7 @@ class SmoothSurface(HeldSurface):
 
         Args:
             cells: Numbers of the cells, shape (c,).
-            values: What acts on the vectors of the cells, shape (c, 16, 3).
+            values: Forces on the vectors of the cells, shape (c, 16, 3).
         """
         found = np.zeros((len(self.frames), 4, 3))
         nodes, back = self.connectivity[cells][:, _NODE], self.extraction()[cells].swapaxes(1, 2)

@@ -319,16 +319,16 @@ def _add_forces_of(
 def add_invariants(
     H: Array, qdot: Array, count: int, integers: Indices, numbers: Array, invariants: Array
 ) -> float:
-    """Add kinetic energy and momenta (7,) of rates of rows; returns the potential.
+    """Add kinetic energy and momenta (7,) of coordinate rates; return the potential energy.
 
     Args:
-        H: Frames.
-        qdot: Rates of the rows of ``count`` nodes, and, if they are known by themselves, of rows
+        H: Nodal coordinates.
+        qdot: Rates of the coordinates of ``count`` nodes and, if they are independent, of vectors
             ``(0, z_a d_k)`` of all coordinates of all bodies, (≥ count, 4, 3).
-        count: Nodes that move.
+        count: Number of moving nodes.
         integers: See :class:`Floating`.
-        numbers: Likewise.
-        invariants: Updated.
+        numbers: See :class:`Floating`.
+        invariants: Kinetic energy, momentum, angular momentum, added to, shape (7,).
     """
     potential = vector_at(stack(1), 1)
     arrays = H, qdot, integers, numbers, invariants, potential
@@ -351,7 +351,7 @@ def _add_invariants(
     size: int,
     length: int,
 ) -> None:
-    """:func:`add_invariants` of so many nodes, and of so many integers and numbers."""
+    """:func:`add_invariants` with addresses and sizes of the arrays."""
     numba.carray(potential_at, (1,))[0] = _add_all_invariants(
         numba.carray(H_at, (count, 4, 3)),
         numba.carray(qdot_at, (rates, 4, 3)),
@@ -390,7 +390,7 @@ def _add_invariants_of(
     parts: tuple[Array, Array],
     invariants: Array,
 ) -> Vector:
-    """Of one body; returns its first moment of mass beyond that of its frame."""
+    """Add the invariants of one body; return its first moment of mass beyond that of its frame."""
     (H, qdot, known), (interfaces, G) = rows, parts
     k, n, m = nodes.shape[0], G.shape[0], (G.shape[0] - 4) // 3
     q, rate = blocks_at(stack(12 * k), k, 4, 3), blocks_at(stack(12 * k), k, 4, 3)
@@ -430,7 +430,7 @@ def _add_invariants_of(
 
 @inlined
 def add_weights(H: Array, integers: Indices, numbers: Array, out: Array, at: int) -> None:
-    """Add the moments about the origin that weight has beyond that of the frames."""
+    """Add the moments of weight about the origin beyond those of the frames to ``out``."""
     arrays = H, integers, numbers, out
     sizes = H.shape[0], integers.shape[0], numbers.shape[0], out.shape[0], at
     call_with_arrays(integers[_WEIGHTS], arrays, sizes)
@@ -448,7 +448,7 @@ def _add_weights(
     row: int,
     at: int,
 ) -> None:
-    """:func:`add_weights` of so many nodes, and of so many integers and numbers."""
+    """:func:`add_weights` with addresses and sizes of the arrays."""
     _add_all_weights(
         numba.carray(H_at, (count, 4, 3)),
         numba.carray(integers_at, (size,)),

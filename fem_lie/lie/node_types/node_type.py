@@ -93,7 +93,7 @@ def node_types_of(nodes: Indices, groups: Indices, parametrisation: Parametrisat
     Args:
         nodes: :class:`NodeType` of each node, shape (n,).
         groups: Group of each node, shape (n,); only those of frames are used.
-        parametrisation: Of the rotations of frames.
+        parametrisation: Parametrisation of the rotations of frames.
     """
     frames = groups + 2 * int(parametrisation)
     return np.where(nodes == NodeType.FRAME, frames, nodes).astype(np.int64)
