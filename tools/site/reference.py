@@ -87,7 +87,9 @@ def directive(space: Namespace, name: str) -> str:
     if isclass(thing):
         options = f"   :members:\n   :inherited-members: {FOREIGN}"
         return f".. autoclass:: {full}\n{options}"
-    if callable(thing) and not isinstance(thing, ALIASES):
+    if isinstance(thing, ALIASES):
+        return f".. py:data:: {full}\n\n   {summary(thing)}"
+    if callable(thing):
         return f".. autofunction:: {full}"
     return f".. autodata:: {full}\n   :no-value:"
 
