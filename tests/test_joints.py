@@ -375,7 +375,7 @@ def test_condition_of_matrix_does_not_depend_on_step(flexible):
         run = Run(fl.GeneralisedAlpha(), fl.extend.Equations(scene, dynamics=True), step)
         run.start()
         s = run.s
-        now = fl.extend.TimeState(s.H, s.twist1, s.rate1, run.weights)
+        now = fl.extend.TimeState(s.H, s.twist1, s.rate1, run.multipliers)
         run.equations.residual(now, run.scale, run.r, run.forces)
         run._factorise(s.H)
         matrix = run.equations.matrix.matrix.convert("dense").getDenseArray()

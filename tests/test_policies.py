@@ -208,13 +208,13 @@ def test_staleness_is_the_rate_at_which_an_old_matrix_converges(group):
     run = Run(fl.GeneralisedAlpha(), equations, 1e-3)
     run.start()
     s, rng = run.s, np.random.default_rng(3)
-    now = fl.extend.TimeState(s.H1, s.twist1, s.rate1, run.weights)
+    now = fl.extend.TimeState(s.H1, s.twist1, s.rate1, run.multipliers)
     equations.residual(now, run.scale, run.r, run.forces)
     run._factorise(s.H1)
 
     def rate() -> float:
         x = rng.normal(size=equations.unknowns.size)
-        return staleness(equations, run.solver, run._plain[0], s, run.weights, run._sizes, x)
+        return staleness(equations, run.solver, run._plain[0], s, run.multipliers, run._sizes, x)
 
     # differences of residuals have errors of round-off over their size, and of its square
     assert rate() < 1e-5

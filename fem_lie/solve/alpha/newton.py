@@ -79,7 +79,7 @@ class Newton(RunState, Iterated):
             twists(s.kinds, s.d, -self.dx[: s.d.size].reshape(-1, 6), h)
             self.equations.memory.carry(s.H1, h.ravel())
         scale, spread, joined = self._sizes
-        return correct(*self._plain, self.dx, scale, spread, joined, self.weights)
+        return correct(*self._plain, self.dx, scale, spread, joined, self.multipliers)
 
     def judge(self, size: float) -> Verdict:
         """Verdict by the linear convergence rate."""

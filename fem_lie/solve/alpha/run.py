@@ -108,7 +108,7 @@ class Run(Newton):
         stored = (_NOWHERE, _NOTHING) if known.stored is None else known.stored
         packed = Packed(
             *s.plain,
-            self.weights,
+            self.multipliers,
             self._first,
             *self._sizes,
             np.flatnonzero(self.equations.unknowns.held),
@@ -178,13 +178,13 @@ class Run(Newton):
             assert motion is not None
             if not self._touch(self._contacts, end):
                 self.s.H[:], self.s.motion[:] = before, motion
-                self.weights[:] = self._first
+                self.multipliers[:] = self._first
                 return False
             return self._remembered(before)
         if iterations:
             self._turn()
             return self._close(end, before)
-        self.weights[:] = self._first
+        self.multipliers[:] = self._first
         return False
 
     def _touch(self, contacts: CoupledContacts, end: float) -> bool:
@@ -201,7 +201,7 @@ class Run(Newton):
         if changed is not None:
             before = self._accepted._replace(H=s.H.copy(), v=s.twist1.copy())
             s.change_end(changed.frames, changed.twists, changed.rates)
-            self.weights += changed.multipliers
+            self.multipliers += changed.multipliers
             lost = self.balance.collide(end, before, self._accepted, contacts.work)
             contacts.statistics[IMPACT] = -lost - contacts.statistics[FRICTION]
         contacts.history.add(self.index, contacts.statistics[np.newaxis])
@@ -234,7 +234,7 @@ class Run(Newton):
             if not self.divides:
                 return False
             self.counters[STEP] -= 1
-            self.weights[:] = self._first
+            self.multipliers[:] = self._first
             self.division.halve(self, self.index * self.h, self.h)
             return self._in_parts(history)
         return True
@@ -300,7 +300,7 @@ class Run(Newton):
         self.reason = ""
         if self._rule is None:
             self.counters[STEP] += 1
-            self._first[:] = self.weights
+            self._first[:] = self.multipliers
             count = self._iterate(self.decisions, carried=False)
         else:
             self.counters[TOTAL] = 0
@@ -321,7 +321,7 @@ class Run(Newton):
             return 0
         in_vain = int(self.counters[ITERATION])
         _log.info("step %d: frozen matrix diverges, full Newton iteration", self.index)
-        self.weights[:] = self._first
+        self.multipliers[:] = self._first
         # the predicted end of the step may be far off: its stress is not a good initial guess
         self.equations.memory.carry(self.s.H)
         count = self._iterate(EveryIteration().begin(bound=False), carried=True)
@@ -355,8 +355,8 @@ class Run(Newton):
         """The current state for results; joint forces include the impulses of contacts."""
         if self._contacts is None:
             return self._accepted
-        weights = self.weights + self._contacts.reactions / self.p.h
-        return self._accepted._replace(multipliers=weights)
+        multipliers = self.multipliers + self._contacts.reactions / self.p.h
+        return self._accepted._replace(multipliers=multipliers)
 
     def _result(self, history: Recorder) -> Result:
         solver = self.solver

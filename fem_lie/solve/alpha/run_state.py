@@ -43,7 +43,7 @@ class RunState(DividedIntegration[Recorder]):
         options: Options of the scheme.
         p: Parameters of the scheme.
         s: Start and end of a step.
-        weights: Lagrange multipliers.
+        multipliers: Lagrange multipliers.
         counters: See :mod:`fem_lie.solve.alpha.step.loop`.
         numbers: See :mod:`fem_lie.solve.alpha.step.loop`.
         solver: Linear solver of the iteration.
@@ -55,7 +55,7 @@ class RunState(DividedIntegration[Recorder]):
         "s.H",
         "s.H1",
         "s.motion",
-        "weights",
+        "multipliers",
         "scale",
         "spread",
         "numbers",
@@ -94,10 +94,10 @@ class RunState(DividedIntegration[Recorder]):
         if self._turned and self._guided:
             raise ValueError("supports along fixed axes (Shell.guide) need Components.LOCAL")
         self._plain = self.p.plain, self.s.plain
-        self.weights: Array = np.zeros(m)
+        self.multipliers: Array = np.zeros(m)
         self.scale: Array = np.ones(m)
         self._first, s = np.zeros(m), self.s
-        self._accepted = TimeState(s.H, s.twist1, s.rate1, self.weights)
+        self._accepted = TimeState(s.H, s.twist1, s.rate1, self.multipliers)
         self._end_instant = self._accepted._replace(H=s.H1)
         self.measure: Array = constraint_scaling(unknowns)
         joined: Indices = unknowns.joined.astype(np.int64)
@@ -128,7 +128,7 @@ class RunState(DividedIntegration[Recorder]):
         """Compute consistent accelerations and multipliers; scale the constraints."""
         equations, p, s = self.equations, self.p, self.s
         check_velocities(equations, p.h)
-        self.weights[:] = set_start(equations, self.solver, p, s)
+        self.multipliers[:] = set_start(equations, self.solver, p, s)
         equations.prescribed(0.0).act()
         self._scale_constraints()
         self.balance.open(0.0, *self._accepted)
@@ -146,8 +146,8 @@ class RunState(DividedIntegration[Recorder]):
         moved = s.H[:1].copy(), s.H1[:1].copy(), s.motion[:, :1].copy()
         state = State(*moved, s.kinds[:1], s.scaling[:1]).plain
         predict(scheme, state)
-        zero, weights = np.zeros(6 + len(self.weights)), self.weights.copy()
-        correct(scheme, state, zero, *self._sizes, weights)
+        zero, multipliers = np.zeros(6 + len(self.multipliers)), self.multipliers.copy()
+        correct(scheme, state, zero, *self._sizes, multipliers)
         accept(scheme, state)
         estimate(1.0, np.inf, 1.0)
         self._compile()
@@ -199,7 +199,7 @@ class RunState(DividedIntegration[Recorder]):
         v = equations.start.velocities.copy()
         v[: self._moving] = s.twist1
         v = allowed_velocities(equations, self._starter, s.H, v, time, self.p.h)
-        self.weights[:] = set_start(equations, self._starter, self.p, s, v, time)
+        self.multipliers[:] = set_start(equations, self._starter, self.p, s, v, time)
         equations.prescribed(time).act()
 
     # --- time ---
@@ -271,7 +271,7 @@ class RunState(DividedIntegration[Recorder]):
         x = self.dx.copy()
         back_to_local(self.s.H1, self.s.kinds, x)
         return staleness(
-            self.equations, self.solver, self.p.plain, self.s, self.weights, self._sizes, x
+            self.equations, self.solver, self.p.plain, self.s, self.multipliers, self._sizes, x
         )
 
     def _solve(self) -> None:

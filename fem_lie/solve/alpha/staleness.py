@@ -30,7 +30,7 @@ def staleness(
     solver: DirectSolver,
     scheme: PlainScheme,
     state: State,
-    weights: Array,
+    multipliers: Array,
     sizes: tuple[Array, Array, Indices],
     direction: Array,
 ) -> float:
@@ -43,7 +43,7 @@ def staleness(
         solver: Solver with the frozen factors; its arrays are overwritten.
         scheme: Parameters, as for :func:`~.nodes.correct`.
         state: State within an iteration; not changed.
-        weights: Lagrange multipliers.
+        multipliers: Lagrange multipliers.
         sizes: Scale of the constraints, norm weights of the multipliers, and which of them belong
             to the same vector as the previous one.
         direction: A correction in the nodes' frames, shape (6 n + m,), overwritten.
@@ -56,7 +56,7 @@ def staleness(
 
     def moved(factor: float) -> Array:
         there = state.copy()
-        held, r = weights.copy(), np.empty_like(x)
+        held, r = multipliers.copy(), np.empty_like(x)
         correct(scheme, there.plain, -factor * x, scale, spread, joined, held)
         now = TimeState(there.H1, there.twist1, there.rate1, held)
         equations.residual(now, scale, r)

@@ -45,7 +45,7 @@ def set_start(
     h, n = scheme.h, equations.unknowns.moving
     ahead = scheme.ahead
     v = (equations.start.velocities if twist is None else twist).copy()
-    vdot, weights = accelerations(equations, solver, s.H, v, time, h)
+    vdot, multipliers = accelerations(equations, solver, s.H, v, time, h)
     s.set_start(v[:n], vdot)
     later = s.H.copy()
     extrapolate(ahead, s.H, s.motion, s.kinds, later, v)
@@ -57,7 +57,7 @@ def set_start(
     jerk /= ahead
     s.a[:] -= scheme.shift * jerk
     s.v[:] += velocity_defect(equations, solver, scheme, s, jerk)
-    return weights
+    return multipliers
 
 
 def velocity_defect(

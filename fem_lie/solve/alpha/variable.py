@@ -148,7 +148,7 @@ ITERATION = 0.01
 SWEEPS = 3
 """Number of iterations for the part of velocities across the joints."""
 
-_MOTION = ("s.H", "s.H1", "s.motion", "weights", "balance")
+_MOTION = ("s.H", "s.H1", "s.motion", "multipliers", "balance")
 """State that a step changes, by attribute names."""
 
 
@@ -190,11 +190,11 @@ class AlphaSteps(Run):
         check_velocities(equations, h)
         s.H[:], s.H1[:], s.motion[:] = frames, frames, 0.0
         self._set_size(h)
-        self.weights[:] = set_start(equations, self._starter, self.p, s)
+        self.multipliers[:] = set_start(equations, self._starter, self.p, s)
         self.factors.levels.use(self.p.mass)
         self._starter.factorisations = 0
         equations.prescribed(0.0).act()
-        self.balance.open(0.0, s.H, s.twist1, s.rate1, self.weights)
+        self.balance.open(0.0, s.H, s.twist1, s.rate1, self.multipliers)
         if not self._warm:
             self._warm_up()
             self._warm = True
@@ -208,7 +208,7 @@ class AlphaSteps(Run):
         s, r, levels = self.s, h / self.h, self.factors.levels
         if abs(r - 1.0) > 1e-12:
             s.a[:] = s.vdot + r * (s.a - s.vdot)
-            if len(self.weights) and self.factors.usable:
+            if len(self.multipliers) and self.factors.usable:
                 s.v[:] -= self._across(time, 1.0 - r * r)
             self._set_size(h)
         levels.use(self.p.mass)
@@ -240,14 +240,14 @@ class AlphaSteps(Run):
         """Make accelerations and velocities at ``time`` consistent."""
         s = self.s
         self._make_consistent(time)
-        self.balance.jump(time, s.H, s.twist1, s.rate1, self.weights)
+        self.balance.jump(time, s.H, s.twist1, s.rate1, self.multipliers)
 
     def damp_oscillations(self, time: float, h: float) -> None:
         """Make accelerations consistent."""
         s = self.s
         self.set_step(time, h)
         self._make_consistent(time)
-        self.balance.look(time, s.H, s.twist1, s.rate1, self.weights)
+        self.balance.look(time, s.H, s.twist1, s.rate1, self.multipliers)
 
     # --- steps ---
 
@@ -345,7 +345,7 @@ class AlphaSteps(Run):
         self._factorise(self.s.H1)
 
     def _factorise(self, stressed: Array | None) -> None:
-        level, m = self.control.level, len(self.weights)
+        level, m = self.control.level, len(self.multipliers)
         if level not in self._scales:
             found = self._fill(stressed, self.s.H1, None, turned=False)
             self._scales[level] = found, self.spread.copy()

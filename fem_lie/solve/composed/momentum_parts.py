@@ -89,7 +89,7 @@ def run(
     return loop.DONE
 
 
-_SHARED = "H", "rest", "steps", "before", "gap", "balance", "weights", "earlier"
+_SHARED = "H", "rest", "steps", "before", "gap", "balance", "multipliers", "earlier"
 """State shared by sub-steps of all sizes."""
 
 
@@ -150,8 +150,8 @@ class MomentumPart(VariationalRun):
         self.steps[0] = h * rate
         self.steps[1] = h * (rate - change * (h + last) / (last + earlier))
         # multipliers act at the end of one step and the start of the next
-        self.weights *= (last * (h + last)) / (h * (last + earlier))
-        self.earlier[:] = self.weights
+        self.multipliers *= (last * (h + last)) / (h * (last + earlier))
+        self.earlier[:] = self.multipliers
         alone, self.begun = self._alone, self.index
         made = self._make_in_loop(self.index + 1) if alone else self.attempt(start, start + h)
         if made:
@@ -168,14 +168,14 @@ class MomentumPart(VariationalRun):
         """Not supported: half a sub-step is not part of its composition."""
         return False
 
-    def _add_to_balance(self, time: float, weights: Array) -> None:
+    def _add_to_balance(self, time: float, multipliers: Array) -> None:
         """No effect: the energy balance is updated over whole steps."""
 
     def add_to_balance(self, h: float, time: float) -> None:
         """Account for a whole step of size ``h``, by the trapezoidal rule."""
         if not self.balance.empty:
-            v, rates, weights = self.at_end(time)
-            self.balance.add(h, time, self.H, v[: self._n], rates, weights)
+            v, rates, multipliers = self.at_end(time)
+            self.balance.add(h, time, self.H, v[: self._n], rates, multipliers)
 
     def at_end(self, time: float) -> tuple[Array, Array, Array]:
         """Twists, their rates and multipliers; each call needs two factorisations."""

@@ -226,14 +226,14 @@ class ComposedRun(DividedIntegration[History]):
         """
         equations, s, row = self.equations, self._parts[0].s, history.row
         n, held = equations.unknowns.moving, len(equations.unknowns.supported) > 0
-        v, weights = equations.start.velocities.copy(), s.weights
+        v, multipliers = equations.start.velocities.copy(), s.multipliers
         rates: Array = np.zeros((n, 6))
         v[:n] = self._parts[0].local(s.V[:n], s.H)
-        if Record.FORCES in history.filled and (held or len(weights)):
-            rates, weights = self._end_forces(v)
-        self._filled.by_both(history, s.H, (s.V, v[:n]), weights, s.balance)
+        if Record.FORCES in history.filled and (held or len(multipliers)):
+            rates, multipliers = self._end_forces(v)
+        self._filled.by_both(history, s.H, (s.V, v[:n]), multipliers, s.balance)
         if Record.FORCES in history.filled and held:
-            report = equations.report(s.H, v, rates, weights, carried=False)
+            report = equations.report(s.H, v, rates, multipliers, carried=False)
             history.reactions[row] = report.reactions
         if Record.ENERGIES in history.filled:
             joints = self._parts[0].joints
@@ -252,6 +252,8 @@ class ComposedRun(DividedIntegration[History]):
             self._solver = DirectSolver(equations.matrix, PREFIX)
         still = np.zeros((equations.unknowns.moving, 6))
         # internal unknowns of elements are those of the sub-steps, not yet set in these equations
-        equations.residual(TimeState(s.H, v, still, s.weights), np.ones(len(s.weights)), self._r)
+        equations.residual(
+            TimeState(s.H, v, still, s.multipliers), np.ones(len(s.multipliers)), self._r
+        )
         time, size = self.index * self.h, min(abs(part.h) for part in self._parts)
         return accelerations(equations, self._solver, s.H, v, time, size, sweeps=2)

@@ -78,7 +78,14 @@ class MeanError:
         self._found = equations.residual(start, self._ones, self._r)
 
     def load(
-        self, h: float, start: End, end: End, delta: Array, weights: Array, mass: float, r: Array
+        self,
+        h: float,
+        start: End,
+        end: End,
+        delta: Array,
+        multipliers: Array,
+        mass: float,
+        r: Array,
     ) -> None:
         """Right-hand side of the equations of the error, into ``r``.
 
@@ -87,14 +94,14 @@ class MeanError:
             start: Start of the step.
             end: End of the step; loads keep their values there.
             delta: Increments of all nodal coordinates, (n + p, 4, 3).
-            weights: Lagrange multipliers of the step.
+            multipliers: Lagrange multipliers of the step.
             mass: Factor of the mass matrix in the iteration matrix that will be used.
             r: Right-hand side, shape (size,), overwritten.
         """
         equations, size = self._equations, self._size
         A = np.asarray((end.V - start.V) / h, dtype=np.float64)
-        before = self._residual(start, A, weights)[:size].copy()
-        r[:] = self._residual(end, A, weights)
+        before = self._residual(start, A, multipliers)[:size].copy()
+        r[:] = self._residual(end, A, multipliers)
         forces = r[:size].reshape(-1, 6)
         factor = h * h / 12.0 * mass
         _compare(self._kinds, start.H, end.H, before.reshape(-1, 6), factor, forces)
@@ -103,7 +110,7 @@ class MeanError:
         forces[equations.unknowns.held] = 0.0
         r[size:] = 0.0
 
-    def _residual(self, at: End, A: Array, weights: Array) -> Array:
+    def _residual(self, at: End, A: Array, multipliers: Array) -> Array:
         """ρ, in the nodes' frames."""
         equations, twist, n = self._equations, self._twist, self._moving
         if equations.unknowns.time_dependent:
@@ -112,7 +119,7 @@ class MeanError:
         pull_all_back(self._kinds, at.H, at.V[:n], 1.0, twist.reshape(-1))
         # the directors of a frame contain each part of the rotation twice
         twist[self._kinds < POSITION_GRADIENT, 3:] *= 0.5
-        now = TimeState(at.H, twist, self._still, weights)
+        now = TimeState(at.H, twist, self._still, multipliers)
         equations.residual(now, self._ones, self._r, self._found)
         accelerations(self._kinds, self._bodies, at.H, twist, self._q)
         self._q[:] = A - self._q

@@ -69,7 +69,7 @@ class Run(Steps):
         """Whether the compiled loop can make and record the next steps by itself."""
         tables, s = self.equations.tables, self.s
         ruled = self.rule is not None and self._factors is not None
-        known = len(s.weights) == 0 or s.sizes[-1] > 0.0
+        known = len(s.multipliers) == 0 or s.sizes[-1] > 0.0
         return (
             ruled
             and not (self.unpredicted or self.division.level)
@@ -167,16 +167,16 @@ class Run(Steps):
 
     def keep(self, history: History) -> None:
         """Record the current state."""
-        s, row, weights = self.s, history.row, self.s.weights
+        s, row, multipliers = self.s, history.row, self.s.multipliers
         if Record.FORCES in history.filled:
-            weights = self._end_weights()
+            multipliers = self._end_multipliers()
         if self._changing:
             # drives are violated by their difference from the target at the end
             self.equations.prescribed(self._end).act()
         motion = s.V, self.local(s.V[: self.moving], s.H)
-        self._filled.by_both(history, s.H, motion, weights, s.balance)
+        self._filled.by_both(history, s.H, motion, multipliers, s.balance)
         if self._held and Record.FORCES in history.filled:
-            history.reactions[row] = self._reactions(weights)
+            history.reactions[row] = self._reactions(multipliers)
         if Record.ENERGIES in history.filled:
             if self._python_forces.joints is not None:
                 history.elastic[row] = self._python_forces.joints.energy(s.H)
@@ -185,31 +185,31 @@ class Run(Steps):
             np.array([self.index]), self.counters[corrections.TOTAL : corrections.TOTAL + 1]
         )
 
-    def _end_weights(self) -> Array:
+    def _end_multipliers(self) -> Array:
         """Multipliers at the end of the last step, see :mod:`.midpoint.end_forces`.
 
         In the first two steps, and after an event, they are those of the equations of motion.
         """
         equations, s, n = self.equations, self.s, self.moving
-        if len(s.weights) == 0 or self.index == 0:
-            return s.weights
+        if len(s.multipliers) == 0 or self.index == 0:
+            return s.multipliers
         if s.sizes[-1] > 0.0:
-            return at_end(s.weights, s.earlier, s.sizes)
+            return at_end(s.multipliers, s.earlier, s.sizes)
         v, matrix = equations.start.velocities.copy(), equations.matrix.csr[0].copy()
         v[:n] = self.local(s.V[:n], s.H)
         solver = DirectSolver(equations.matrix, PREFIX)
-        _, weights = accelerations(equations, solver, s.H, v, self._end, self.h)
+        _, multipliers = accelerations(equations, solver, s.H, v, self._end, self.h)
         # the frozen factors are those of this matrix
         equations.matrix.csr[0][:] = matrix
-        return weights
+        return multipliers
 
-    def _reactions(self, weights: Array) -> Array:
+    def _reactions(self, multipliers: Array) -> Array:
         """Reactions of supports, from the equations of motion at the end of the step."""
         s, (end, v, rates) = self.s, np.empty((3, self.moving, 6))
         rates_at_end(s.rates, s.sizes, end)
         V = s.V[: self.moving]
         twists(self._kinds, self.equations.tables.turning, s.H, V, end, v, rates)
-        return self.equations.report(s.H, v, rates, weights, carried=False).reactions
+        return self.equations.report(s.H, v, rates, multipliers, carried=False).reactions
 
     # --- checkpoints ---
 

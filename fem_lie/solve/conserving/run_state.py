@@ -166,7 +166,7 @@ class RunState(DividedIntegration[History]):
         self._lost = False  # whether each iteration of the current step refactorises
         self._filled = ResultRow(equations)
         self._r, still = np.empty(equations.unknowns.size), np.zeros((self.moving, 6))
-        now = TimeState(*equations.start[:2], still, self.s.weights)
+        now = TimeState(*equations.start[:2], still, self.s.multipliers)
         self._found = equations.residual(now, self.model.scale, self._r)
         self._end = 0.0
 
@@ -226,13 +226,13 @@ class RunState(DividedIntegration[History]):
         push_all_forward(self._kinds, frames[:n], np.ascontiguousarray(v[:n]), s.V[:n])
         self._push_products(s.H, s.V)
         solver = DirectSolver(equations.matrix, PREFIX)
-        vdot, s.weights[:] = accelerations(equations, solver, s.H, v, 0.0, self.size)
+        vdot, s.multipliers[:] = accelerations(equations, solver, s.H, v, 0.0, self.size)
         s.rates[:] = self.spatial(s.H, v, vdot)
         self._set_loads(0.0)
         s.account[:] = self._evaluate_start()
         self._end_forces.at_rest(s.H)
-        now = TimeState(s.H, v, vdot, s.weights)
-        equations.residual(now, np.ones(len(s.weights)), self._r, self._found)
+        now = TimeState(s.H, v, vdot, s.multipliers)
+        equations.residual(now, np.ones(len(s.multipliers)), self._r, self._found)
         s.gap[:] = self._r[6 * n :]
         self.model.scale[:] = self._fill(s.H, v[:n], vdot, scale=None)
         self.numbers[corrections.EXCESS] = np.inf
@@ -427,7 +427,7 @@ class RunState(DividedIntegration[History]):
         Constraints are evaluated at the end of a step, ``joints_at``; their forces act at its mean.
         """
         equations, n = self.equations, self.moving
-        now = TimeState(H, np.zeros_like(equations.start.velocities), a, self.s.weights)
+        now = TimeState(H, np.zeros_like(equations.start.velocities), a, self.s.multipliers)
         now.v[:n] = v
         now.v[self._vectors] = 0.0
         equations.residual(now, self.model.scale, self._r, self._found)

@@ -122,13 +122,13 @@ def _fill(
     """
     s, (scene, rows), (_, _, (h, _, _)) = state_of(starts), results, packed
     kinds = model_of(packed).kinds
-    weights, n = s.weights, kinds.shape[0]
+    multipliers, n = s.multipliers, kinds.shape[0]
     room = np.zeros((3, n, 6))
     v, unused, still = room[0], room[1], room[2]
     twists(kinds, turning, s.H, s.V[:n], still, v, unused)
-    if weights.shape[0] > 0:
-        weights = at_end(s.weights, s.earlier, s.sizes)
-    potential, springs, near = fill_by_both(s.H, v, s.V, weights, s.balance, scene, rows, row)
+    if multipliers.shape[0] > 0:
+        multipliers = at_end(s.multipliers, s.earlier, s.sizes)
+    potential, springs, near = fill_by_both(s.H, v, s.V, multipliers, s.balance, scene, rows, row)
     close_row(rows, row, potential, springs + np.sum(s.W), counters[STEPS] * h, counters[TOTAL])
     return near
 
@@ -141,12 +141,12 @@ def _fill_reactions(
     (table, turning, held, nodes, rows, ones), s = supports, state_of(starts)
     kinds, n = model_of(packed).kinds, s.rates.shape[1]
     rates, v, a = np.empty((n, 6)), np.empty((n, 6)), np.empty((n, 6))
-    r, weights = np.empty(6 * n + s.weights.shape[0]), s.weights
-    if weights.shape[0] > 0:
-        weights = at_end(s.weights, s.earlier, s.sizes)
+    r, multipliers = np.empty(6 * n + s.multipliers.shape[0]), s.multipliers
+    if multipliers.shape[0] > 0:
+        multipliers = at_end(s.multipliers, s.earlier, s.sizes)
     rates_at_end(s.rates, s.sizes, rates)
     twists(kinds, turning, s.H, s.V[:n], rates, v, a)
-    residual(s.H, v, a, weights, ones, r, table)
+    residual(s.H, v, a, multipliers, ones, r, table)
     rows[row] = wrenches(kinds, s.H, r[: 6 * n].reshape(n, 6), held, nodes)
 
 
@@ -247,7 +247,7 @@ class Steps(RunState):
     def _fallback_converged(self) -> bool:
         """Repeat the failed step with the fallback methods; return whether it converged."""
         _log.info("step %d: the iteration matrix is too old, new matrices", self.index + 1)
-        self.s.weights[:] = self.this.weights
+        self.s.multipliers[:] = self.this.multipliers
         numbers = self.numbers
         stalled = self.counters[corrections.STALLS] >= _LONG and not len(self._vectors)
         # cells on nodes with vector coordinates also prevent convergence with an old matrix
@@ -267,7 +267,7 @@ class Steps(RunState):
             if self._make(_FALLBACK, still=still, always=True):
                 self.unpredicted = _UNPREDICTED if still else 0
                 return True
-            self.s.weights[:] = self.this.weights
+            self.s.multipliers[:] = self.this.multipliers
             if self.reason:
                 break
         return False
@@ -286,7 +286,7 @@ class Steps(RunState):
         self._python_forces.learn(kept)
         self._each = each
         if not made:
-            self.s.weights[:] = self.this.weights
+            self.s.multipliers[:] = self.this.multipliers
         return made
 
     def _make(self, rule: tuple[int, float], *, still: bool, always: bool = False) -> bool:

@@ -195,7 +195,7 @@ class ConservingSteps(Run):
         s, h, V = self.s, self.size, before["s.V"]
         ends = End(before["s.H"], V, start + side(start, h)), End(s.H, s.V, end - side(end, h))
         r, y, x = self._solution
-        self._error.load(h, *ends, self.this.moved, s.weights, self.levels.mass, r)
+        self._error.load(h, *ends, self.this.moved, s.multipliers, self.levels.mass, r)
         factors = self.levels.present
         assert factors is not None
         solve(factors.plain, r, y, x)

@@ -143,5 +143,5 @@ class Joints(Stateful):
         twists = np.zeros((len(H), 6))
         twists[:n] = v
         _, second = self._equations.constraints(H).rates(twists)
-        weights = rows.factors.solve(rows.B @ free + second)
-        return (free - self._light @ (rows.B.T @ weights)).reshape(n, 6), weights
+        multipliers = rows.factors.solve(rows.B @ free + second)
+        return (free - self._light @ (rows.B.T @ multipliers)).reshape(n, 6), multipliers

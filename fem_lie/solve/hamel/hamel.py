@@ -158,15 +158,15 @@ class HamelRun(DividedIntegration[Recorder]):
             rolls = self._bodies.radius > 0.0
             v[:n] = self.s
             v[:n][rolls, :3] = np.einsum("nai,ni->na", self.H[:n, 1:], self._rolling)[rolls]
-            weights: Array = np.zeros(equations.unknowns.m)
+            multipliers: Array = np.zeros(equations.unknowns.m)
             time = self._made * self.h
-            if Record.FORCES in history.filled and len(weights):
+            if Record.FORCES in history.filled and len(multipliers):
                 solver = self._solver or DirectSolver(equations.matrix, PREFIX)
                 self._solver = solver
-                rates, weights = accelerations(equations, solver, self.H, v, time, self.h)
+                rates, multipliers = accelerations(equations, solver, self.H, v, time, self.h)
             balance = np.zeros(TOTAL)
             balance[BY_LOADS:BY_REACTIONS], balance[BY_REACTIONS:] = self.impulses
-            history.fill(time, self.H, v[:n], rates, weights, balance)
+            history.fill(time, self.H, v[:n], rates, multipliers, balance)
         return wanted
 
     def _result(self, history: Recorder) -> Result:

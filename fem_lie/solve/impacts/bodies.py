@@ -175,8 +175,8 @@ class CoupledBodies:
             second = second - motions.target_rates[1]
         self._impulses.go_to(H)
         f: Array = self._r[:n] * self._free
-        x, weights = self._impulses.solve(-f, -second)
-        return x.reshape(-1, 6), weights
+        x, multipliers = self._impulses.solve(-f, -second)
+        return x.reshape(-1, 6), multipliers
 
 
 def to_twists(kinds: Indices, H: Array, v: Array, out: Array) -> None:

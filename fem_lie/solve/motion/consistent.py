@@ -142,7 +142,7 @@ def accelerations(
     rate[guided, :3] = -np.cross(v[guided, 3:], v[guided, :3])
     start = _AtStart(equations, solver, (H, v, rate), prescribed.target_rates[1], step)
     iterate(start, sweeps, FROZEN)
-    return rate[:n], start.weights
+    return rate[:n], start.multipliers
 
 
 class _AtStart(Iterated):
@@ -152,7 +152,7 @@ class _AtStart(Iterated):
     remaining residual.
 
     Attributes:
-        weights: Lagrange multipliers, shape (m,).
+        multipliers: Lagrange multipliers, shape (m,).
     """
 
     def __init__(
@@ -165,7 +165,7 @@ class _AtStart(Iterated):
     ) -> None:
         self._equations, self._solver, self._step, self._targets = equations, solver, step, targets
         self._H, self._v, self._rate = motion
-        self.weights = np.zeros(equations.unknowns.m)
+        self.multipliers = np.zeros(equations.unknowns.m)
         self._constraints = equations.constraints(self._H)
         _, self._second = self._constraints.rates(self._v)
         self._scale: Array | None = None
@@ -177,8 +177,8 @@ class _AtStart(Iterated):
     def evaluate(self, iteration: int) -> bool:
         """Evaluate the residual, which does not end the iteration."""
         n, r = self._equations.unknowns.moving, self._solver.right_hand_side
-        now = TimeState(self._H, self._v, self._rate[:n], self.weights)
-        self._equations.residual(now, np.ones(len(self.weights)), r, carried=True)
+        now = TimeState(self._H, self._v, self._rate[:n], self.multipliers)
+        self._equations.residual(now, np.ones(len(self.multipliers)), r, carried=True)
         drive, _ = self._constraints.rates(self._rate)
         r[6 * n :] = self._second + drive - self._targets
         largest = float(np.abs(r).max(initial=0.0))
@@ -201,7 +201,7 @@ class _AtStart(Iterated):
         found, nodes = solver.solution, solver.solution[: 6 * n].reshape(n, 6)
         self._equations.supports.rotate_back(self._H, nodes)
         self._rate[:n] -= nodes
-        self.weights -= self._scale * found[6 * n :]
+        self.multipliers -= self._scale * found[6 * n :]
         return float(np.abs(found).max(initial=0.0))
 
     def judge(self, size: float) -> Verdict:

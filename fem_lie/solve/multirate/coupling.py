@@ -61,7 +61,7 @@ class Coupling(Stateful):
     """Keeps joints between domains closed at the ends of whole steps.
 
     Attributes:
-        weights: Lagrange multipliers of the last whole step, and of the one before, (2, m).
+        multipliers: Lagrange multipliers of the last whole step, and of the one before, (2, m).
         gap: Constraint violations, (m,).
         response: Derivative of the constraints at the end of a whole step by the multipliers, (m,
             m).
@@ -70,7 +70,7 @@ class Coupling(Stateful):
         found: Number of times that the response was computed.
     """
 
-    STATE = attributes("weights", "gap", "response", "unit", "made", "tries", "found")
+    STATE = attributes("multipliers", "gap", "response", "unit", "made", "tries", "found")
 
     def __init__(self, between: Equations, whole: Equations, domains: tuple[Domain, ...]) -> None:
         """Set up without computing anything.
@@ -87,7 +87,7 @@ class Coupling(Stateful):
         self._length, joined_nodes = unknowns.length, np.unique(between.matrix.incidences.nodes)
         self._at, self._ground = rows_of(between, whole), between.start.frames[n:]
         self._touched = self._at[joined_nodes]
-        self.weights, self.gap = np.zeros((2, m)), np.zeros(m)
+        self.multipliers, self.gap = np.zeros((2, m)), np.zeros(m)
         self.response, self.made = np.zeros((m, m)), 0
         self.measure = constraint_scaling(unknowns)
         self.tries, self.found, self.left = 0, 0, np.inf
@@ -132,7 +132,11 @@ class Coupling(Stateful):
         """Repeat whole steps until the joints are closed at their end; return whether they are."""
         for domain in self._domains:
             self._moved[domain.rows] = domain.h * domain.count * domain.s.V[: domain.moving]
-        λ = 2.0 * self.weights[0] - self.weights[1] if self.made > 1 else self.weights[0].copy()
+        λ = (
+            2.0 * self.multipliers[0] - self.multipliers[1]
+            if self.made > 1
+            else self.multipliers[0].copy()
+        )
         if not self.found and len(λ) and not self._find_response(λ):
             return False
         previous, learnt = np.inf, Mixed(_DEPTH)
@@ -213,5 +217,5 @@ class Coupling(Stateful):
         return True
 
     def _accept(self, λ: Array, wrong: Array) -> None:
-        self.weights[1], self.weights[0], self.gap[:] = self.weights[0], λ, wrong
+        self.multipliers[1], self.multipliers[0], self.gap[:] = self.multipliers[0], λ, wrong
         self.made += 1

@@ -105,7 +105,7 @@ def joined(
     H: Array,
     moved: Array,
     joints: PackedJoints,
-    weights: Array,
+    multipliers: Array,
     out: tuple[Array, Array],
 ) -> None:
     """Changes of the constraints over a whole step, and constant forces in it.
@@ -115,7 +115,7 @@ def joined(
         H: Nodes at its start, (≥ n + 1, 4, 3); the ground is not involved.
         moved: Increments of the moving nodes, (n, 4, 3).
         joints: Packed arrays of the joints.
-        weights: Lagrange multipliers, (m,).
+        multipliers: Lagrange multipliers, (m,).
         out: The changes, (m,), and forces on nodal coordinates, (n, 4, 3); overwritten.
     """
     change, forces = out
@@ -127,7 +127,9 @@ def joined(
                 delta[i, k, j] = moved[i, k, j]
                 mean[i, k, j] += 0.5 * moved[i, k, j]
     acting, ground = np.zeros((n, 6)), np.zeros(6)
-    add_joints(mean, delta, joints, weights, np.zeros_like(weights), 1.0, change, acting, ground)
+    add_joints(
+        mean, delta, joints, multipliers, np.zeros_like(multipliers), 1.0, change, acting, ground
+    )
     for i in range(n):
         # of a residual
         store_row(forces[i], 0, scaled(-1.0, load(acting[i], 0)))

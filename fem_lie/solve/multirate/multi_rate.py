@@ -159,7 +159,7 @@ class MultiRateRun(DividedIntegration[History]):
         held, H, V = len(equations.unknowns.supported) > 0, self.frames, np.empty((rows, 4, 3))
         v = equations.start.velocities.copy()
         rates: Array = np.zeros((n, 6))
-        weights: Array = np.zeros(m)
+        multipliers: Array = np.zeros(m)
         if equations.unknowns.time_dependent:
             equations.prescribed(self.index * self.h).act()
         for domain, products in zip(self._domains, self._products, strict=True):
@@ -167,11 +167,11 @@ class MultiRateRun(DividedIntegration[History]):
             V[domain.rows], V[n + products] = own, domain.s.V[domain.moving :]
             v[domain.rows] = domain.local(own, domain.s.H)
         if Record.FORCES in history.filled and (held or m):
-            rates, weights = self._end_forces(H, v)
+            rates, multipliers = self._end_forces(H, v)
         balance = np.sum([domain.s.balance for domain in self._domains], axis=0)
-        self._filled.by_both(history, H, (V, v[:n]), weights, balance)
+        self._filled.by_both(history, H, (V, v[:n]), multipliers, balance)
         if Record.FORCES in history.filled and held:
-            report = equations.report(H, v, rates, weights, carried=False)
+            report = equations.report(H, v, rates, multipliers, carried=False)
             history.reactions[row] = report.reactions
         if Record.ENERGIES in history.filled:
             if self._joints is not None:

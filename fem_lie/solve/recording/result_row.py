@@ -172,26 +172,28 @@ class ResultRow:
         self._fixed = FixedArrays([*nodes, *joints, *turns, known.turning, *known.floating])
         self.scene = self._fixed.table
 
-    def by_twists(self, rows: Window, H: Array, v: Array, weights: Array, balance: Array) -> None:
+    def by_twists(
+        self, rows: Window, H: Array, v: Array, multipliers: Array, balance: Array
+    ) -> None:
         """Fill the next row of ``rows`` from twists; elastic energy is that of springs only.
 
         Args:
             rows: Arrays of results, with a free row.
             H: Frames of all nodes of the equations.
             v: Twists, shape (n, 6).
-            weights: Lagrange multipliers, shape (m,).
+            multipliers: Lagrange multipliers, shape (m,).
             balance: Energy balance and impulses, shape (15,).
         """
         row = rows.row
-        found = fill_by_twists(H, v, weights, balance, self.scene, rows.arrays.table, row)
-        self._fill_rest(rows, H, v, weights, found)
+        found = fill_by_twists(H, v, multipliers, balance, self.scene, rows.arrays.table, row)
+        self._fill_rest(rows, H, v, multipliers, found)
 
     def by_both(
         self,
         rows: Window,
         H: Array,
         motion: tuple[Array, Array],
-        weights: Array,
+        multipliers: Array,
         balance: Array,
     ) -> None:
         """Fill the next row as :meth:`by_twists`, energy and momenta from coordinate rates.
@@ -201,19 +203,19 @@ class ResultRow:
             H: Frames of all nodes of the equations.
             motion: Rates (n, 4, 3) of the nodal coordinates (position and directors), which need
                 not be those of a rotating frame, and velocities (n, 6) along the axes of the nodes.
-            weights: Lagrange multipliers, shape (m,).
+            multipliers: Lagrange multipliers, shape (m,).
             balance: Energy balance and impulses, shape (15,).
         """
         (V, v), table = motion, rows.arrays.table
-        found = fill_by_both(H, v, V, weights, balance, self.scene, table, rows.row)
-        self._fill_rest(rows, H, v, weights, found)
+        found = fill_by_both(H, v, V, multipliers, balance, self.scene, table, rows.row)
+        self._fill_rest(rows, H, v, multipliers, found)
 
     def _fill_rest(
         self,
         rows: Window,
         H: Array,
         v: Array,
-        weights: Array,
+        multipliers: Array,
         found: tuple[float, float, bool],
     ) -> None:
         row, record = rows.row, rows.filled
@@ -222,7 +224,7 @@ class ResultRow:
             rows.potential[row], rows.elastic[row] = potential, springs
         if self._complete or not record & (Record.FORCES | Record.COORDINATES):
             return
-        report = self._equations.report(H, v, multipliers=weights).joints
+        report = self._equations.report(H, v, multipliers=multipliers).joints
         if Record.FORCES in record:
             rows.joint_forces[row] = report.forces
         if Record.COORDINATES in record:
@@ -236,7 +238,7 @@ class ResultRow:
 def fill_by_twists(
     H: Array,
     v: Array,
-    weights: Array,
+    multipliers: Array,
     balance: Array,
     scene: Indices,
     rows: Indices,
@@ -247,7 +249,7 @@ def fill_by_twists(
     Args:
         H: Frames of all nodes of the equations.
         v: Twists, shape (n, 6).
-        weights: Lagrange multipliers, shape (m,).
+        multipliers: Lagrange multipliers, shape (m,).
         balance: Energy balance and impulses, shape (15,).
         scene: Packed arrays of the scene, :class:`~SceneArrays`.
         rows: Packed arrays of :attr:`~fem_lie.solve.recording.window.Window.arrays`.
@@ -260,14 +262,14 @@ def fill_by_twists(
     q = np.empty((v.shape[0], 4, 3))
     if _any(columns_of(rows).invariants):
         push_all_forward(scene_arrays_of(scene).kinds, H, v, q)
-    return _fill(H, v, q, weights, balance, scene, rows, row)
+    return _fill(H, v, q, multipliers, balance, scene, rows, row)
 
 
 @linked
 def fill_whole(
     H: Array,
     v: Array,
-    weights: Array,
+    multipliers: Array,
     balance: Array,
     scene: Indices,
     rows: Indices,
@@ -283,7 +285,7 @@ def fill_whole(
     Args:
         H: Frames of all nodes of the equations.
         v: Twists, shape (n, 6).
-        weights: Lagrange multipliers, shape (m,).
+        multipliers: Lagrange multipliers, shape (m,).
         balance: Energy balance and impulses, shape (15,).
         scene: Packed arrays of the scene, :class:`~SceneArrays`.
         rows: Packed arrays of :attr:`~fem_lie.solve.recording.window.Window.arrays`.
@@ -295,7 +297,7 @@ def fill_whole(
     Returns:
         Whether an element is near its rotation limit.
     """
-    potential, springs, near = fill_by_twists(H, v, weights, balance, scene, rows, row)
+    potential, springs, near = fill_by_twists(H, v, multipliers, balance, scene, rows, row)
     energy = np.zeros(1)
     if _any(columns_of(rows).elastic):
         add_cells(H, cells, 0, energy)
@@ -319,14 +321,14 @@ def fill_by_both(
     H: Array,
     v: Array,
     V: Array,
-    weights: Array,
+    multipliers: Array,
     balance: Array,
     scene: Indices,
     rows: Indices,
     row: int,
 ) -> tuple[float, float, bool]:
     """Fill a row as :func:`fill_by_twists`, from ``v`` and the coordinate rates ``V`` (n, 4, 3)."""
-    return _fill(H, v, V, weights, balance, scene, rows, row)
+    return _fill(H, v, V, multipliers, balance, scene, rows, row)
 
 
 @linked
@@ -334,7 +336,7 @@ def _fill(
     H: Array,
     v: Array,
     V: Array,
-    weights: Array,
+    multipliers: Array,
     balance: Array,
     scene: Indices,
     rows: Indices,
@@ -348,7 +350,7 @@ def _fill(
         work = np.empty((1, V.shape[0], 4, 3))
         mass, bodies = given.inertia, given.floating
         potential = report_rates(H, V, mass, bodies, given.dead, work, kept.invariants[row])
-    springs = _fill_joints(H, v, weights, scene, rows, row)
+    springs = _fill_joints(H, v, multipliers, scene, rows, row)
     if _any(kept.balance):
         copy_vector(balance, kept.balance[row])
     if _any(kept.impulses):
@@ -383,16 +385,16 @@ def _fill_motion(H: Array, v: Array, given: SceneArrays, kept: ResultColumns, ro
 
 @compiled
 def _fill_joints(
-    H: Array, v: Array, weights: Array, scene: Indices, rows: Indices, row: int
+    H: Array, v: Array, multipliers: Array, scene: Indices, rows: Indices, row: int
 ) -> float:
     """Forces, coordinates and violations of joints; returns the energy of springs."""
     given, kept = scene_arrays_of(scene), columns_of(rows)
     table = joint_table(given.joints)
     if _any(kept.joint_forces):
         forces = kept.joint_forces[row, : given.pairs.shape[0]]
-        terms.wrenches(H, v, table, weights, given.pairs, given.sides, forces)
+        terms.wrenches(H, v, table, multipliers, given.pairs, given.sides, forces)
     if _any(kept.joint_coordinates):
-        largest, values = kept.joint_violations[row], np.zeros(weights.shape[0])
+        largest, values = kept.joint_violations[row], np.zeros(multipliers.shape[0])
         largest[:] = 0.0
         terms.violations(H, joint_table(given.probes), kept.joint_coordinates[row])
         terms.violations(H, table, values)

@@ -34,18 +34,20 @@ class Binding:
             middle, end = (equations.prescribed(start + part * h) for part in (0.5, 1.0))
             self._ahead = end.targets - middle.targets
 
-    def constrain(self, end: Array, weights: Array, gap: Array, out: tuple[Array, Array]) -> None:
+    def constrain(
+        self, end: Array, multipliers: Array, gap: Array, out: tuple[Array, Array]
+    ) -> None:
         """Increments of the constraints over the step, and their forces at its start.
 
         Args:
             end: Nodal coordinates of all nodes at the end, (N, 4, 3).
-            weights: Lagrange multipliers, (m,).
+            multipliers: Lagrange multipliers, (m,).
             gap: Constraint violations at the start, (m,).
             out: The increments, (m,), and forces in global components, (n, 6); overwritten.
         """
         change, forces = out
         change[:] = self._equations.constraints(end).values - self._ahead - gap
-        local = (self._jacobian.T @ weights).reshape(-1, 6)
+        local = (self._jacobian.T @ multipliers).reshape(-1, 6)
         momenta.to_space(self._equations.unknowns.kinds, self._start, local, forces)
 
 

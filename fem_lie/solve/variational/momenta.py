@@ -249,7 +249,7 @@ def constrain(
     H: Array,
     rows: tuple[Array, Array, Array, Array],
     joints: PackedJoints,
-    weights: Array,
+    multipliers: Array,
     driven: Array,
     out: tuple[Array, Array],
 ) -> None:
@@ -259,20 +259,20 @@ def constrain(
         H: Nodes at the start.
         rows: See :func:`between`.
         joints: Packed arrays of the joints.
-        weights: Lagrange multipliers, (m,).
+        multipliers: Lagrange multipliers, (m,).
         driven: Increments of the constraints' targets, (m,).
         out: The increments, (m,), and forces and moments, (n, 6); overwritten.
     """
     delta, mean, _, _ = rows
     change, forces = out
     aside, ground, still = np.zeros_like(forces), np.zeros(6), np.zeros_like(delta)
-    none = np.zeros_like(weights)
+    none = np.zeros_like(multipliers)
     add_joints(mean, delta, joints, none, driven, 1.0, change, aside, ground)
     # of springs, whose forces are also computed elsewhere
     aside[:], forces[:] = 0.0, 0.0
     unused = np.empty_like(change)
     add_joints(H, still, joints, none, driven, 1.0, unused, aside, ground)
-    add_joints(H, still, joints, weights, driven, 1.0, unused, forces, ground)
+    add_joints(H, still, joints, multipliers, driven, 1.0, unused, forces, ground)
     forces -= aside
 
 

@@ -48,7 +48,7 @@ class Newton(RunState, Iterated):
         held = self.equations.unknowns.held
         self.step[:] = 2.0 * self.steps[0] - self.steps[1]
         momenta.hold(self.equations.unknowns.kinds, self.H, held, self.step)
-        self.weights[:] = self.earlier
+        self.multipliers[:] = self.earlier
         motion = float(np.abs(self.step.ravel() * self._measure[: self.step.size]).max(initial=0.0))
         tolerance, self._motion = self.options.tolerance, motion
         self._rate = LinearRate(lambda _: tolerance * self._motion, 1.0, loop.ROUND_OFF_LEVEL)
@@ -94,7 +94,7 @@ class Newton(RunState, Iterated):
 
 _log = logging.getLogger(__name__)
 
-_CHANGED = "H", "rest", "steps", "before", "weights", "earlier", "gap", "_made"
+_CHANGED = "H", "rest", "steps", "before", "multipliers", "earlier", "gap", "_made"
 """State that the acceptance of a step changes."""
 
 _AT_A_TIME = 20_000
@@ -213,7 +213,7 @@ class VariationalRun(Newton):
         """Packed arrays for the compiled loop, once the state is set."""
         table = self._found.table
         assert table is not None
-        n, m = self._n, len(self.weights)
+        n, m = self._n, len(self.multipliers)
         return Packed(
             self.H,
             self.rest,
@@ -222,7 +222,7 @@ class VariationalRun(Newton):
             self.step,
             self.before,
             self.after,
-            self.weights,
+            self.multipliers,
             self.earlier,
             self.gap,
             *self.rows,
@@ -273,8 +273,8 @@ class VariationalRun(Newton):
         self.gap += self._change
         self.before[:] = self.after
         self.steps[1], self.steps[0] = self.steps[0], self.step
-        ahead = 2.0 * self.weights - self.earlier if self.index else self.weights.copy()
-        self.earlier[:] = self.weights
+        ahead = 2.0 * self.multipliers - self.earlier if self.index else self.multipliers.copy()
+        self.earlier[:] = self.multipliers
         self._made += 1
         if self._contacts is not None and not self._touch(self._contacts, time, ahead):
             assert was is not None
@@ -314,10 +314,10 @@ class VariationalRun(Newton):
             self.H[:n], v = changed.frames[:n], changed.twists
             self.rest[:] = 0.0
             self._set_steps(v, changed.rates[1])
-            self.weights += changed.multipliers
-            self.earlier[:] = self.weights
+            self.multipliers += changed.multipliers
+            self.earlier[:] = self.multipliers
             now = TimeState(self.H, v, changed.rates[1], ahead + changed.multipliers)
-            equations.residual(now, np.ones(len(self.weights)), self._work)
+            equations.residual(now, np.ones(len(self.multipliers)), self._work)
             self.gap[:] = self._work[6 * n :]
             lost = self.balance.collide(time, was, now, contacts.work)
             contacts.statistics[IMPACT] = -lost - contacts.statistics[FRICTION]
@@ -333,7 +333,7 @@ class VariationalRun(Newton):
         for spatial in (self.before, *self.steps):
             momenta.turn_with(kinds, before, self.H, spatial)
 
-    def _add_to_balance(self, time: float, weights: Array) -> None:
+    def _add_to_balance(self, time: float, multipliers: Array) -> None:
         """Update the energy balance by the trapezoidal rule.
 
         Velocities are those of a line through the last two steps.
@@ -341,7 +341,7 @@ class VariationalRun(Newton):
         if self._changing:
             self.equations.prescribed(time).act()
         twists, rates = self._ends.through(self.H, self.steps, time, self._changing)
-        self.balance.add(self.size, time, self.H, twists[: self._n], rates, weights)
+        self.balance.add(self.size, time, self.H, twists[: self._n], rates, multipliers)
 
     def _failure(self, steps: int) -> str:
         options = self.options
@@ -375,15 +375,15 @@ class VariationalRun(Newton):
         """
         n, v = self._n, self.equations.start.velocities
         rates: Array = np.zeros((n, 6))
-        weights: Array = self.weights
+        multipliers: Array = self.multipliers
         # each of the two needs a factorisation
         if moved and history.filled & ~Record.COORDINATES:
             v = self._ends.velocities(self.H, self.before, time)
         if Record.FORCES in history.filled:
-            rates, weights = self._ends.accelerations(self.H, v, time)
+            rates, multipliers = self._ends.accelerations(self.H, v, time)
             if self._contacts is not None:
-                weights = weights + self._contacts.reactions / self.size
-        history.fill(time, self.H, v[:n], rates, weights, self.balance.total)
+                multipliers = multipliers + self._contacts.reactions / self.size
+        history.fill(time, self.H, v[:n], rates, multipliers, self.balance.total)
 
     def _result(self, history: Recorder) -> Result:
         self.division.report(self.index)

@@ -53,7 +53,7 @@ class RunState(DividedIntegration[Recorder]):
         "rest",
         "steps",
         "before",
-        "weights",
+        "multipliers",
         "earlier",
         "gap",
         "scale",
@@ -89,7 +89,7 @@ class RunState(DividedIntegration[Recorder]):
         # the last step and the one before
         self.steps, self.step = z((2, n, 6)), z((n, 6))
         self.before, self.after = z((n, 6)), z((n, 6))
-        self.weights, self.earlier, self.gap = z(m), z(m), z(m)
+        self.multipliers, self.earlier, self.gap = z(m), z(m), z(m)
         self.rows = z(self.H.shape), self.H.copy(), self.H.copy(), self.H.copy()
         self.twists, self._still = equations.start.velocities.copy(), z((n, 6))
         self._none, self._driven, self._change = z(m), z(m), z(m)
@@ -134,10 +134,10 @@ class RunState(DividedIntegration[Recorder]):
         v = equations.start.velocities
         self.before[:] = self._momenta(self.H, v[:n])
         self._set_steps(v[:n])
-        rates, self.weights[:] = self._ends.accelerations(self.H, v, 0.0)
-        self.earlier[:] = self.weights
-        now = TimeState(self.H, v[:n], rates, self.weights)
-        equations.residual(now, np.ones(len(self.weights)), self._work)
+        rates, self.multipliers[:] = self._ends.accelerations(self.H, v, 0.0)
+        self.earlier[:] = self.multipliers
+        now = TimeState(self.H, v[:n], rates, self.multipliers)
+        equations.residual(now, np.ones(len(self.multipliers)), self._work)
         self.gap[:] = self._work[6 * n :]
         self.balance.open(0.0, *now)
         self._take_rows()
@@ -197,7 +197,7 @@ class RunState(DividedIntegration[Recorder]):
         unknowns = self.equations.unknowns
         momenta.correct(unknowns.kinds, self.H, unknowns.held, self._x, self.step)
         # the residual has 4 times the forces of constraints
-        self.weights -= 0.25 * self.scale * self._x[size:]
+        self.multipliers -= 0.25 * self.scale * self._x[size:]
 
     def _residual(self) -> None:
         """Residual of the momenta at the start and of the constraints at the end."""
@@ -217,9 +217,9 @@ class RunState(DividedIntegration[Recorder]):
         constraints = self._change, self._constraints
         joints = equations.tables.joints
         if self._binding is None:
-            momenta.constrain(self.H, rows, joints, self.weights, self._driven, constraints)
+            momenta.constrain(self.H, rows, joints, self.multipliers, self._driven, constraints)
         else:
-            self._binding.constrain(rows[2], self.weights, self.gap, constraints)
+            self._binding.constrain(rows[2], self.multipliers, self.gap, constraints)
         acting = self.before, self._forces, self._constraints
         r = self._r[: 6 * n].reshape(n, 6)
         held = equations.unknowns.held
@@ -243,8 +243,8 @@ class RunState(DividedIntegration[Recorder]):
         equations, h, n = self.equations, self.size, self._n
         _, _, end, middle = self.rows
         v, H = self.twists.copy(), middle.copy()
-        now = TimeState(H, v, np.zeros((n, 6)), self.weights)
-        ones = np.ones(len(self.weights)) if scale is None else scale
+        now = TimeState(H, v, np.zeros((n, 6)), self.multipliers)
+        ones = np.ones(len(self.multipliers)) if scale is None else scale
         equations.residual(now, ones, self._work, self._found)
         plan = Plan(self._still, scale, 4.0 / h**2, 2.0 / h, end.copy(), self.H)
         plan = plan._replace(stressed=H, matrix_terms=self.matrix_terms)

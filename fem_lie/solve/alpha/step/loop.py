@@ -51,7 +51,7 @@ class Packed(NamedTuple):
         motion: See :class:`~fem_lie.solve.alpha.step.nodes.State`.
         kinds: Types of the nodes.
         scaling: Norm weights of the nodes.
-        weights: Lagrange multipliers, shape (m,).
+        multipliers: Lagrange multipliers, shape (m,).
         first: Lagrange multipliers at the start of the step.
         scale: Scale of the constraints.
         spread: Norm weights of scaled multipliers in the size of a correction, see
@@ -77,7 +77,7 @@ class Packed(NamedTuple):
     motion: Array
     kinds: Indices
     scaling: Array
-    weights: Array
+    multipliers: Array
     first: Array
     scale: Array
     spread: Array
@@ -201,7 +201,7 @@ def _begin(table: Indices, scheme: PlainScheme, state: PlainState) -> None:
     counters, numbers = this.counters, this.numbers
     counters[STEP] += 1
     counters[ITERATION] = 1
-    copy_vector(this.weights, this.first)
+    copy_vector(this.multipliers, this.first)
     numbers[MOTION] = max(predict(scheme, state), numbers[MOTION])
     numbers[PREVIOUS], numbers[NOW] = np.inf, numbers[RATIO]
 
@@ -211,7 +211,7 @@ def _weigh(table: Indices) -> None:
     """Evaluate the residual at the current end of the step."""
     this = packed(table)
     v, a = this.motion[6], this.motion[7]
-    residual(this.H1, v, a, this.weights, this.scale, this.r, this.forces)
+    residual(this.H1, v, a, this.multipliers, this.scale, this.r, this.forces)
     for row in this.held:
         this.r[row] = 0.0
 
@@ -239,7 +239,7 @@ def _correct(table: Indices, scheme: PlainScheme, state: PlainState, steps: Plai
     this, how = packed(table), Steps(*steps)
     counters, numbers = this.counters, this.numbers
     scale, spread = this.scale, this.spread
-    increment = correct(scheme, state, this.dx, scale, spread, this.joined, this.weights)
+    increment = correct(scheme, state, this.dx, scale, spread, this.joined, this.multipliers)
     ratio, remaining = estimate(increment, numbers[PREVIOUS], numbers[NOW])
     numbers[INCREMENT], numbers[NOW] = increment, ratio
     bound = allowed(numbers[MOTION], how.tolerance, how.finest)
@@ -274,7 +274,7 @@ def _end(table: Indices, h: float, steps: PlainSteps) -> None:
         joints, probes = this.joints
         unwrap_both(this.H, joints, probes)
     if how.accounts:
-        end = this.H, this.motion[6], this.weights, this.targets
+        end = this.H, this.motion[6], this.multipliers, this.targets
         look_and_sum_up(h, end, how.loads, how.joints, this.balance_table)
 
 
@@ -287,7 +287,7 @@ def _record(table: Indices, h: float, results: tuple[Indices, Indices]) -> bool:
     near = fill_whole(
         this.H,
         this.motion[6],
-        this.weights,
+        this.multipliers,
         this.balance,
         scene,
         rows,

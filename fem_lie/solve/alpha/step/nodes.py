@@ -207,7 +207,7 @@ def correct(
     scale: Array,
     spread: Array,
     joined: Indices,
-    weights: Array,
+    multipliers: Array,
 ) -> float:
     """Apply a Newton correction in the nodes' frames; returns the size of its largest part."""
     H, H1, motion, kinds, scaling = state
@@ -220,9 +220,9 @@ def correct(
         if size > largest or size != size:  # nan stays
             largest = size
         to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
-    at, m, squares, first = 6 * d.shape[0], weights.shape[0], 0.0, 0
+    at, m, squares, first = 6 * d.shape[0], multipliers.shape[0], 0.0, 0
     for c in range(m):
-        weights[c] -= scale[c] * dx[at + c]
+        multipliers[c] -= scale[c] * dx[at + c]
         first = first if joined[c] else c
         # what the joint's forces move, by the matrix of the start
         part = 0.0

@@ -125,7 +125,7 @@ def _add(
     B: _Sparse,
     first: int,
     gains: Array,
-    weights: Array,
+    multipliers: Array,
     motion: tuple[Array, Array],
     length: float,
     sums: tuple[Array, Array],
@@ -136,7 +136,7 @@ def _add(
         B: Jacobian at the midpoint of the step.
         first: Index of the first of these constraints.
         gains: ``D Δ`` of all constraints, (m,).
-        weights: Lagrange multipliers, (m,).
+        multipliers: Lagrange multipliers, (m,).
         motion: Nodes at the midpoint of the step, and increments, (n, 6).
         length: Length of the model.
         sums: Forces along increments, (n, 6), and losses, see
@@ -144,10 +144,10 @@ def _add(
     """
     (middle, step), (out, losses) = motion, sums
     most = 1
-    for c in range(first, weights.shape[0]):
+    for c in range(first, multipliers.shape[0]):
         most = max(most, B.indptr[c + 1] - B.indptr[c])
     f, s, on = np.empty((most, 6)), np.empty((most, 6)), np.empty(most, dtype=np.int64)
-    for c in range(first, weights.shape[0]):
+    for c in range(first, multipliers.shape[0]):
         count = _row_of(B, c, middle, f, on)
         nodes = on[:count]
         force, moment, size, far = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0
@@ -169,7 +169,7 @@ def _add(
         for a in range(count):
             pull = combined(1.0, load(f[a], 0), factor, load(s[a], 0))
             turn = combined(1.0, load(f[a], 3), factor * length**2, load(s[a], 3))
-            pull, turn = scaled(weights[c], pull), scaled(weights[c], turn)
+            pull, turn = scaled(multipliers[c], pull), scaled(multipliers[c], turn)
             i = nodes[a]
             store(out[i], 0, plus(load(out[i], 0), pull))
             store(out[i], 3, plus(load(out[i], 3), turn))
@@ -182,7 +182,7 @@ def _add(
 def _add_pairs(
     along: tuple[Array, Array],
     joints: PackedJoints,
-    weights: Array,
+    multipliers: Array,
     driven: Array,
     h: float,
     change: Array,
@@ -191,7 +191,7 @@ def _add_pairs(
 ) -> None:
     """Add forces of joints between two frames, and increments of all targets."""
     (mean, delta), ground = along, losses[BY_REACTIONS:]
-    work, loss = add_joints(mean, delta, joints, weights, driven, h, change, out, ground)
+    work, loss = add_joints(mean, delta, joints, multipliers, driven, h, change, out, ground)
     losses[WORK] += work
     losses[DAMPING] += loss
 
@@ -224,14 +224,16 @@ class OtherConstraints(Stateful):
         along, own, change = Span(*this.rows), self._own, this.change
         rows = along.mean, along.delta
         driven = model.driven
-        _add_pairs(rows, self._joints, state.weights, driven, h, change, this.outer, this.losses)
+        _add_pairs(
+            rows, self._joints, state.multipliers, driven, h, change, this.outer, this.losses
+        )
         middle, end = (self._equations.constraints(H) for H in (along.middle, along.end))
         gains = end.values - self._start
         change[own] += gains[own]
         if len(along.end) > self._n + 1:
             by_motions = self._by_motions(state.H, along.end)
             gains -= by_motions
-            this.losses[WORK] += state.weights[own] @ by_motions[own]
+            this.losses[WORK] += state.multipliers[own] @ by_motions[own]
         rolling = self._rolling
         gains[rolling] = 0.0
         if rolling.start < rolling.stop:
@@ -241,7 +243,7 @@ class OtherConstraints(Stateful):
         B.sort_indices()
         sparse = _Sparse(B.indptr, B.indices, B.data)
         motion, sums = (along.middle, this.step), (this.outer, this.losses)
-        _add(sparse, own.start, gains, state.weights, motion, self._length, sums)
+        _add(sparse, own.start, gains, state.multipliers, motion, self._length, sums)
 
     def _by_motions(self, start: Array, end: Array) -> Array:
         """Changes of the constraints by prescribed motions only, (m,)."""

@@ -81,7 +81,7 @@ def _add_forces(
     span: AttachmentSpan,
     nodes: _Nodes,
     rows: _Rows,
-    weights: Array,
+    multipliers: Array,
     driven: Array,
     h: float,
     sums: _Sums,
@@ -97,7 +97,7 @@ def _add_forces(
         mean,
         delta,
         joints,
-        weights,
+        multipliers,
         driven,
         h,
         sums.change,
@@ -191,8 +191,8 @@ class Joints:
         moved = Rows(along.mean, along.delta, along.middle)
         nodes = _Nodes(state.H, state.rest, moved, this.step)
         sums = _Sums(this.change, this.losses, this.outer)
-        packed, weights = self._pairs.joints, state.weights
-        _add_forces(self.kinds, packed, span, nodes, rows, weights, model.driven, h, sums)
+        packed, multipliers = self._pairs.joints, state.multipliers
+        _add_forces(self.kinds, packed, span, nodes, rows, multipliers, model.driven, h, sums)
 
     def accept(self, H: Array, driven: Array, gap: Array) -> None:
         """Count revolutions at nodes ``H``, and correct ``gap`` (m,) towards the violation there.

@@ -122,7 +122,7 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     sizes[2], sizes[1], sizes[0] = sizes[1], sizes[0], h
     for c in range(state.gap.shape[0]):
         state.gap[c] += this.change[c]
-        earlier[1, c], earlier[0, c] = earlier[0, c], this.weights[c]
+        earlier[1, c], earlier[0, c] = earlier[0, c], this.multipliers[c]
 
 
 @uncounted

@@ -83,7 +83,7 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, reevaluate: b
         _add_outer(addresses, this.outer, forces)
     _add_loads(kinds, model.loads, along.middle, forces)
     if addresses[JOINTS] == 0:
-        given = model.joints, state.weights, model.driven, scheme.h
+        given = model.joints, state.multipliers, model.driven, scheme.h
         change, reactions = this.change, losses[BY_REACTIONS:]
         work, loss = add_joints(along.mean, along.delta, *given, change, forces, reactions)
         losses[WORK] += work
@@ -98,7 +98,7 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, reevaluate: b
         for k in range(6):
             if held[i, k]:
                 r[6 * i + k] = 0.0
-    for c in range(state.weights.shape[0]):
+    for c in range(state.multipliers.shape[0]):
         r[6 * n + c] = model.scale[c] * (state.gap[c] + this.change[c])
 
 

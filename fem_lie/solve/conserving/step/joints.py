@@ -88,7 +88,7 @@ def add_joints(
     mean: Array,
     delta: Array,
     packed: PackedJoints,
-    weights: Array,
+    multipliers: Array,
     driven: Array,
     h: float,
     change: Array,
@@ -101,7 +101,7 @@ def add_joints(
         mean: Means of (x, d₁, d₂, d₃) of all rows, ground and prescribed frames last.
         delta: Increments.
         packed: See :class:`~fem_lie.joints.equations.table.JointTable`.
-        weights: Lagrange multipliers, shape (m,).
+        multipliers: Lagrange multipliers, shape (m,).
         driven: Increments of the constraints' targets, shape (m,).
         h: Step size.
         change: Increments ``Σ g·z'(q̄) Δq`` without those of the targets, shape (m,), overwritten.
@@ -113,7 +113,7 @@ def add_joints(
         The work of prescribed frames and drives on the nodes, and the loss in dampers.
     """
     table = joint_table(packed)
-    work, loss, m = 0.0, 0.0, weights.shape[0]
+    work, loss, m = 0.0, 0.0, multipliers.shape[0]
     room, frames = vector_at(stack(51), 51), blocks_at(stack(72), 6, 4, 3)
     p, z, dz, g, f = room[:12], room[12:24], room[24:36], room[36:48], room[48:]
     both, moved, start = frames[:2], frames[2:4], frames[4:]
@@ -121,7 +121,7 @@ def add_joints(
         f[k] = 0.0
     for c in range(m):
         change[c] = -driven[c]
-        work -= weights[c] * driven[c]
+        work -= multipliers[c] * driven[c]
     for j in range(table.nodes.shape[0]):
         for side in range(2):
             _joint_frame(mean[table.nodes[j, side]], table.frames[j, side], both[side])
@@ -146,7 +146,7 @@ def add_joints(
                 gain += g[k] * dz[k]
             if row < m:
                 change[row] += gain
-                weight = weights[row]
+                weight = multipliers[row]
             else:
                 stiffness, damping, rest = table.springs[row - m]
                 before = term(table, t, z, f)
@@ -226,7 +226,7 @@ def begin(packed: PackedModel, starts: Indices, steps: Indices) -> float:
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     H, V, trend, step, scheme = state.H, state.V, state.trend, this.step, model.scheme
     put(V, this.V1)
-    put(state.weights, this.weights)
+    put(state.multipliers, this.multipliers)
     if scheme.dissipation * state.filter_state[REMEMBERS] > 0.0:
         begin_products(model.inertia, V, state.w, products_of(this))
     h = scheme.h
@@ -294,7 +294,7 @@ def correct(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     """Apply the correction."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     χ = model.scheme.dissipation * state.filter_state[REMEMBERS]
-    H, weights, held, scale = state.H, state.weights, model.held, model.scale
+    H, multipliers, held, scale = state.H, state.multipliers, model.held, model.scale
     kinds = model.kinds
     step, middle, x = this.step, span_of(this.rows).middle, solution_of(this.r).x
     n = step.shape[0]
@@ -303,6 +303,6 @@ def correct(packed: PackedModel, starts: Indices, steps: Indices) -> None:
         u = minus(load(step[i], 0), rotate(d1, d2, d3, load(dx, 0)))
         ψ = minus(load(step[i], 3), rotate(d1, d2, d3, load(dx, 3)))
         hold(kinds[i], H[i], held[i], u, ψ, step[i])
-    for c in range(weights.shape[0]):
+    for c in range(multipliers.shape[0]):
         # the residual contains 2/(1 + χ) times the forces, the matrix their derivatives
-        weights[c] -= 0.5 * (1.0 + χ) * scale[c] * x[6 * n + c]
+        multipliers[c] -= 0.5 * (1.0 + χ) * scale[c] * x[6 * n + c]

@@ -265,8 +265,8 @@ def _round_off(
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     held, measure = model.held, model.measure
-    H, weights, step, solution = state.H, state.weights, this.step, solution_of(this.r)
-    kept, kept_weights, x = step.copy(), weights.copy(), solution.x.copy()
+    H, multipliers, step, solution = state.H, state.multipliers, this.step, solution_of(this.r)
+    kept, saved_multipliers, x = step.copy(), multipliers.copy(), solution.x.copy()
     n, sign = step.shape[0], 1.0
     for i in range(n):
         place = load_row(H[i], 0)
@@ -276,8 +276,8 @@ def _round_off(
             sign = -sign
         hold(model.kinds[i], H[i], held[i], load(step[i], 0), load(step[i], 3), step[i])
         sign = -sign if i % 2 == 0 else sign
-    for c in range(weights.shape[0]):
-        weights[c] *= 1.0 + sign * _ULP
+    for c in range(multipliers.shape[0]):
+        multipliers[c] *= 1.0 + sign * _ULP
         sign = -sign
     residual(packed, starts, steps, True)
     aside = this.border, this.turnings
@@ -287,7 +287,7 @@ def _round_off(
         solution.x[k] -= x[k]
     largest = size(measure, solution.x)
     put(kept, step)
-    put(kept_weights, weights)
+    put(saved_multipliers, multipliers)
     residual(packed, starts, steps, True)
     put(x, solution.x)
     return largest

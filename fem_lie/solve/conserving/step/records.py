@@ -165,7 +165,7 @@ class State(NamedTuple):
         H: Frames of all rows, ground and prescribed motions last, (n + 1 + p, 4, 3).
         rest: Digits of ``H`` beyond double precision, (n, 4, 3).
         V: Velocities of (x, d₁, d₂, d₃), and of products, (n + p, 4, 3).
-        weights: Lagrange multipliers, (m,).
+        multipliers: Lagrange multipliers, (m,).
         gap: Values of the constraints, (m,).
         F: Forces of the cells, in the frames of their nodes, (places, 6).
         W: Energies of the cells, frames first and reduced-order bodies last, (M,).
@@ -197,7 +197,7 @@ class State(NamedTuple):
     H: Array
     rest: Array
     V: Array
-    weights: Array
+    multipliers: Array
     gap: Array
     F: Array
     W: Array
@@ -258,7 +258,7 @@ class Step(NamedTuple):
         q: Workspace for inertia, (2, n + p, 4, 3).
         F_viscous: Viscous forces of the cells, (places, 6).
         r: :class:`Solution` of the equations, (5, 6 n + m).
-        weights: Lagrange multipliers at the start of the step, (m,).
+        multipliers: Lagrange multipliers at the start of the step, (m,).
         filtered: Forces of the changes of elastic forces, of their filter state, and the resulting
             dissipative force, on all nodes, (3, N, 6).
         border: Difference of constraint rows and columns from those of the matrix, (2, incidences,
@@ -298,7 +298,7 @@ class Step(NamedTuple):
     q: Array
     F_viscous: Array
     r: Array
-    weights: Array
+    multipliers: Array
     filtered: Array
     border: Array
     sums: Array
