@@ -79,7 +79,7 @@ class Filtered(NamedTuple):
 
     Attributes:
         wanted: Whether these forces are computed.
-        memory: Filter state: forces in the frames of the nodes, (places, 6).
+        memory: Filter state: forces in the frames of the nodes, (cell nodes, 6).
         out: Both, as forces and moments on all nodes, global components, (≥ 2, N, 6), overwritten.
     """
 

@@ -36,7 +36,7 @@ class Ends(NamedTuple):
     Attributes:
         H0: Frames of all nodes at the start, (N, 4, 3).
         H1: Frames at the end.
-        F0: Forces of all elements at the start, in the frames of their nodes, (places, 6).
+        F0: Forces of all elements at the start, in the frames of their nodes, (cell nodes, 6).
         F1: Forces at the end.
     """
 

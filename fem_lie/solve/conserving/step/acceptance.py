@@ -183,7 +183,7 @@ def _product(V: Array, p: Array) -> float:
 def _learn_of_rows(μ: float, found: Array, cell_forces: Array) -> None:
     """Forces at the end, and their filter, ``w += μ (ΔF − w)``.
 
-    (3, places, 2, 3), (2, places, 2, 3).
+    (3, cell nodes, 2, 3), (2, cell nodes, 2, 3).
     """
     for a in range(cell_forces.shape[1]):
         for k in range(2):

@@ -167,11 +167,11 @@ class State(NamedTuple):
         V: Velocities of (x, d₁, d₂, d₃), and of products, (n + p, 4, 3).
         multipliers: Lagrange multipliers, (m,).
         gap: Values of the constraints, (m,).
-        F: Forces of the cells, in the frames of their nodes, (places, 6).
+        F: Forces of the cells, in the frames of their nodes, (cell nodes, 6).
         W: Energies of the cells, frames first and reduced-order bodies last, (M,).
         account: Work done on each cell, (M,).
         w: Filter state of changes of velocity, (n + p, 4, 3).
-        w_F: Filter state of changes of forces, (places, 6).
+        w_F: Filter state of changes of forces, (cell nodes, 6).
         filter_state: Numbers of the filters and of round-off, see
             :mod:`fem_lie.solve.conserving.step.dissipation`, (13,).
         carry: Residual forces of the last step, and moments about the current positions of nodes,
@@ -187,8 +187,8 @@ class State(NamedTuple):
         share: See :func:`~fem_lie.solve.conserving.step.corrections.hasten`, (2,).
         probe: See :func:`~fem_lie.solve.conserving.step.series.growth`, (6 n + m,).
         cell_forces: Forces of cells of nodes other than frames, and the filter state of their
-            changes, see :mod:`fem_lie.solve.conserving.vector_cells.force_changes`, (2, places, 2,
-            3); empty without dissipation.
+            changes, see :mod:`fem_lie.solve.conserving.vector_cells.force_changes`, (2, cell nodes,
+            2, 3); empty without dissipation.
         rates: Accelerations of increments: means over the last step and the one before, (2, n, 6).
         within: Filter state of changes of stresses of reduced-order bodies, (coordinates,); without
             dissipation (0,).
@@ -242,7 +242,7 @@ class Step(NamedTuple):
         step: Spatial translation and rotation of the nodes, (n, 6).
         rows: :class:`Span` of all rows, (4, rows, 4, 3).
         V1: Velocities at the end, (n + p, 4, 3).
-        F1: Forces of the cells at the end, (places, 6).
+        F1: Forces of the cells at the end, (cell nodes, 6).
         W1: Energies of the cells at the end, (M,).
         work: Work done on them in the step, (M,).
         change: Increments of the constraints, (m,).
@@ -256,7 +256,7 @@ class Step(NamedTuple):
         on_nodes: Forces on all nodes, (N, 6).
         forces: Forces on the master nodes, (n, 6).
         q: Workspace for inertia, (2, n + p, 4, 3).
-        F_viscous: Viscous forces of the cells, (places, 6).
+        F_viscous: Viscous forces of the cells, (cell nodes, 6).
         r: :class:`Solution` of the equations, (5, 6 n + m).
         multipliers: Lagrange multipliers at the start of the step, (m,).
         filtered: Forces of the changes of elastic forces, of their filter state, and the resulting
@@ -269,8 +269,8 @@ class Step(NamedTuple):
             6 n); without dissipation (2, 0, 6 n).
         gains: Gains of the cells' energies, (M,).
         cell_forces: Forces at the end of cells of nodes other than frames, their changes and filter
-            state, see :mod:`fem_lie.solve.conserving.vector_cells.force_changes`, (3, places, 2,
-            3).
+            state, see :mod:`fem_lie.solve.conserving.vector_cells.force_changes`, (3, cell nodes,
+            2, 3).
         changes: Forces on nodes of these changes and of their filter state, (2, n, 6).
         outer: Forces of Python callbacks, along increments, (n, 6).
         moved: Increments of all coordinates with inertia, (n + p, 4, 3); without products the same

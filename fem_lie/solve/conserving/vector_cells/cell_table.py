@@ -49,7 +49,7 @@ class CellTable(NamedTuple):
         nodes: Nodes of the cells.
         kinds: Types of these nodes, see :mod:`fem_lie.lie.node_types`.
         weights: Metric of increments of both vectors of each node, zero for missing ones, shape
-            (places, 2).
+            (cell nodes, 2).
         sees: Invariance of the energy, see :data:`NOTHING`, shape (M,).
         cancels: Error of the energy of each cell if it is a difference of larger numbers, beyond
             the round-off of positions, else zero, shape (M,).

@@ -189,7 +189,7 @@ def _seen(cells: CellTable, e: int, H: Array, work: Work) -> int:
 
 
 class CellForces(NamedTuple):
-    """Forces of all cells on both vectors of each node, global components, (places, 2, 3) each.
+    """Forces of all cells on both vectors of each node, global components, (cell nodes, 2, 3) each.
 
     Attributes:
         start: Forces at the start of the step.
@@ -285,7 +285,7 @@ def add_changes(
 
 @compiled
 def forces_at(cells: CellTable, H: Array, rest: Array, out: Array) -> None:
-    """Forces (places, 2, 3) of all cells at nodes ``H``."""
+    """Forces (cell nodes, 2, 3) of all cells at nodes ``H``."""
     workspace = memory(largest_cell(cells.first))
     for e in range(cells.sees.shape[0]):
         here = slice(cells.first[e], cells.first[e + 1])
