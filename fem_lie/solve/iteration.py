@@ -80,7 +80,7 @@ class Iterated(ABC):
 
 
 class Refactorisations(Protocol):
-    """Decides when a matrix is refactorised, such as :class:`~.policies.Decisions`."""
+    """Decides when a matrix is refactorised, such as :class:`~.policies.PolicyState`."""
 
     def before_iteration(self, iteration: int) -> Refactorisation | bool:
         """What to refactorise before an iteration, counted from 1; ``True``: everything."""

@@ -31,7 +31,7 @@ class Rule(NamedTuple):
         patience: Iterations within a step after which something is refactorised at once.
         cost: Excess iterations after which the whole matrix is refactorised at the start of a step.
         refresh: Excess iterations after which the constraint Jacobian is updated.
-        most: The most that may be refactorised, see :class:`Update`.
+        most: The most that may be refactorised, see :class:`Refactorisation`.
         bound: Whether there are constraints whose Jacobian may be updated separately.
         asks: Whether the staleness of mass and stiffness is measured before all is refactorised.
     """

@@ -92,7 +92,7 @@ class RunState(DividedIntegration[Recorder]):
         self._projects = options.index == ConstraintIndex.STABILISED_TWO and m > 0
         self._turned = options.matrix_frame == MatrixFrame.INERTIAL
         if self._turned and self._guided:
-            raise ValueError("supports along fixed axes (Shell.guide) need Components.LOCAL")
+            raise ValueError("supports along fixed axes (Shell.roller) need MatrixFrame.LOCAL")
         self._plain = self.p.plain, self.s.plain
         self.multipliers: Array = np.zeros(m)
         self.scale: Array = np.ones(m)

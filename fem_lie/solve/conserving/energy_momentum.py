@@ -81,7 +81,7 @@ def refuse_scene(equations: Equations) -> None:
         "springs along coordinates of joints between the nodes of a Beam": (
             not vectors and unknowns.other_springs
         ),
-        "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
+        "supports along axes fixed in space (Shell.roller)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
         "velocity constraints (KnifeEdge, RollingDisc) beside shells with six parameters "
         f"({drilling}), whose drilling has no inertia": bool(drilling)

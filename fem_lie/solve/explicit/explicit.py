@@ -342,7 +342,7 @@ def _refuse(equations: Equations) -> None:
         "drives": unknowns.driven,
         "redundant constraints": unknowns.may_be_redundant,
         "prescribed motions": len(equations.start.frames) > unknowns.moving + 1,
-        "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
+        "supports along axes fixed in space (Shell.roller)": bool(equations.supports),
         "damping by strain rates and dampers": dampers
         or any(
             term.viscosity is not None and term.viscosity.rates is None for term in tables.terms

@@ -115,7 +115,7 @@ def refuse_impacts(equations: Equations) -> None:
             "Penalty"
         )
     if equations.supports:
-        raise ValueError(f"{wanted} without supports along fixed axes (Shell.guide); give Penalty")
+        raise ValueError(f"{wanted} without supports along fixed axes (Shell.roller); give Penalty")
     if unknowns.of_velocities:
         raise ValueError(f"{wanted}, without joints that roll; give Penalty")
 

@@ -207,7 +207,7 @@ class IterationLimit(RefactorisationPolicy):
 
 @dataclass(frozen=True)
 class ConstraintsOnly(IterationLimit):
-    """As :class:`Limit`, but mass and stiffness are factorised once for the whole run."""
+    """As :class:`IterationLimit`, but mass and stiffness are factorised once for the whole run."""
 
     full_newton_fallback: ClassVar[bool] = False
 

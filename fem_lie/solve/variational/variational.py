@@ -128,7 +128,7 @@ def _refuse(equations: Equations) -> None:
         "velocity constraints (KnifeEdge, RollingDisc), whose motion makes no action stationary": (
             unknowns.of_velocities > 0
         ),
-        "supports along axes fixed in space (Shell.guide)": bool(equations.supports),
+        "supports along axes fixed in space (Shell.roller)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
         "friction of penalties": any(term.has_friction for term in equations.tables.terms),
         f"shells with six parameters ({drilling}), whose drilling has no inertia, so that no "

@@ -38,7 +38,7 @@ class Scheme(NamedTuple):
 
 
 class Masters(NamedTuple):
-    """Master nodes, see :class:`~fem_lie.system.nodes.numbering.Attachment`.
+    """Master nodes, see :class:`~fem_lie.system.nodes.numbering.MasterMap`.
 
     Attributes:
         master: Master node of each node, (N,).
@@ -182,9 +182,9 @@ class State(NamedTuple):
         earlier: Multipliers of the two steps before the last one, (2, m).
         sizes: Sizes of the last three steps since the start or an event, 0 for those before, (3,).
         border: Constraint rows and columns of the frozen matrix, (2, incidences, 6).
-        slow: See :func:`~fem_lie.solve.conserving.step.corrections.hasten`, (2, 6 n + m); without
-            dissipation (0, 6 n + m).
-        share: See :func:`~fem_lie.solve.conserving.step.corrections.hasten`, (2,).
+        slow: See :func:`~fem_lie.solve.conserving.step.corrections.accelerate`, (2, 6 n + m);
+            without dissipation (0, 6 n + m).
+        share: See :func:`~fem_lie.solve.conserving.step.corrections.accelerate`, (2,).
         probe: See :func:`~fem_lie.solve.conserving.step.series.growth`, (6 n + m,).
         cell_forces: Forces of cells of nodes other than frames, and the filter state of their
             changes, see :mod:`fem_lie.solve.conserving.vector_cells.force_changes`, (2, cell nodes,
