@@ -229,20 +229,20 @@ def test_iteration_matrix_is_the_derivative_of_the_residual(group, parametrisati
     s, rng, epsilon = run.s, np.random.default_rng(5), 1e-6
     s.motion[:] = rng.normal(size=s.motion.shape)
     s.d[:] = 0.3 * rng.normal(size=s.d.shape)
-    run.weights[:] = rng.normal(size=run.weights.shape)
+    run.multipliers[:] = rng.normal(size=run.multipliers.shape)
 
     def residual_at(dx: np.ndarray) -> np.ndarray:
         state = tuple(part.copy() for part in s)
-        weights = run.weights.copy()
+        weights = run.multipliers.copy()
         correct(tuple(run.p), state, dx.copy(), *run._sizes, weights)
         r = np.empty(size)
         H1, motion = state[1], state[2]
         equations.residual(fl.extend.TimeState(H1, motion[6], motion[7], weights), run.scale, r)
         return r
 
-    zero, weights = np.zeros(size), run.weights.copy()
+    zero, weights = np.zeros(size), run.multipliers.copy()
     correct(tuple(run.p), tuple(s), zero.copy(), *run._sizes, weights)
-    now = fl.extend.TimeState(s.H1, s.twist1, s.rate1, run.weights)
+    now = fl.extend.TimeState(s.H1, s.twist1, s.rate1, run.multipliers)
     equations.residual(now, run.scale, zero, run.forces)
     run._fill(s.H1, s.H1, run.scale, turned=False)
     matrix = equations.matrix.matrix.convert("dense").getDenseArray()

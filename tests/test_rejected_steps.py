@@ -74,9 +74,9 @@ def test_a_change_of_the_step_keeps_impulses_and_rates(monkeypatch, scheme):
         for name, power in {"carry": -1, "w": 1, "w_F": 1}.items():
             expected = before.pop(name) * (h / old) ** power
             np.testing.assert_allclose(getattr(self.s, name), expected, rtol=1e-12)
-        lag = before.pop("lag")
+        lag = before.pop("filter_state")
         lag[LENGTH] *= (h / old) ** 2
-        np.testing.assert_allclose(self.s.lag, lag, rtol=1e-12)
+        np.testing.assert_allclose(self.s.filter_state, lag, rtol=1e-12)
         for name, array in before.items():
             np.testing.assert_array_equal(getattr(self.s, name), array, err_msg=name)
         if h != old:

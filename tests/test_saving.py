@@ -99,7 +99,7 @@ def test_a_file_has_the_same_and_a_resumed_run_too(tmp_path, monkeypatch, scheme
 
     plan = {"duration": 0.1, "step": 2e-3, "save_at": save_at}
     whole = SCHEMES[scheme].run(top(), **plan)
-    monkeypatch.setattr(window, "ROOM", rows)
+    monkeypatch.setattr(window, "BUFFER_BYTES", rows)
     file = tmp_path / "run.h5"
     write = window.Window._memory
     for stop in (1, 3):
