@@ -39,8 +39,8 @@ class Contact:
         >>> ball = fl.RigidBody(1.0, (0.1, 0.1, 0.1), position=(0, 0, 1))
         >>> scene = fl.Scene(gravity=(0, 0, -9.81))
         >>> _ = scene.add(ball)
-        >>> floor, sphere = fl.contact.Plane(fl.ground(), (0, 0, 1)),
-        fl.contact.Sphere(ball.point("centre"), 0.2)
+        >>> floor = fl.contact.Plane(fl.ground(), (0, 0, 1))
+        >>> sphere = fl.contact.Sphere(ball.point("centre"), 0.2)
         >>> _ = scene.add(fl.contact.Contact(sphere, floor, fl.contact.Impact(restitution=0.5)))
         >>> len(scene.contacts)
         1

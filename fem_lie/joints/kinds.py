@@ -92,7 +92,7 @@ class Revolute(_Turning):
         >>> scene = fl.Scene()
         >>> _ = scene.add(wheel)
         >>> joint = scene.add(fl.joints.Revolute(fl.ground(), wheel.point("centre"), axis=(0, 0,
-        1)))
+        ...     1)))
         >>> _ = scene.add(fl.joints.Drive(joint.angle, lambda t: 2.0 * t))
         >>> len(scene.joints), len(scene.connections)
         (1, 1)

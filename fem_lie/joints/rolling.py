@@ -24,7 +24,7 @@ class KnifeEdge(Joint):
         >>> scene = fl.Scene()
         >>> _ = scene.add(wheel)
         >>> joint = scene.add(fl.joints.KnifeEdge(fl.ground(), wheel.point("centre"), axis=(0, 1,
-        0)))
+        ...     0)))
         >>> len(scene.joints)
         1
     """

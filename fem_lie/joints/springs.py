@@ -26,7 +26,7 @@ class Spring(Connection):
         >>> scene = fl.Scene()
         >>> _ = scene.add(wheel)
         >>> joint = scene.add(fl.joints.Prismatic(fl.ground(), wheel.point("centre"), axis=(1, 0,
-        0)))
+        ...     0)))
         >>> _ = scene.add(fl.joints.Spring(joint.displacement, stiffness=1e3, damping=5.0))
         >>> len(scene.connections)
         1
@@ -167,7 +167,7 @@ class Gear(Connection):
         ...     _ = scene.add(wheel)
         ...
         >>> first, second = (scene.add(fl.joints.Revolute(fl.ground(), w.point("centre"))) for w in
-        wheels)
+        ...     wheels)
         >>> _ = scene.add(fl.joints.Gear(first.angle, second.angle, ratio=2.0))
         >>> len(scene.connections)
         1

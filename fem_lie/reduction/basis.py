@@ -121,7 +121,7 @@ class Basis:
         >>> basis = fl.reduction.craig_bampton(scene, interfaces=[], modes=4)
         >>> load = scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 100)))
         >>> reduced = basis.project(fl.statics(scene),
-        axes=fl.reduction.NodeAxes(beam.point("start").node))
+        ...     axes=fl.reduction.NodeAxes(beam.point("start").node))
         >>> reduced.expand().shape, bool(reduced.errors[0] < 1e-4)
         ((1, 9, 4, 3), True)
 

@@ -245,7 +245,7 @@ def reduced_order_body(
         >>> part, square = fl.Scene(), fl.Section.rectangle(0.02, 0.02, steel)
         >>> beam = part.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), square, cells=8, name="arm"))
         >>> arm = fl.reduction.reduced_order_body(part, [beam.point("start"), beam.point("end")],
-        modes=6)
+        ...     modes=6)
         >>> scene = fl.Scene(gravity=(0, 0, -9.81))
         >>> hinge = fl.joints.Revolute(fl.ground(), arm.point("start"), axis=(0, 1, 0))
         >>> _ = scene.add(arm), scene.add(hinge)

@@ -45,7 +45,7 @@ class Rope(ContactSurface):
         ...     _ = scene.add(body)
         ...
         >>> rings, law = fl.contact.Rings([bead.point("centre")]), fl.contact.Penalty(1e5,
-        friction=0.2)
+        ...     friction=0.2)
         >>> _ = scene.add(fl.contact.Contact(fl.contact.Rope(rope), rings, law))
         >>> len(scene.contacts)
         1
@@ -164,7 +164,7 @@ class Rings(ContactSurface):
     Example:
         >>> hook = fl.RigidBody(0.1, (1e-4, 1e-4, 1e-4))
         >>> rings = fl.contact.Rings([hook.point("centre"), fl.ground()], at=[(0, 0, 0.1), (1, 0,
-        0)])
+        ...     0)])
         >>> len(rings.positions)
         2
     """

@@ -55,7 +55,7 @@ class PatchCoupling:
         >>> right = fl.mesh.smooth_patch(lambda a, b: (1 + a, 0.5 * b + 0.5 * b**2, 0), (2, 2))
         >>> sides = {"left": left, "right": right}
         >>> plate = fl.ThinShell(sides, steel, couplings=[fl.mesh.PatchCoupling("left.a=1",
-        "right.a=0")])
+        ...     "right.a=0")])
     """
 
     first: str
