@@ -119,6 +119,7 @@ class Nodes(ABC):
 
     uncoupled: ClassVar[bool] = False
     compound: ClassVar[bool] = False
+    start_frames: Array | None = None
 
     def __init__(self, frames: Array, masters: Indices | None) -> None:
         """Copy the frames; nothing is held, and velocities are zero."""
@@ -128,7 +129,6 @@ class Nodes(ABC):
         self.masters: Indices = np.arange(count) if masters is None else masters
         self.held: Flags = np.zeros((count, 6), dtype=bool)
         self.supports = np.full((count, 3, 3), np.nan)
-        self.start_frames: Array | None = None
 
     @property
     @abstractmethod

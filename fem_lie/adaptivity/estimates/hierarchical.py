@@ -53,13 +53,13 @@ def shell_hierarchical(
     if shell.mesh.degree != 1:
         raise ValueError(
             f"hierarchical errors need cells of degree 1, those of {shell.label} are of degree "
-            f"{shell.mesh.degree}: use Recovery()"
+            f"{shell.mesh.degree}: use RecoveryEstimate()"
         )
     corners = shell.own_mesh.cells.shape[1]
     if len(shell.frames) < corners + 2:
         raise ValueError(
             f"hierarchical errors need {corners + 2} nodes or more, {shell.label} has "
-            f"{len(shell.frames)}: use Recovery()"
+            f"{len(shell.frames)}: use RecoveryEstimate()"
         )
     nodes, cut = nodes_in(result.info, shell), Cut.of(shell)
     patches = Patches.of(cut)
@@ -201,7 +201,7 @@ def _errors(
     if beam.elements.shape[1] != 2:
         raise ValueError(
             f"hierarchical errors need elements of two nodes, those of {beam.label} have "
-            f"{beam.elements.shape[1]}: use Recovery()"
+            f"{beam.elements.shape[1]}: use RecoveryEstimate()"
         )
     found = section_forces(result, beam, scene, steps=steps)
     return [_of_state(found, k) for k in range(len(steps))]

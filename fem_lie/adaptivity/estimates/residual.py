@@ -314,7 +314,7 @@ class ShellEdges:
         if mesh.degree != 1:
             raise ValueError(
                 f"residual errors need cells of degree 1, those of {shell.label} are of degree "
-                f"{mesh.degree}: use Recovery()"
+                f"{mesh.degree}: use RecoveryEstimate()"
             )
         ends = np.array(basix.topology(basix.CellType[mesh.cell])[1], dtype=np.int64)
         places = StressPoints.in_sections(shell, KINK_ANGLE)
