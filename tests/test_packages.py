@@ -24,6 +24,7 @@ OUTSIDE = {
     "_precompile",
     "_renamed",
     "_state",
+    "_summary",
 }
 
 COMMON = {
@@ -35,6 +36,7 @@ COMMON = {
     "_jit",
     "_renamed",
     "_state",
+    "_summary",
 }
 """Modules that every package may import."""
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices, instance
+from fem_lie._summary import Summarised
 from fem_lie.adaptivity.estimates.estimate import Estimated
 from fem_lie.adaptivity.estimates.recovery import StressFields, fields_of
 from fem_lie.adaptivity.space_error import draw_error, worst
@@ -99,8 +100,8 @@ def fields_along(
     return now, (behind.missing - before.missing) / (2.0 * step)
 
 
-@dataclass(frozen=True, eq=False)
-class GoalError:
+@dataclass(frozen=True, eq=False, repr=False)
+class GoalError(Summarised):
     """Estimated error of a goal; made by :func:`goal_error`.
 
     Attributes:

@@ -27,6 +27,7 @@ from typing import Generic
 import numpy as np
 
 from fem_lie._arrays import Array, instance, positive, whole
+from fem_lie._summary import Summarised
 from fem_lie.adaptivity.estimates.estimate import ErrorEstimate, Estimated
 from fem_lie.adaptivity.goals import Goal, GoalError, goal_error
 from fem_lie.adaptivity.refinement import Onto, Refinable, Sizes, check_refinable, order_of, refine
@@ -54,8 +55,8 @@ Solve = Callable[[Scene], StaticResult]
 Estimate = SpaceError | GoalError
 
 
-@dataclass(frozen=True, eq=False)
-class Adapted(Generic[Refinable]):
+@dataclass(frozen=True, eq=False, repr=False)
+class Adapted(Summarised, Generic[Refinable]):
     """Result of :func:`adapt`.
 
     Attributes:

@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, instance, number, positive
+from fem_lie._summary import Summarised
 from fem_lie.adaptivity.estimates.estimate import ErrorEstimate, Estimated
 from fem_lie.adaptivity.estimates.recovery import RecoveryEstimate
 from fem_lie.bodies.beams.beam import Beam
@@ -152,8 +153,8 @@ def space_error(
     return SpaceError(body, frames, found.squares, found.energy)
 
 
-@dataclass(frozen=True, eq=False)
-class SpaceError:
+@dataclass(frozen=True, eq=False, repr=False)
+class SpaceError(Summarised):
     """Estimated error of a body in one state; made by :func:`space_error`.
 
     Attributes:

@@ -6,7 +6,7 @@ with all bodies of its kind. It does not depend on unknowns, solvers or other bo
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices, choice, instance, number, text, vector
+from fem_lie._summary import Summarised
 from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.bodies.nodes import HeldRotation, Nodes
 from fem_lie.lie.motions import Group
@@ -41,7 +42,7 @@ _NEAR = 1e-6
 AnyBody = TypeVar("AnyBody", bound="Body")
 
 
-class Body(Nodes):
+class Body(Summarised, Nodes):
     """Body with nodes and named points.
 
     Attributes:
@@ -215,6 +216,13 @@ class Body(Nodes):
     def label(self) -> str:
         """Name of the body, or its class if it has none yet."""
         return self.name or type(self).__name__
+
+    def _summary(self) -> Iterator[tuple[str, object]]:
+        """Name, numbers of nodes and cells, named points."""
+        yield "name", self.name
+        yield "nodes", len(self.frames)
+        yield from (("cells", len(self.cells)),) if len(self.cells) else ()
+        yield "points", sorted(self._points)
 
     @property
     def point_names(self) -> dict[str, int]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._summary import Summarised
 from fem_lie.bodies.points import require_node
 from fem_lie.lie.node_types import NodeType
 
@@ -24,8 +25,8 @@ class Labelled(Protocol):
         """Label in messages and results."""
 
 
-@dataclass(frozen=True, eq=False)
-class BodyInfo:
+@dataclass(frozen=True, eq=False, repr=False)
+class BodyInfo(Summarised):
     """One body; node numbers are those of the whole system.
 
     Attributes:
@@ -122,8 +123,8 @@ class SupportInfo:
         return int(found[0]) if len(found) else None
 
 
-@dataclass(frozen=True, eq=False)
-class SceneInfo:
+@dataclass(frozen=True, eq=False, repr=False)
+class SceneInfo(Summarised):
     """Bodies and joints in the order of the scene, and supports.
 
     Attributes:

@@ -25,6 +25,7 @@ from fem_lie._arrays import (
     numbers,
     points_of,
 )
+from fem_lie._summary import Summarised
 
 if TYPE_CHECKING:
     import dolfinx
@@ -144,8 +145,8 @@ KINK_ANGLE = radians(40.0)
 """Default for points on a curve: a circle of ten cells is smooth, a corner of 45° is not."""
 
 
-@dataclass(frozen=True, eq=False)
-class LineMesh:
+@dataclass(frozen=True, eq=False, repr=False)
+class LineMesh(Summarised):
     """Straight or curved lines divided into cells; lines may branch.
 
     Attributes:

@@ -26,6 +26,7 @@ from fem_lie._arrays import (
     text,
     whole_number,
 )
+from fem_lie._summary import Summarised
 from fem_lie.mesh.patches import Edges, Patches, smooth_patches
 from fem_lie.mesh.shapes import DEGREES, cell_normals
 
@@ -39,8 +40,8 @@ _FAR_OFF = 0.5  # cosine of 60°: a smooth surface turns by less than twice that
 _ROUND = {"triangle": (0, 1, 2), "quadrilateral": (0, 1, 3, 2)}  # corners, one after the other
 
 
-@dataclass(frozen=True, eq=False)
-class SurfaceMesh:
+@dataclass(frozen=True, eq=False, repr=False)
+class SurfaceMesh(Summarised):
     """Surfaces divided into triangles or quadrilaterals, of first or second order.
 
     Attributes:

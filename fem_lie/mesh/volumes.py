@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from fem_lie import _compat
 from fem_lie._arrays import Array, Indices, find_name, instance, points_of, whole_number
+from fem_lie._summary import Summarised
 from fem_lie.mesh.shapes import nodes_of, rule, tabulated
 
 _GEOMETRY = {4: 1, 10: 2, 8: 1, 27: 2}
@@ -68,8 +69,8 @@ _FLAT = 1e-12
 """Volume over the third power of the longest edge below which a cell has no volume."""
 
 
-@dataclass(frozen=True, eq=False)
-class VolumeMesh:
+@dataclass(frozen=True, eq=False, repr=False)
+class VolumeMesh(Summarised):
     """Volume mesh of DOLFINx; see ``parametric_volume``, ``read_gmsh_volume`` and others.
 
     Attributes:

@@ -10,6 +10,7 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, instance, positive, whole
+from fem_lie._summary import Summarised
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.bodies import draw
@@ -63,8 +64,8 @@ States = TypeVar("States", Result, StaticResult)
 _WHAT = "basis"
 
 
-@dataclass(frozen=True, eq=False)
-class ReducedStates:
+@dataclass(frozen=True, eq=False, repr=False)
+class ReducedStates(Summarised):
     """States of a reduced-order body: ``Hᵢ = G Hᵢ⁰ exp(Φᵢ η)``.
 
     Attributes:
@@ -106,8 +107,8 @@ class ReducedStates:
         return with_others(result, {"frames": frames})
 
 
-@dataclass(frozen=True, eq=False)
-class Basis:
+@dataclass(frozen=True, eq=False, repr=False)
+class Basis(Summarised):
     """Reduction basis of a body: modes as local increments of its nodes.
 
     The modes are expressed in the nodes' own frames and do not depend on the position and

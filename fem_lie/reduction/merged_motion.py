@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._summary import Summarised
 from fem_lie.adaptivity.following.transfer import Transferred
 from fem_lie.results.history import Result
 
@@ -31,8 +32,8 @@ class RegionSegment(NamedTuple):
     change: Transferred | None
 
 
-@dataclass(frozen=True, eq=False)
-class MergedMotion:
+@dataclass(frozen=True, eq=False, repr=False)
+class MergedMotion(Summarised):
     """Result of :func:`~fem_lie.reduction.merged_motion`.
 
     Times at which regions change have two rows.

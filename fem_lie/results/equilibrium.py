@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class StaticResult(StateSeries, Displaced):
     """Equilibrium states.
 
@@ -66,6 +66,16 @@ class StaticResult(StateSeries, Displaced):
     factorisations: int = field(default=0, kw_only=True)
     load_maxima: tuple[float, ...] = field(default=(), kw_only=True)
     subdomains: Subdomains | None = field(default=None, kw_only=True)
+
+    def _summary(self) -> Iterator[tuple[str, object]]:
+        """Load factors, displacement, iterations and stability."""
+        u = np.linalg.norm(self.frames[-1, :, 0] - self.initial[:, 0], axis=-1)
+        yield "bodies", [body.name for body in self.info.bodies]
+        yield "factors", self.factors
+        yield "largest_displacement", float(u.max(initial=0.0))
+        yield "iterations", int(self.iterations.sum()) + self.failed_iterations
+        yield from (("stable", bool(self.stable[-1])),) if len(self.negative_pivots) else ()
+        yield "seconds", self.seconds
 
     @property
     def stable(self) -> Flags:
@@ -163,7 +173,7 @@ class StaticResult(StateSeries, Displaced):
         return [np.vstack(parts) for parts in zip(starts, super()._traces(points), strict=True)]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class PathResult(StaticResult):
     """Equilibrium states at prescribed loads, from :func:`~fem_lie.follow_loads`.
 

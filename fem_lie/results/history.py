@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import partial, reduce
 from typing import TYPE_CHECKING, Any
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 _DRAWN = 6  # states in a picture
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Result(Balanced, StateSeries):
     """Histories at the T recorded times.
 
@@ -115,6 +115,18 @@ class Result(Balanced, StateSeries):
             value = vars(self)[name]
             if value is not None and value.shape != (count, *shape):
                 raise ValueError(f"{name} must have shape {(count, *shape)}, got {value.shape}")
+
+    def _summary(self) -> Iterator[tuple[str, object]]:
+        """Bodies, times, what was recorded, and the work that the motion took."""
+        yield "bodies", [body.name for body in self.info.bodies]
+        yield "states", len(self.times)
+        yield from (
+            (("times", f"{self.times[0]:.6g} to {self.times[-1]:.6g}"),) if len(self.times) else ()
+        )
+        yield "recorded", self.recorded
+        yield "iterations", int(self.iterations[-1]) if len(self.iterations) else 0
+        yield "factorisations", self.factorisations
+        yield "seconds", self.seconds
 
     @property
     def recorded(self) -> Record:

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, instance, number
+from fem_lie._summary import Summarised
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies
 from fem_lie.pictures.page.content import drawn
@@ -157,8 +158,8 @@ class ModeShapes(ABC):
         return fitting if self.rotation_only[mode - 1] else min(_PART * size, fitting)
 
 
-@dataclass(frozen=True, eq=False)
-class BucklingModes(ModeShapes):
+@dataclass(frozen=True, eq=False, repr=False)
+class BucklingModes(Summarised, ModeShapes):
     """Buckling load factors and modes of linear buckling analysis, the lowest first.
 
     Attributes:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices, number
+from fem_lie._summary import Summarised
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.path_diagram import PathCurve, plot_paths
 from fem_lie.pictures.stage import SI, Units
@@ -36,8 +37,8 @@ class CriticalPointType(Enum):
     BIFURCATION = "bifurcation"
 
 
-@dataclass(frozen=True, eq=False)
-class PathState(Displaced):
+@dataclass(frozen=True, eq=False, repr=False)
+class PathState(Summarised, Displaced):
     """One state of a path, for functions that observe or stop a path.
 
     Attributes:
@@ -55,8 +56,8 @@ class PathState(Displaced):
     info: SceneInfo
 
 
-@dataclass(frozen=True, eq=False)
-class CriticalPoint(Displaced, ModeShapes):
+@dataclass(frozen=True, eq=False, repr=False)
+class CriticalPoint(Summarised, Displaced, ModeShapes):
     """A point of a path at which the tangent stiffness is singular.
 
     Attributes:
@@ -132,7 +133,7 @@ class CriticalPoint(Displaced, ModeShapes):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class EquilibriumPath(StaticResult):
     """Equilibrium states along a path, with critical points.
 

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array
+from fem_lie._summary import Summarised
 from fem_lie.bodies import balances
 from fem_lie.bodies.catalogue import SceneInfo
 
@@ -203,8 +204,8 @@ class Balanced:
         return balances.relative(float(balances.momentum_gaps(momentum, impulses).max()), scale)
 
 
-@dataclass(frozen=True, eq=False)
-class StepHistory:
+@dataclass(frozen=True, eq=False, repr=False)
+class StepHistory(Summarised):
     """All S steps of a run, recorded or not, with error estimates.
 
     Attributes:

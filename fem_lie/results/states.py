@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices, instance, number, shown, whole
+from fem_lie._summary import Summarised
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.joints.connection import Connection
@@ -79,7 +80,7 @@ class Displaced(Located):
         return np.asarray(self.position(point) - self.info.frame(point, self.initial)[0])
 
 
-class StateSeries(Located, ABC):
+class StateSeries(Summarised, Located, ABC):
     """A sequence of states: a motion, or equilibria along a load.
 
     Attributes:

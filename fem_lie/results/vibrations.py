@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, whole
+from fem_lie._summary import Summarised
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies
 from fem_lie.pictures.page.content import drawn
@@ -23,8 +24,8 @@ _GROWS = 1e-6  # real part over absolute value; less is round-off
 _PHASES = 49  # states of one oscillation in a page
 
 
-@dataclass(frozen=True, eq=False)
-class Modes:
+@dataclass(frozen=True, eq=False, repr=False)
+class Modes(Summarised):
     """Vibration modes ``H exp(Re(φ exp(s t)))`` about an equilibrium, the slowest first.
 
     Attributes:

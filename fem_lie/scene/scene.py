@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, choice, instance, shown, vector
+from fem_lie._summary import Summarised
 from fem_lie.bodies.body import Body, Holds
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.contact.contact import Contact
@@ -66,7 +67,7 @@ def require_scene(value: object) -> None:
     instance(value, Scene, "what is solved", "a Scene")
 
 
-class Scene:
+class Scene(Summarised):
     """A multibody system: bodies, joints, contacts, loads and supports.
 
     Attributes:
@@ -120,6 +121,14 @@ class Scene:
         self._kinds: Counter[type[Body]] = Counter()
         self.began = Began()
         self.family: Family | None = None
+
+    def _summary(self) -> Iterator[tuple[str, object]]:
+        """What the scene holds, by numbers."""
+        yield "gravity", self._gravity
+        yield "bodies", [body.label for body in self.bodies]
+        yield "nodes", sum(len(body.frames) for body in self.bodies)
+        counted = "joints", "connections", "links", "contacts", "loads", "clamps", "motions"
+        yield from ((name, len(getattr(self, name))) for name in counted if getattr(self, name))
 
     @property
     def gravity(self) -> Array:

@@ -21,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, number, numbers, positive
+from fem_lie._summary import Summarised
 from fem_lie.sections.properties import SectionProperties, rectangle, ring, rotation
 
 if TYPE_CHECKING:
@@ -119,8 +120,8 @@ def section_mass_matrix(
 _CIRCLE_POINTS = 32
 
 
-@dataclass(frozen=True, eq=False)
-class Section:
+@dataclass(frozen=True, eq=False, repr=False)
+class Section(Summarised):
     """Stiffness and inertia of a beam per length, in the local frame of its points.
 
     Attributes:

@@ -13,6 +13,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from fem_lie._arrays import Array, Indices, indices_of, points_of
+from fem_lie._summary import Summarised
 from fem_lie.mesh.gmsh_session import GmshScript
 from fem_lie.mesh.shapes import cell_normals
 
@@ -30,8 +31,8 @@ _DEGREES = {("triangle", 3): 1, ("triangle", 6): 2, ("quadrilateral", 4): 1}
 _KEPT_TURN = 2.0 * np.pi / 48.0  # a circle is drawn with about 32 corners
 
 
-@dataclass(frozen=True, eq=False)
-class SectionMesh:
+@dataclass(frozen=True, eq=False, repr=False)
+class SectionMesh(Summarised):
     """Cells of a section.
 
     Attributes:

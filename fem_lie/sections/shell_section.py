@@ -17,6 +17,7 @@ from math import cos, radians, sin
 import numpy as np
 
 from fem_lie._arrays import Array, instance, number, positive, positive_or_zero
+from fem_lie._summary import Summarised
 from fem_lie.sections.material import Material
 from fem_lie.sections.section import definite, semidefinite
 
@@ -102,8 +103,8 @@ class Ply:
         return T.T @ Q @ T, R.T @ np.diag([m.G13, m.G23]) @ R
 
 
-@dataclass(frozen=True, eq=False)
-class ShellSection:
+@dataclass(frozen=True, eq=False, repr=False)
+class ShellSection(Summarised):
     """Stiffness and inertia of a shell per area.
 
     Attributes:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from fem_lie._arrays import Array
+from fem_lie._summary import Summarised
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
@@ -21,8 +22,8 @@ Estimated = Beam | Shell | ThinShell
 """Bodies whose error can be estimated."""
 
 
-@dataclass(frozen=True, eq=False)
-class ElementErrors:
+@dataclass(frozen=True, eq=False, repr=False)
+class ElementErrors(Summarised):
     """Errors of the m elements of a body in one state.
 
     Attributes:

@@ -21,6 +21,7 @@ from typing import Generic
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, instance, positive, whole
+from fem_lie._summary import Summarised
 from fem_lie.adaptivity.estimates.estimate import ErrorEstimate
 from fem_lie.adaptivity.following.transfer import Transferred, transfer
 from fem_lie.adaptivity.loop import named_body
@@ -41,8 +42,8 @@ _FEWER = 0.7  # ratio of numbers of elements below which coarsening is worth a n
 _TRIES = 8  # meshes for one load factor
 
 
-@dataclass(frozen=True, eq=False)
-class LoadSegment(Generic[Followed]):
+@dataclass(frozen=True, eq=False, repr=False)
+class LoadSegment(Summarised, Generic[Followed]):
     """A load increment up to one load factor, on one mesh.
 
     Attributes:
@@ -61,8 +62,8 @@ class LoadSegment(Generic[Followed]):
     change: Transferred | None
 
 
-@dataclass(frozen=True, eq=False)
-class AdaptedLoads(Generic[Followed]):
+@dataclass(frozen=True, eq=False, repr=False)
+class AdaptedLoads(Summarised, Generic[Followed]):
     """Result of :func:`~fem_lie.adaptivity.adapt_loads`.
 
     Attributes:

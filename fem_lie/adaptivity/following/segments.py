@@ -8,14 +8,15 @@ from typing import Generic
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._summary import Summarised
 from fem_lie.adaptivity.following.transfer import Transferred
 from fem_lie.adaptivity.refinement import Followed
 from fem_lie.results.history import Result
 from fem_lie.scene import Scene
 
 
-@dataclass(frozen=True, eq=False)
-class MotionSegment(Generic[Followed]):
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionSegment(Summarised, Generic[Followed]):
     """A time segment of a motion on one mesh.
 
     Attributes:
@@ -36,8 +37,8 @@ class MotionSegment(Generic[Followed]):
     change: Transferred | None
 
 
-@dataclass(frozen=True, eq=False)
-class AdaptedMotion(Generic[Followed]):
+@dataclass(frozen=True, eq=False, repr=False)
+class AdaptedMotion(Summarised, Generic[Followed]):
     """Result of :func:`~fem_lie.adaptivity.adapt_motion`.
 
     Arrays over all times have two rows where the mesh changes: before and after.

@@ -31,6 +31,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from fem_lie._arrays import Array, Flags
+from fem_lie._summary import Summarised
 from fem_lie.adaptivity.following.mesh_points import MeshPoints, mesh_points
 from fem_lie.bodies.body import Body
 from fem_lie.lie.node_types import push_all_forward, rigid_motions
@@ -121,8 +122,8 @@ _ENOUGH = 4  # number of new nodes from which only these are corrected
 _VIOLATED = 1e-6  # relative to the length of the model, or rad
 
 
-@dataclass(frozen=True, eq=False)
-class Transferred:
+@dataclass(frozen=True, eq=False, repr=False)
+class Transferred(Summarised):
     """Energies and momenta before and after a change of meshes; made by :func:`transfer`.
 
     Attributes:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from scipy.spatial import ConvexHull, QhullError
 
 from fem_lie._arrays import Array, Indices, numbers
+from fem_lie._summary import Summarised
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_point
 from fem_lie.contact.sides.surfaces import (
@@ -93,8 +94,8 @@ def _edges(loops: list[Indices]) -> Indices:
     return np.array(found, dtype=np.int64)
 
 
-@dataclass(frozen=True, eq=False)
-class ConvexPolyhedron(PolyhedralSurface):
+@dataclass(frozen=True, eq=False, repr=False)
+class ConvexPolyhedron(Summarised, PolyhedralSurface):
     """Contact surface: a convex polyhedron, the convex hull of its corners, fixed to a point.
 
     Attributes:

@@ -17,6 +17,7 @@ from ufl.core.expr import Expr
 
 from fem_lie import _compat, lie
 from fem_lie._arrays import Array
+from fem_lie._summary import Summarised
 from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.attachments.between_frames import interpolated
 from fem_lie.forms.frames import NodalFrames
@@ -24,8 +25,8 @@ from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.lie.node_types import TRAITS, NodeType
 
 
-@dataclass(frozen=True, eq=False)
-class CellData:
+@dataclass(frozen=True, eq=False, repr=False)
+class CellData(Summarised):
     """Data of the cells of one line mesh, in the order of the mesh.
 
     Attributes:

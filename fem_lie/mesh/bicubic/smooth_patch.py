@@ -17,6 +17,7 @@ import numpy.typing as npt
 from scipy.interpolate import BSpline, make_interp_spline
 
 from fem_lie._arrays import Array, instance, numbers, vector, whole
+from fem_lie._summary import Summarised
 
 Surface = Callable[[float, float], npt.ArrayLike]
 """Smooth function of the position (3,) at parameters (a, b) between 0 and 1."""
@@ -25,8 +26,8 @@ _STEP, _STENCIL = 0.01, 9
 """Step and number of points of finite differences; one-sided at the edges."""
 
 
-@dataclass(frozen=True, eq=False)
-class SmoothPatch:
+@dataclass(frozen=True, eq=False, repr=False)
+class SmoothPatch(Summarised):
     """Surface over a rectangle of parameters, by positions and derivatives at a grid of nodes.
 
     Parameters are lengths: those of the middle lines along a and along b.

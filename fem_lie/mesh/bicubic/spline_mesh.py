@@ -22,6 +22,7 @@ from typing import TypeVar
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices, flag, instance, text
+from fem_lie._summary import Summarised
 from fem_lie.mesh.bicubic import hermite
 from fem_lie.mesh.bicubic.patch_coupling import Edge, Joined, PatchCoupling
 from fem_lie.mesh.bicubic.patch_coupling import joined as put_together
@@ -37,8 +38,8 @@ _QUARTERS = np.array([[0, 4, 6, 8], [4, 1, 8, 7], [6, 8, 2, 5], [8, 7, 5, 3]])
 """Corners of the four quarters, as indices of the cell's corners and new points."""
 
 
-@dataclass(frozen=True, eq=False)
-class SplineMesh:
+@dataclass(frozen=True, eq=False, repr=False)
+class SplineMesh(Summarised):
     """Cells of several levels on smooth patches: :func:`spline_mesh`, ``fl.adaptivity.refine``.
 
     Attributes:

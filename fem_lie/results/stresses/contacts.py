@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices, instance
+from fem_lie._summary import Summarised
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.laws.law import ContactTerm, Impact
 from fem_lie.pictures.bodies import Arrows
@@ -16,8 +17,8 @@ from fem_lie.results.history import Result
 from fem_lie.results.states import nodes_in, require_states, state_number
 
 
-@dataclass(frozen=True, eq=False)
-class ContactForces:
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactForces(Summarised):
     """All active contact points in T states, one state after the other.
 
     Attributes:

@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, instance
+from fem_lie._summary import Summarised
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
 from fem_lie.pictures.diagrams import COLOURS, figure_of_rows, saved
@@ -194,8 +195,8 @@ def _strains(scene: Scene, beam: Beam, times: Array, factors: Array) -> Array:
     return total
 
 
-@dataclass(frozen=True, eq=False)
-class SectionForces:
+@dataclass(frozen=True, eq=False, repr=False)
+class SectionForces(Summarised):
     """Section forces of a beam in T states; made by :func:`section_forces`.
 
     Loads and inertia act on the nodes of elements. Within an element the force on a section is

@@ -21,6 +21,7 @@ import numpy as np
 from dolfinx import fem
 
 from fem_lie._arrays import Array, instance
+from fem_lie._summary import Summarised
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.mesh.surfaces import KINK_ANGLE
 from fem_lie.pictures.page.colours import NodalColours, at_nodes
@@ -138,8 +139,8 @@ def _of_states(
     ]
 
 
-@dataclass(frozen=True, eq=False)
-class Resultants(ResultantValues):
+@dataclass(frozen=True, eq=False, repr=False)
+class Resultants(Summarised, ResultantValues):
     """Stress resultants of a shell in one state; made by :func:`resultants`."""
 
     @cached_property

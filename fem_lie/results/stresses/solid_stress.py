@@ -11,6 +11,7 @@ from dolfinx import fem
 
 from fem_lie import _compat
 from fem_lie._arrays import Array, instance
+from fem_lie._summary import Summarised
 from fem_lie.bodies.solids.solid import Solid
 from fem_lie.elements.solids.element import QUADRATURE, cellwise
 from fem_lie.forms.frames import NodalFrames
@@ -21,8 +22,8 @@ from fem_lie.results.states import Located, nodes_in, require_states, state_numb
 _PARTS = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 
 
-@dataclass(frozen=True, eq=False)
-class SolidStresses:
+@dataclass(frozen=True, eq=False, repr=False)
+class SolidStresses(Summarised):
     """Cauchy stress of a solid, force per current area, global components.
 
     Attributes:

@@ -16,6 +16,7 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, positive
+from fem_lie._summary import Summarised
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.scene import Scene
@@ -24,8 +25,8 @@ from fem_lie.solve.motion.integrator import Integrator
 _PARTS = 1, 2, 4
 
 
-@dataclass(frozen=True)
-class TimeErrorEstimate:
+@dataclass(frozen=True, repr=False)
+class TimeErrorEstimate(Summarised):
     """Time discretisation error of the run with the smallest steps, largest over all nodes.
 
     Attributes:
