@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import reprlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import fields
 from html import escape
+from typing import Any, cast
 
 import numpy as np
 
@@ -20,7 +21,7 @@ class Summarised:
 
     def _summary(self) -> Iterator[tuple[str, object]]:
         """Names and values that the representation shows; default: the fields of a dataclass."""
-        for field in fields(self) if is_dataclass(self) else ():
+        for field in fields(cast(Any, self)):
             if field.repr and not field.name.startswith("_"):
                 value = getattr(self, field.name, None)  # a quantity may not have been recorded
                 if value is not None:
@@ -33,7 +34,8 @@ class Summarised:
         line = f"{name}({', '.join(entries)})"
         if len(line) <= WIDTH:
             return line
-        lines, rows = [], MOST_LINES - 2
+        lines: list[str] = []
+        rows = MOST_LINES - 2
         for entry in entries:
             if lines and len(lines[-1]) + len(entry) + 2 < WIDTH - 4:
                 lines[-1] += f", {entry}"

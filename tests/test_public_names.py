@@ -44,6 +44,7 @@ MACHINE_CODE = {
     "tests/test_main.py",
     "tests/test_peers.py",
     "tests/test_precompile.py",
+    "tests/test_renamed.py",
 }
 KERNELS = {
     "tests/models.py",
