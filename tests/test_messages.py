@@ -3,6 +3,7 @@
 import ast
 import inspect
 import re
+from inspect import ismodule
 from pathlib import Path
 
 import fem_lie as fl
@@ -10,7 +11,7 @@ import fem_lie as fl
 PACKAGE = Path(fl.__file__).parent
 SAID_BY = {"warn", "warning", "info", "error", "debug"}
 NAMES = re.compile(
-    r"\bfl\.(\w+)"  # with the package
+    r"\bfl\.(?:[a-z]+\.)?(\w+)"  # with the package, and perhaps a namespace
     r"|\b([A-Za-z_]\w*)(?=\()"  # like a call
     r"|\b([a-z]+(?:_[a-z]+)+)\b"  # like a function or an argument
     r"|\b([A-Z][a-z]+[A-Z]\w+)\b"  # like a class
@@ -40,9 +41,11 @@ def arguments_of(callable_):
 
 def public_names():
     """Names of the package, members of its classes, arguments of all of them."""
+    namespaces = [fl, *(space for name in fl.__all__ if ismodule(space := getattr(fl, name)))]
     found = {"fem_lie"} | set(fl.extend.__all__)
-    for name in fl.__all__:
-        thing = getattr(fl, name)
+    for name, thing in (
+        (name, getattr(space, name)) for space in namespaces for name in space.__all__
+    ):
         found |= {name} | arguments_of(thing)
         if inspect.isclass(thing):
             members = inspect.getmembers(thing)

@@ -141,8 +141,8 @@ def inertial_modes(
 ) -> Basis:
     """Modes with fixed interfaces: static responses to inertia, and vibration modes.
 
-    They are the inner modes of a :func:`reduced_body`, whose response to weight and accelerations
-    is then that of the full body. Modes have unit mass and are ordered by stiffness.
+    They are the inner modes of a :func:`reduced_order_body`, whose response to weight and
+    accelerations is then that of the full body. Modes have unit mass and are ordered by stiffness.
 
     Args:
         scene: The body alone, free to move, as for :func:`craig_bampton`.
@@ -254,7 +254,9 @@ def reduced_order_body(
         (11, 3)
     """
     if not len(interfaces):
-        raise ValueError("reduced_body: interfaces: expected at least one, for the floating frame")
+        raise ValueError(
+            "reduced_order_body: interfaces: expected at least one, for the floating frame"
+        )
     rest = LinearisedBody(scene, None)
     body = rest.body
     if not rest.free[:, :5].all():

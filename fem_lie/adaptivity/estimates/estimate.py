@@ -70,7 +70,7 @@ class ErrorEstimate(ABC):
         for kind, estimator in self.estimators().items():
             if isinstance(body, kind):
                 return estimator(result, body, scene, chosen)
-        raise AssertionError("unsupported bodies are refused by steps_of")
+        raise AssertionError("unsupported bodies have been refused")
 
 
 def steps_of(
