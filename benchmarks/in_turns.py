@@ -2,9 +2,9 @@
 
     RUN -m benchmarks.in_turns OTHER [--rounds 7] [--only "generalised-α" "net"] [--list]
 
-OTHER is the folder of another checkout, such as ``git worktree add OTHER COMMIT``. Cases and scenes
-are those of this checkout. Only the package ``fem_lie`` is taken from each of both, in a process of
-its own that stays alive. Every case runs once for what is compiled, loaded and cached. In each
+OTHER is the folder of another checkout, such as ``git worktree add OTHER COMMIT``. Each checkout
+runs its own scenes with its own package, in a process of its own that stays alive, so public names
+may differ; cases are the same by scheme and name. Every case runs once for what is compiled, loaded and cached. In each
 round all cases then run in both processes, one right after the other, and the order changes from
 round to round. What counts is the processor time of building the scene and of the whole run, that
 of child processes included: the least of all rounds, since other work on the machine only adds.
@@ -64,24 +64,21 @@ class Row(NamedTuple):
 
 
 def answer(folder: str) -> None:
-    """Run the cases whose numbers are asked for, with the package of a folder."""
+    """Run the cases whose names are asked for, with the scenes and the package of a folder."""
     sys.path.insert(0, folder)
     import fem_lie
 
     assert Path(fem_lie.__file__).is_relative_to(folder), fem_lie.__file__
-    sys.path.insert(0, str(HERE))  # scenes are those of this checkout
-    from benchmarks.earlier_names import give_names
-
-    give_names(fem_lie)
     from benchmarks.short_runs import CASES
 
     logging.disable(logging.WARNING)
     warnings.simplefilter("ignore")
+    cases = {f"{case.scheme}, {case.name}": case for case in CASES}
     for line in sys.stdin:
         before = processor_time()
         try:
-            outcome = CASES[int(line)].run()
-        except (RuntimeError, TypeError, ValueError, AttributeError) as error:
+            outcome = cases[line.strip()].run()
+        except (RuntimeError, TypeError, ValueError, AttributeError, KeyError) as error:
             found: dict[str, Any] = {"error": f"{type(error).__name__}: {error}"}
         else:
             found = {
@@ -113,10 +110,10 @@ class Checkout:
             text=True,
         )
 
-    def run(self, number: int) -> dict[str, Any]:
+    def run(self, name: str) -> dict[str, Any]:
         """What the process answers about a case."""
         assert self._process.stdin is not None and self._process.stdout is not None
-        self._process.stdin.write(f"{number}\n")
+        self._process.stdin.write(f"{name}\n")
         self._process.stdin.flush()
         for line in self._process.stdout:
             if line.startswith("= "):
@@ -143,22 +140,22 @@ def checkouts(*folders: Path) -> Iterator[list[Checkout]]:
 
 
 def measure(
-    both: Sequence[Checkout], numbers: Sequence[int], rounds: int
-) -> dict[int, tuple[list[dict[str, Any]], np.ndarray]]:
+    both: Sequence[Checkout], names: Sequence[str], rounds: int
+) -> dict[str, tuple[list[dict[str, Any]], np.ndarray]]:
     """Of each case the first answers of both, and times of all rounds, shape (rounds, 2).
 
     Cases that fail in either process run once and have no times.
     """
-    first = {number: [checkout.run(number) for checkout in both] for number in numbers}
+    first = {name: [checkout.run(name) for checkout in both] for name in names}
     runs = [n for n, answers in first.items() if not any("error" in a for a in answers)]
-    seconds = {number: np.zeros((rounds if number in runs else 0, 2)) for number in numbers}
+    seconds = {name: np.zeros((rounds if name in runs else 0, 2)) for name in names}
     for k in range(rounds):
         start = perf_counter()
-        for number in runs:
+        for name in runs:
             for side in (0, 1) if k % 2 == 0 else (1, 0):
-                seconds[number][k, side] = both[side].run(number)["seconds"]
+                seconds[name][k, side] = both[side].run(name)["seconds"]
         print(f"round {k + 1}: {perf_counter() - start:.0f} s", file=sys.stderr, flush=True)
-    return {number: (first[number], seconds[number]) for number in numbers}
+    return {name: (first[name], seconds[name]) for name in names}
 
 
 def difference(ends: Sequence[Sequence[float]]) -> float:
@@ -195,21 +192,21 @@ def main() -> None:
     given = parser.parse_args()
     from benchmarks.short_runs import CASES
 
-    names = [f"{case.scheme}, {case.name}" for case in CASES]
-    numbers = [n for n, name in enumerate(names) if any(part in name for part in given.only)]
+    cases = {f"{case.scheme}, {case.name}": case for case in CASES}
+    names = [name for name in cases if any(part in name for part in given.only)]
     if given.list:
-        print("\n".join(names[n] for n in numbers))
+        print("\n".join(names))
         return
-    if not numbers:
+    if not names:
         parser.error(f"no case has any of {given.only} in its name; --list shows all")
     with checkouts(given.other.resolve(), HERE) as both:
-        found = measure(both, numbers, given.rounds)
+        found = measure(both, names, given.rounds)
     rows = []
-    for number, (answers, seconds) in found.items():
-        case = CASES[number]
+    for name, (answers, seconds) in found.items():
+        case = cases[name]
         if len(seconds) == 0:
             said = [a.get("error", "runs") for a in answers]
-            print(f"{names[number]}: A: {said[0]}; B: {said[1]}")
+            print(f"{name}: A: {said[0]}; B: {said[1]}")
             continue
         a, b = seconds.min(axis=0)
         iterations = answers[0]["iterations"], answers[1]["iterations"]
