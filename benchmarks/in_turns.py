@@ -4,10 +4,11 @@
 
 OTHER is the folder of another checkout, such as ``git worktree add OTHER COMMIT``. Each checkout
 runs its own scenes with its own package, in a process of its own that stays alive, so public names
-may differ; cases are the same by scheme and name. Every case runs once for what is compiled, loaded and cached. In each
-round all cases then run in both processes, one right after the other, and the order changes from
-round to round. What counts is the processor time of building the scene and of the whole run, that
-of child processes included: the least of all rounds, since other work on the machine only adds.
+may differ; cases are the same by scheme and name. Every case runs once for what is compiled, loaded
+and cached. In each round all cases then run in both processes, one right after the other, and the
+order changes from round to round. What counts is the processor time of building the scene and of
+the whole run, that of child processes included: the least of all rounds, since other work on the
+machine only adds.
 
 The table has the least time A of the other checkout and B of this one, their ratio, the iterations
 of both, and the difference of the ends of both runs over the largest number in them.

@@ -114,7 +114,9 @@ class Shell(SupportedSurface):
         """
         if isinstance(mesh, dolfinx.mesh.Mesh):
             mesh = surface_from_dolfinx(mesh)
-        instance(mesh, SurfaceMesh, "Shell: mesh", "a SurfaceMesh; see surface()")
+        instance(
+            mesh, SurfaceMesh, "Shell: mesh", "a SurfaceMesh, as of fl.mesh.parametric_surface()"
+        )
         known = "a ShellSection, a dict of them by groups of cells or a function of the position"
         instance(section, ShellSection | Mapping | Callable, "Shell: section", known)
         instance(formulation, ShellFormulation | None, "Shell: formulation", "an element or None")
