@@ -39,12 +39,8 @@ Found = tuple[fl.Result, np.ndarray, dict[str, Any]]
 
 def mechanism(angle: float = np.pi / 2, speed: float = 1.0, pins: bool = False) -> fl.Scene:
     """The scene at an angle of the upright bars from x, which turn backwards with ``speed``."""
-    kind = (
-        fl.joints.RedundantConstraints.REFUSE
-        if pins
-        else fl.joints.RedundantConstraints.MINIMUM_NORM
-    )
-    scene = fl.Scene(gravity=(0, -9.81, 0), redundant=kind)
+    redundant = fl.joints.RedundantConstraints["REFUSE" if pins else "MINIMUM_NORM"]
+    scene = fl.Scene(gravity=(0, -9.81, 0), redundant=redundant)
     along, z = np.array([np.cos(angle), np.sin(angle), 0.0]), np.array([0.0, 0.0, 1.0])
     axes = np.column_stack([along, np.cross(z, along), z])
     upright = []
@@ -102,11 +98,8 @@ def main(
 ) -> dict[str, Any]:
     """``runs``: constant steps of step, step/2 and so on; each must divide 0.5 s."""
     alpha, conserving = fl.GeneralisedAlpha(radius=0.9, tolerance=tolerance), fl.EnergyMomentum()
-    halves, variable = (
-        [step / 2**k for k in range(runs)],
-        fl.schemes.AdaptiveStep(1e-3, largest=0.02),
-    )
-    found = [attempt(alpha, mechanism(), duration, h) for h in halves]
+    variable = fl.schemes.AdaptiveStep(1e-3, largest=0.02)
+    found = [attempt(alpha, mechanism(), duration, step / 2**k) for k in range(runs)]
     shared = min(len(path) for _, path, _ in found)
     limit = extrapolated([path[:shared] for _, path, _ in found])
     if pictures:

@@ -29,6 +29,8 @@ from records import of_path
 from reference.euler_column import BETA, FARTHEST, LENGTH, deflection_error
 
 import fem_lie as fl
+from fem_lie.joints import InPlane, Revolute
+from fem_lie.stability import ModeImperfection, PathEnds, apply_imperfections, switch_branch
 
 BENDING, RATIO = 1.0, 1e6
 
@@ -46,14 +48,12 @@ def column(ends: str, elements: int) -> tuple[fl.Scene, fl.Beam]:
     if bottom == "fixed":
         scene.add(fl.Clamp(beam.point("start")))
     else:
-        scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
+        scene.add(Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
     if head != "free":
-        scene.add(fl.joints.InPlane(fl.ground(), beam.point("end"), axis=(1, 0, 0)))
+        scene.add(InPlane(fl.ground(), beam.point("end"), axis=(1, 0, 0)))
     if head == "fixed":  # a stiff pin on top stays upright, too
         pin = (0, 0, 1.1 * LENGTH)
-        scene.add(
-            fl.joints.InPlane(fl.ground(), beam.point("end"), at=pin, axis=(1, 0, 0), name="pin")
-        )
+        scene.add(InPlane(fl.ground(), beam.point("end"), at=pin, axis=(1, 0, 0), name="pin"))
     load = BETA[ends] ** 2 * BENDING / LENGTH**2
     scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, -load)))
     return scene, beam
@@ -69,22 +69,17 @@ def study(
     bent = {"deflection": lambda state: abs(state.position(middle)[0])}
     straight = fl.follow_path(scene, 1.1, observe=bent)
     point = straight.bifurcations[0]
-    until = fl.stability.PathEnds(beyond, stop=lambda state: -state.position(beam.point("end"))[2])
-    branch = fl.follow_path(
-        scene, until, start=fl.stability.switch_branch(scene, point), observe=bent
-    )
-    out_of_shape = fl.stability.apply_imperfections(
-        scene, fl.stability.ModeImperfection(modes, 1, imperfection * LENGTH)
-    )
+    until = PathEnds(beyond, stop=lambda state: -state.position(beam.point("end"))[2])
+    branch = fl.follow_path(scene, until, start=switch_branch(scene, point), observe=bent)
+    out_of_shape = apply_imperfections(scene, ModeImperfection(modes, 1, imperfection * LENGTH))
     imperfect = fl.follow_path(out_of_shape, until, observe=bent)
     load, deflection = branch.factors[-1], float(branch.observed["deflection"][-1])
     if file is not None:
         others = [(path, path.observed["deflection"]) for path in (straight, imperfect)]
         over = (1.0, "load over Euler's")
         units = fl.post.Units(length="length")
-        branch.plot_path(
-            "deflection", file, label="deflection", load=over, others=others, units=units
-        )
+        options = dict(label="deflection", load=over, others=others, units=units)
+        branch.plot_path("deflection", file, **options)
     # the load is referred to the one at which this column buckles
     error = deflection_error(deflection, load / point.factor, ends)
     effort = of_path(straight, branch, imperfect)

@@ -31,6 +31,7 @@ Three checks.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -53,17 +54,14 @@ def sheet(cells: tuple[int, int], A: float, nu: float) -> fl.Scene:
     wing.add_velocity(omega=(0.0, -A * BEAT, 0.0), about=(0.0, 0.0, 0.0))
     scene = fl.Scene()
     scene.add(wing)
-    scene.add(
-        fl.loads.EdgeLoad(wing, "a=0", moment=(0, 1, 0), history=lambda t: given.moment(A, t))
-    )
+    drive = partial(given.moment, A)
+    scene.add(fl.loads.EdgeLoad(wing, "a=0", moment=(0, 1, 0), history=drive))
     return scene
 
 
-def flap(
-    cells: tuple[int, int], amplitude: float, nu: float, step: float, periods: float
-) -> fl.Result:
+def flap(cells: tuple[int, int], A: float, nu: float, step: float, periods: float) -> fl.Result:
     """Beat for some periods, in steps of a part of the period."""
-    scene, h = sheet(cells, amplitude, nu), 2 * np.pi / BEAT * step
+    scene, h = sheet(cells, A, nu), 2 * np.pi / BEAT * step
     return fl.GeneralisedAlpha(radius=0.9).run(scene, duration=round(periods / step) * h, step=h)
 
 

@@ -34,18 +34,16 @@ from diagrams import diagram
 from shell_errors import stress_errors
 
 import fem_lie as fl
+from fem_lie.extend import Point
+from fem_lie.mesh import parametric_surface as rectangle
 
 LENGTH, WIDTH, THICKNESS, ANGLE = 0.5, 0.1, 15e-3, np.radians(30.0)
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
 
 
-def plate(
-    scene: fl.Scene, x: float, name: str
-) -> tuple[fl.Shell, fl.extend.Point, fl.extend.Point]:
+def plate(scene: fl.Scene, x: float, name: str) -> tuple[fl.Shell, Point, Point]:
     """A plate with stiff ends, and the middles of these."""
-    mesh = fl.mesh.parametric_surface(
-        lambda a, b: (x + LENGTH * a, WIDTH * (b - 0.5), 0.0), (20, 4)
-    )
+    mesh = rectangle(lambda a, b: (x + LENGTH * a, WIDTH * (b - 0.5), 0.0), (20, 4))
     shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(THICKNESS, STEEL), name=name))
     ends = []
     for end in (x, x + LENGTH):
@@ -57,7 +55,7 @@ def plate(
     return shell, *ends
 
 
-def hinged(scene: fl.Scene, points: list[fl.extend.Point]) -> fl.Scene:
+def hinged(scene: fl.Scene, points: list[Point]) -> fl.Scene:
     """With both hinges, and weight."""
     scene.add(fl.joints.Revolute(fl.ground(), points[0], axis=(0, 1, 0)))
     scene.add(fl.joints.Revolute(points[1], points[2], axis=(0.2, 1, 0)))
@@ -82,6 +80,7 @@ def main(
     start = perf_counter()
     links = [few.add(reduced(x, name, modes)) for x, name in ((0.0, "one"), (LENGTH, "two"))]
     setup = perf_counter() - start
+    arrays = [a for link in links for a in (link.density, link.stiffness, link.quadratic)]
     hinged(few, [link.point(k) for link in links for k in range(2)])
     scheme, steps = fl.GeneralisedAlpha(radius=0.8), round(duration / step)
     scheme.run(few, duration=step, step=step)  # compiles
@@ -106,8 +105,7 @@ def main(
         "stress_error": float(stress),
         "speedup": full.seconds / fast.seconds,
         "setup_seconds": setup,
-        "kilobytes": sum(b.density.nbytes + b.stiffness.nbytes + b.quadratic.nbytes for b in links)
-        / 1024,
+        "kilobytes": sum(array.nbytes for array in arrays) / 1024,
         "break_even_steps": setup / (full.seconds - fast.seconds) * steps,
         "energy_error": fast.energy_error,
     }
@@ -115,10 +113,8 @@ def main(
 
 def draw(found: fl.Result, times: np.ndarray, away: list[np.ndarray]) -> None:
     """The motion expanded to all nodes, and what it misses over time."""
-    moments = np.linspace(0.0, min(1.0, times[-1]), 5)
-    found.picture(
-        in_results("reduced_pendulum.png"), moments, title="Reduced-order double pendulum"
-    )
+    moments, file = np.linspace(0.0, min(1.0, times[-1]), 5), in_results("reduced_pendulum.png")
+    found.picture(file, moments, title="Reduced-order double pendulum")
     with diagram("reduced_pendulum_error.png") as axes:
         for name, error in zip(("hinge", "free end"), away, strict=True):
             axes.semilogy(times[1:], error[1:], label=name)

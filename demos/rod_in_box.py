@@ -26,6 +26,7 @@ from command_line import in_results, one_of, run
 from rigid import axes_along, box_inertia
 
 import fem_lie as fl
+from fem_lie.contact import Box, Contact, Impact, Penalty, Vertices
 
 FIRST, SECOND = np.array([0, -0.2, 1.0]), np.array([1, 0.2, 0])
 SIDE, DENSITY, GRAVITY = 0.2, 7850, 9.81
@@ -41,9 +42,7 @@ REFERENCES = {
 }
 
 
-def rod_in_box(
-    ends: str, law: fl.contact.Impact | fl.contact.Penalty
-) -> tuple[fl.Scene, fl.RigidBody, fl.contact.Contact]:
+def rod_in_box(ends: str, law: Impact | Penalty) -> tuple[fl.Scene, fl.RigidBody, Contact]:
     """The scene, the rod, and what touches."""
     edges, middle = np.array([LENGTH, SIDE, SIDE]), (FIRST + SECOND) / 2
     outer, inner = (DENSITY * float(box.prod()) for box in (OUTER, INNER))
@@ -53,24 +52,23 @@ def rod_in_box(
     rod = scene.add(fl.RigidBody(MASS, box_inertia(MASS, edges), middle, axes, name="rod"))
     box = scene.add(fl.RigidBody(outer - inner, moments, CENTRE, name="box"))
     scene.add(fl.PointLoad(rod.point("centre"), (0, 0, -GRAVITY * MASS)))
-    balls = fl.contact.Vertices([rod.point(FIRST), rod.point(SECOND)], SIDE / 2)
-    surface = fl.contact.Box(rod.point("centre"), edges) if ends == "square" else balls
-    walls = fl.contact.Box(box.point("centre"), INNER, inside=True)
-    contact = scene.add(fl.contact.Contact(surface, walls, law, name="rod in box"))
-    return scene, rod, contact
+    balls = Vertices([rod.point(FIRST), rod.point(SECOND)], SIDE / 2)
+    surface = Box(rod.point("centre"), edges) if ends == "square" else balls
+    walls = Box(box.point("centre"), INNER, inside=True)
+    return scene, rod, scene.add(Contact(surface, walls, law, name="rod in box"))
 
 
-def law_of(law: str, friction: float, restitution: float) -> fl.contact.Impact | fl.contact.Penalty:
+def law_of(law: str, friction: float, restitution: float) -> Impact | Penalty:
     """By its name."""
     one_of("--law", law, ("impact", "penalty"))
     if law == "impact":
-        return fl.contact.Impact(friction, restitution)
+        return Impact(friction, restitution)
     if friction or restitution:
         raise ValueError("--law penalty has neither friction nor restitution; give --friction 0")
-    return fl.contact.Penalty(STIFFNESS, 2 * np.sqrt(STIFFNESS * MASS / 2), RAMP)
+    return Penalty(STIFFNESS, 2 * np.sqrt(STIFFNESS * MASS / 2), RAMP)
 
 
-def in_contact(result: fl.Result, contact: fl.contact.Contact) -> tuple[int, float, float]:
+def in_contact(result: fl.Result, contact: Contact) -> tuple[int, float, float]:
     """Steps in which something touches, largest overlap and residual of the cones."""
     contacts = result.contacts
     if contacts is not None:

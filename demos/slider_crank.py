@@ -28,11 +28,12 @@ from reference.tables import table
 from rigid import axes_along
 
 import fem_lie as fl
+from fem_lie.joints import Prismatic, Revolute, Spherical
 
 PIVOT, CRANK_END, SLIDER = np.array([[0, 0.1, 0.12], [0, 0.1, 0.2], [0.2, 0, 0]])
 SPEED, ROD_MASS, ROD_RADIUS = 6.0, 0.5, 0.008
 REFERENCE = table("slider_crank")
-Mechanism = tuple[fl.Scene, fl.joints.Revolute, fl.joints.Prismatic]
+Mechanism = tuple[fl.Scene, Revolute, Prismatic]
 EVERY = 0.05
 """Time between two rows of the reference."""
 
@@ -55,19 +56,17 @@ def mechanism(rod: fl.extend.Body | None = None) -> Mechanism:
     speed = np.array([velocity_b @ along / along[0], 0, 0])
     slider = scene.add(fl.RigidBody(2.0, (1e-3, 1e-3, 1e-3), SLIDER, name="slider"))
     slider.add_velocity(speed)
-    ends = ("start", "end")
+    ends = "start", "end"
     if rod is None:
         middle, axes, ends = 0.5 * (CRANK_END + SLIDER), axes_along(along), ("centre", "centre")
         rod = fl.RigidBody(ROD_MASS, (4e-4, 4e-3, 4e-3), middle, axes, name="rod")
     scene.add(rod)
     rod.add_velocity(velocity_b)
     rod.add_velocity(omega=np.cross(along, speed - velocity_b) / 0.3, about=CRANK_END)
-    pivot = scene.add(
-        fl.joints.Revolute(fl.ground(), crank.point("centre"), at=PIVOT, axis=(1, 0, 0))
-    )
-    scene.add(fl.joints.Spherical(crank.point("centre"), rod.point(ends[0]), at=CRANK_END))
-    scene.add(fl.joints.Spherical(slider.point("centre"), rod.point(ends[1]), at=SLIDER))
-    guide = scene.add(fl.joints.Prismatic(fl.ground(), slider.point("centre"), axis=(1, 0, 0)))
+    pivot = scene.add(Revolute(fl.ground(), crank.point("centre"), at=PIVOT, axis=(1, 0, 0)))
+    scene.add(Spherical(crank.point("centre"), rod.point(ends[0]), at=CRANK_END))
+    scene.add(Spherical(slider.point("centre"), rod.point(ends[1]), at=SLIDER))
+    guide = scene.add(Prismatic(fl.ground(), slider.point("centre"), axis=(1, 0, 0)))
     return scene, pivot, guide
 
 
@@ -93,7 +92,7 @@ def main(
     if pictures:
         file = in_results("slider_crank.png")
         result.picture(file, trace=["crank.centre"], title="Spatial slider-crank")
-    record: dict[str, Any] = {
+    return {
         "elements": elements,
         "step": step,
         "order": order(results),
@@ -106,10 +105,8 @@ def main(
         "energy_error": result.energy_error,
         "violation": float(result.joint_violations.max()),
         **of_motion(result, round(duration / h)),
+        **({"deflection": bow(result, "rod")} if elements else {}),
     }
-    if elements:
-        record["deflection"] = bow(result, "rod")
-    return record
 
 
 if __name__ == "__main__":

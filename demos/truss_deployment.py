@@ -56,12 +56,9 @@ def main(
     one_of("tubes", tubes, DIAMETERS)
     one_of("policy", policy, POLICIES)
     inner, outer = (0.5 * diameter for diameter in DIAMETERS[tubes])
-    section, matrix_terms = (
-        fl.Section.tube(inner, outer, STEEL),
-        fl.schemes.MatrixTerms(geometric=tubes == "thin"),
-    )
+    matrix_terms = fl.schemes.MatrixTerms(geometric=tubes == "thin")
     driven = (1 if cells <= 2 else 4) if driven is None else driven
-    truss = Truss(cells, section, elements, driven, matrix_terms)
+    truss = Truss(cells, fl.Section.tube(inner, outer, STEEL), elements, driven, matrix_terms)
     axes, kept = fl.schemes.MatrixFrame(int(inertial)), POLICIES[policy]
     scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=tolerance, policy=kept, matrix_frame=axes)
     steps, every = round(duration / step), max(1, round(duration / step) // 500)

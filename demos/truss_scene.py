@@ -43,6 +43,8 @@ import numpy as np
 from reference.truss import LONGERON, SIDE, START, corners, turned
 
 import fem_lie as fl
+from fem_lie.joints import Revolute, RigidLink
+from fem_lie.schemes import MatrixTerms
 
 TUBES = {"closing": 3.2, "opening": 2.4}
 AXIS, UP = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
@@ -65,24 +67,16 @@ class Truss:
     """
 
     def __init__(
-        self,
-        cells: int,
-        section: fl.Section,
-        elements: int,
-        driven: int,
-        matrix_terms: fl.schemes.MatrixTerms,
+        self, cells: int, section: fl.Section, elements: int, driven: int, matrix_terms: MatrixTerms
     ) -> None:
         if cells < 1 or not 1 <= driven <= 4:
             raise ValueError(f"wanted cells ≥ 1 and 1 to 4 driven longerons, got {cells}, {driven}")
-        self.scene, self.section, self.elements = (
-            fl.Scene(matrix_terms=matrix_terms),
-            section,
-            elements,
-        )
+        self.scene = fl.Scene(matrix_terms=matrix_terms)
+        self.section, self.elements = section, elements
         self.driven = DRIVEN_FIRST[:driven]
         self.bars: list[fl.Beam] = []
         self.frames = [[fl.ground()] * 4]
-        tops: dict[int, fl.joints.Revolute] = {}
+        tops: dict[int, Revolute] = {}
         for cell in range(cells):
             self._lower_frame(cell)
             self.frames.append(self._frame(cell + 1))
@@ -104,20 +98,16 @@ class Truss:
     def _frame(self, level: int) -> list[fl.extend.Point]:
         battens = self._battens(level)
         for i in range(4):
-            self.scene.add(
-                fl.joints.RigidLink(battens[i - 1].point("end"), battens[i].point("start"))
-            )
+            self.scene.add(RigidLink(battens[i - 1].point("end"), battens[i].point("start")))
         return [batten.point("start") for batten in battens]
 
     def _lower_frame(self, cell: int) -> None:
         for i, batten in enumerate(self._battens(cell)):
             for corner, end in ((i, batten.point("start")), ((i + 1) % 4, batten.point("end"))):
                 on = self.frames[cell][corner]
-                self.scene.add(fl.Clamp(end) if on.is_ground else fl.joints.RigidLink(on, end))
+                self.scene.add(fl.Clamp(end) if on.is_ground else RigidLink(on, end))
 
-    def _longerons(
-        self, cell: int, below: dict[int, fl.joints.Revolute]
-    ) -> dict[int, fl.joints.Revolute]:
+    def _longerons(self, cell: int, below: dict[int, Revolute]) -> dict[int, Revolute]:
         """All four; takes and returns the hinges at the tops of the driven ones."""
         lower, upper = (corners(cell + k, START) for k in range(2))
         tops = {}
@@ -152,5 +142,5 @@ class Truss:
             )
         )
 
-    def _hinge(self, a: fl.extend.Point, b: fl.extend.Point) -> fl.joints.Revolute:
-        return self.scene.add(fl.joints.Revolute(a, b, axis=AXIS))
+    def _hinge(self, a: fl.extend.Point, b: fl.extend.Point) -> Revolute:
+        return self.scene.add(Revolute(a, b, axis=AXIS))

@@ -30,7 +30,9 @@ def script(file, beginning=""):
 @pytest.mark.parametrize("read", READERS)
 def test_no_reader_runs_a_script(tmp_path, read, name):
     file, mark = script(tmp_path / name)
-    with pytest.raises(ValueError, match=rf"{name}' is neither .*fl\.run_gmsh_script\(path\)"):
+    with pytest.raises(
+        ValueError, match=rf"{name}' is neither .*fl\.mesh\.run_gmsh_script\(path\)"
+    ):
         READERS[read](file)
     assert not mark.exists()
 

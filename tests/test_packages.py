@@ -16,6 +16,7 @@ MOST_FILES = 12
 OUTSIDE = {
     "__init__",
     "__main__",
+    "_arguments",
     "_arrays",
     "_blas",
     "_compat",
@@ -28,6 +29,7 @@ OUTSIDE = {
 }
 
 COMMON = {
+    "_arguments",
     "_arrays",
     "_blas",
     "_compat",

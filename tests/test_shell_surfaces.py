@@ -210,7 +210,7 @@ def test_what_shell_surfaces_refuse():
             fl.contact.Penalty(K, friction=0.2),
         ),
     ):
-        with pytest.raises(ValueError, match="needs nodes that turn about all axes"):
+        with pytest.raises(ValueError, match="needs nodes that rotate about all axes"):
             scene.add(how)
     scene.add(fl.contact.Contact(fl.contact.ShellSurface(five, smooth=False), round_one, law))
 
@@ -314,7 +314,9 @@ def shot(speed: float) -> tuple[fl.Scene, fl.RigidBody]:
 def test_a_ball_that_goes_through_a_sheet_fails_the_step(step):
     """In 1.5e-2 s it gets as far as the middle surface."""
     scene, _ = shot(20.0)
-    with pytest.raises(fl.ConvergenceError, match=r"on ball; Skin .* passed through the other"):
+    with pytest.raises(
+        fl.ConvergenceError, match=r"on ball; ShellSurface .* passed through the other"
+    ):
         fl.GeneralisedAlpha(radius=0.8).run(scene, duration=3 * step, step=step, progress=False)
 
 

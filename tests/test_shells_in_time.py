@@ -97,7 +97,7 @@ def test_vibrations_of_guided_shells():
 
 def test_inertial_components_know_no_fixed_axes():
     scene, _ = spinning(True, fl.lie.Group.SE3)
-    with pytest.raises(ValueError, match=r"Components\.LOCAL"):
+    with pytest.raises(ValueError, match=r"MatrixFrame\.LOCAL"):
         run(scene, matrix_frame=fl.schemes.MatrixFrame.INERTIAL)
 
 

@@ -75,7 +75,7 @@ def run(scheme, scene, duration, step):
 @pytest.mark.parametrize("unit", [1.0, 1e3])
 def test_balls_that_jump_over_each_other_fail_the_step(scheme, unit):
     with pytest.raises(
-        fl.ConvergenceError, match=r"step 3 .*Sphere on right\): one side went through .* smaller"
+        fl.ConvergenceError, match=r"step 3 .*Sphere on right\): one side passed through .* smaller"
     ):
         run(scheme, balls(1e8, unit), 5e-3, 1e-3)
 
@@ -123,7 +123,7 @@ def test_impacts_beside_joints_see_what_goes_through():
     scene.add(fl.joints.Revolute(fl.ground(), far.point("centre"), axis=(0, 0, 1)))
     scheme = fl.GeneralisedAlpha(radius=0.8)
     with pytest.raises(
-        fl.ConvergenceError, match=r"left and right: one side went through .* smaller"
+        fl.ConvergenceError, match=r"left and right: one side passed through .* smaller"
     ):
         run(scheme, scene, 5e-3, 1e-3)
     scene.bodies[0].velocities[0, 0] = 15.0

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem_lie._arguments import Explained
 from fem_lie._arrays import Array, instance
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body, Point
@@ -107,7 +108,7 @@ class VelocityConstraintDefinition(NamedTuple):
     radius: float = 0.0
 
 
-class Connection(ABC):
+class Connection(Explained, ABC):
     """Base class of whatever connects frames of bodies.
 
     Attributes:

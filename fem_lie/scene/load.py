@@ -19,6 +19,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol, TypeAlias, cast
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie._arguments import Explained
 from fem_lie._arrays import Array, Indices, at_time, flag, history, instance, text, vector
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
@@ -112,7 +113,7 @@ class Carrier(NamedTuple):
     expected: str
 
 
-class Load(ABC):
+class Load(Explained, ABC):
     """Base class of all loads.
 
     A subclass is a frozen dataclass. It names the argument that is its body (:attr:`carrier`) and
@@ -153,8 +154,16 @@ class Load(ABC):
     def check(self) -> None:
         """Raise ``ValueError`` if a component is not finite or there is no such group of cells."""
         for name, count in self.components.items():
-            what = f"{name} of the {type(self).__name__} on {self.where}"
-            vector(getattr(self, name), count, what)
+            what, value = (
+                f"{name} of the {type(self).__name__} on {self.where}",
+                getattr(self, name),
+            )
+            if callable(value):
+                raise ValueError(
+                    f"{what} must be constant numbers, got a function; expected its variation in "
+                    "time as history="
+                )
+            vector(value, count, what)
         if self.cells is not None:
             self.body.cells_of(self.cells)
 

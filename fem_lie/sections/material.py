@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem_lie._arguments import Explained
 from fem_lie._arrays import Array, instance, number, numbers, positive, positive_or_zero
 
 
 @dataclass(frozen=True)
-class Material:
+class Material(Explained):
     """Isotropic elastic material.
 
     Attributes:
@@ -44,7 +45,7 @@ def require_material(value: object) -> None:
 
 
 @dataclass(frozen=True)
-class Damping:
+class Damping(Explained):
     """Linear damping; Rayleigh damping uses both parts.
 
     Attributes:

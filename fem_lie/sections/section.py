@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from fem_lie._arguments import Explained, explained
 from fem_lie._arrays import Array, number, numbers, positive
 from fem_lie._summary import Summarised
 from fem_lie.sections.properties import SectionProperties, rectangle, ring, rotation
@@ -121,7 +122,7 @@ _CIRCLE_POINTS = 32
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Section(Summarised):
+class Section(Explained, Summarised):
     """Stiffness and inertia of a beam per length, in the local frame of its points.
 
     Attributes:
@@ -148,6 +149,7 @@ class Section(Summarised):
             object.__setattr__(self, "outline", _outline(self.outline))
 
     @classmethod
+    @explained
     def rectangle(
         cls,
         width: float,
@@ -176,6 +178,7 @@ class Section(Summarised):
         return _from_closed_form(properties, material.density, corners)
 
     @classmethod
+    @explained
     def circle(
         cls, radius: float, material: Material, *, shear_factor: float | None = None
     ) -> Section:
@@ -194,6 +197,7 @@ class Section(Summarised):
         return _from_closed_form(properties, material.density, _circle(radius))
 
     @classmethod
+    @explained
     def tube(
         cls,
         inner_radius: float,

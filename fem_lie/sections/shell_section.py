@@ -16,6 +16,7 @@ from math import cos, radians, sin
 
 import numpy as np
 
+from fem_lie._arguments import Explained, explained
 from fem_lie._arrays import Array, instance, number, positive, positive_or_zero
 from fem_lie._summary import Summarised
 from fem_lie.sections.material import Material
@@ -104,7 +105,7 @@ class Ply:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ShellSection(Summarised):
+class ShellSection(Explained, Summarised):
     """Stiffness and inertia of a shell per area.
 
     Attributes:
@@ -124,6 +125,7 @@ class ShellSection(Summarised):
         positive(self.thickness, "thickness")
 
     @classmethod
+    @explained
     def layer(
         cls, thickness: float, material: Material, *, shear_factor: float = SHEAR_FACTOR
     ) -> ShellSection:
