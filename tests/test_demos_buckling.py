@@ -5,6 +5,8 @@ from types import ModuleType
 
 import pytest
 
+import fem_lie as fl
+
 
 def demo(name: str) -> ModuleType:
     return importlib.import_module(f"demos.{name}")
@@ -60,8 +62,8 @@ def test_pulled_cylinder_snaps_within_one_step(resolution):
     """Its load falls by half a per cent only, and both turns may lie between two states."""
     module = demo("pulled_cylinder")
     # a cell beside the force turns by 82 degrees
-    with pytest.warns(module.fl.CoarseElementsWarning):
-        path = module.fl.follow_path(module.cylinder(12, 8), 0.6, resolution=resolution)
+    with pytest.warns(fl.schemes.CoarseElementsWarning):
+        path = fl.follow_path(module.cylinder(12, 8), 0.6, resolution=resolution)
     upper, lower = path.limits
     assert (upper.negative_pivots, lower.negative_pivots) == ((0, 1), (1, 0))
     # 16x12 … 48x32: 0.3-0.65 % lower, the more the coarser
@@ -82,11 +84,11 @@ def test_strips_and_profiles_tip_over():
 def test_compressed_cylinder_bears_the_classical_load_if_perfect():
     module = demo("compressed_cylinder")
     for ratio in (100.0, 1000.0):
-        modes = module.fl.buckling(module.cell(1 / ratio, 8), 2)
+        modes = fl.buckling(module.cell(1 / ratio, 8), 2)
         assert abs(modes.factors[0] - 1.0) <= 0.03
     t = 0.01
-    out_of_shape = module.fl.imperfect(module.cell(t, 6), module.rings(t, 0.1 * t))
-    path = module.fl.follow_path(out_of_shape, module.fl.PathEnds(critical_points=1))
+    out_of_shape = fl.stability.apply_imperfections(module.cell(t, 6), module.rings(t, 0.1 * t))
+    path = fl.follow_path(out_of_shape, fl.stability.PathEnds(critical_points=1))
     assert path.critical[0].factor == pytest.approx(module.koiter(0.1), rel=0.1)
 
 

@@ -155,7 +155,7 @@ def test_drives_must_not_jump():
     scene = fl.Scene()
     for item in two(scene.add(fl.RigidBody(1.0, (1, 1, 1)))):
         if isinstance(item, fl.joints.Drive):
-            with pytest.raises(ValueError, match=r"discontinuities at the times \[0.5\]"):
+            with pytest.raises(ValueError, match=r"jumps at the times \[0.5\]"):
                 scene.add(item)
         else:
             scene.add(item)

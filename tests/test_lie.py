@@ -252,7 +252,7 @@ def test_adjoint(A, B, v):
     M = lie.homogeneous(A)
     close(lie.hat(Ad @ v), M @ lie.hat(v) @ np.linalg.inv(M), 4 * ROUNDING)
     close(lie.se3_adjoint(lie.se3_compose(A, B)), Ad @ lie.se3_adjoint(B), 2 * ROUNDING)
-    for name, wanted in {
+    for name, expected in {
         "apply_adjoint": Ad @ v,
         "apply_adjoint_inverse": np.linalg.inv(Ad) @ v,
         "apply_adjoint_transposed": Ad.T @ v,
@@ -260,7 +260,7 @@ def test_adjoint(A, B, v):
     }.items():
         out = v.copy()
         getattr(lie, name)(A, out, out)
-        close(out, wanted, 10 * ROUNDING)  # of size |x| |v| ≤ 8
+        close(out, expected, 10 * ROUNDING)  # of size |x| |v| ≤ 8
 
 
 @law
@@ -511,10 +511,10 @@ def test_frames_as_arrays():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: lie.se3_exp(np.zeros((2, 5))), r"d has shape \(2, 5\), wanted \(…, 6\)"),
-        (lambda: lie.so3_exp(0.0), r"theta has shape \(\), wanted \(…, 3\)"),
-        (lambda: lie.frame(np.zeros(3), np.zeros(3)), r"R has shape \(3,\), wanted \(…, 3, 3\)"),
-        (lambda: lie.hat(np.zeros(4)), r"v has shape \(4,\), wanted \(…, 3\)"),
+        (lambda: lie.se3_exp(np.zeros((2, 5))), r"d has shape \(2, 5\), expected \(…, 6\)"),
+        (lambda: lie.so3_exp(0.0), r"theta has shape \(\), expected \(…, 3\)"),
+        (lambda: lie.frame(np.zeros(3), np.zeros(3)), r"R has shape \(3,\), expected \(…, 3, 3\)"),
+        (lambda: lie.hat(np.zeros(4)), r"v has shape \(4,\), expected \(…, 3\)"),
         (lambda: lie.se3_compose(np.zeros((2, 4, 3)), np.zeros((3, 4, 3))), "broadcast"),
     ],
 )

@@ -137,7 +137,7 @@ def test_bad_input():
         fl.schemes.MultiRate({stranger: 10}).run(scene, **span)
     with pytest.raises(ValueError, match=r"MultiRate: steps of .* must be at least 1, got 0"):
         fl.schemes.MultiRate({two: 0})
-    with pytest.raises(ValueError, match="wanted EnergyMomentum"):
+    with pytest.raises(ValueError, match="expected EnergyMomentum"):
         fl.schemes.MultiRate({two: 2}, fl.EnergyDecaying())
     scene.add(
         fl.joints.Spring(

@@ -355,7 +355,7 @@ REFUSED = {
     ),
     "points": (
         lambda: two(cube, lambda body: fl.contact.Vertices([body.point("centre")])),
-        "points do not touch polyhedra",
+        "points and hollow spheres do not touch polyhedra",
     ),
 }
 

@@ -34,7 +34,7 @@ def require_node(point: Point, what: str) -> None:
     """
     if point.attachment is not None and not point.attachment.kind.rigid:
         raise ValueError(
-            f"{what} expected a node, got {point.label}, which is not a node: hold it by a joint "
+            f"{what} needs a node, got {point.label}, which is not a node: hold it by a joint "
             "such as Fixed, or place a node of the mesh there"
         )
 
