@@ -109,6 +109,12 @@ class Explained:
         return super().__new__(cls)
 
 
+# a class without a constructor has no arguments, whatever ``__new__`` takes
+cast(Any, Explained.__new__).__signature__ = inspect.Signature(
+    [inspect.Parameter("cls", inspect.Parameter.POSITIONAL_ONLY)]
+)
+
+
 def explained(function: Function) -> Function:
     """A function whose error for an unknown argument names the one that is probably meant."""
     parameters = inspect.signature(function).parameters.values()
