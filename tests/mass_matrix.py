@@ -13,7 +13,7 @@ def mass_matrix_6x6(mass_matrix: npt.ArrayLike) -> fl.extend.Array:
     """Mass matrix of local velocities (translation, rotation): ``[[m I, −m ĉ], [m ĉ, J]]``.
 
     Args:
-        mass_matrix: Mass matrix of (x, d₁, d₂, d₃), shape (4, 4), see :func:`gram_from_rigid`.
+        mass_matrix: Mass matrix of (x, d₁, d₂, d₃), shape (4, 4).
 
     Returns:
         Symmetric matrix, shape (6, 6); J is about the frame's origin.

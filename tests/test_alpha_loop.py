@@ -167,7 +167,7 @@ def test_axes_of_solids_are_turned_in_the_loop(monkeypatch, held):
 
 @pytest.mark.parametrize("scene", [rigid_pendulum, lambda: bars()[0]], ids=["rigid", "bars"])
 def test_the_compiled_loop_of_the_variational_scheme_makes_the_same_steps(monkeypatch, scene):
-    """To the last bit, with matrices that are made anew within it, and with what is booked."""
+    """To the last bit, with refactorised matrices within it, and with the energy balance."""
     scheme = fl.schemes.Variational(policy=fl.schemes.Automatic(cost=3.0, patience=3))
     plan = {"duration": 0.06, "step": 2e-3, "save_every": 5}
     quick = scheme.run(scene(), **plan)

@@ -106,7 +106,7 @@ def test_cost_is_that_of_eliminating_one_unknown_after_the_other(rng, ordering, 
     ],
     ids=["chain", "ring", "tree", "ladder", "mesh"],
 )
-def test_width_tells_chains_from_meshes(pairs, least, most):
+def test_width_separates_chains_from_meshes(pairs, least, most):
     rows, columns = np.array(pairs).T
     n = int(columns.max()) + 1
     nodes = sp.csr_matrix((np.ones(len(rows)), (rows, columns)), shape=(n, n))

@@ -1,4 +1,4 @@
-"""Composed schemes: their order in all that is told, invariants, interruption, bad input."""
+"""Composed schemes: their order in all reported quantities, invariants, interruption, bad input."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -134,7 +134,7 @@ def test_fourth_order_with_functions_of_time():
     np.testing.assert_allclose(found, 4.0, atol=0.2)
 
 
-def test_work_is_booked():
+def test_work_is_accounted_for():
     result = SCHEMES["five"].run(driven(), duration=0.1, step=2e-3)
     assert result.balance_error <= 1e-12
     assert abs(result.balance[-1, 0]) > 1e-3

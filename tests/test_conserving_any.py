@@ -182,7 +182,7 @@ SUPPORTED = {"swinging": swinging, "clamped": clamped, "standing": standing}
 
 @pytest.mark.parametrize("name", SUPPORTED)
 def test_loads_and_supports(name):
-    """Work of what changes in time and impulses of supports are booked to round-off."""
+    """Work of what changes in time and impulses of supports are accounted for to round-off."""
     result = SCHEME.run(SUPPORTED[name](), duration=0.6, step=2e-3, save_every=10)
     assert result.balance_error <= 1e-11
     assert np.ptp(result.kinetic) > 1e-3
@@ -246,7 +246,7 @@ def test_resumed_to_the_last_bit(scheme, tmp_path):
 
 @pytest.mark.parametrize("name", BODIES)
 def test_decaying(name):
-    """Energy rises in no step, falls by what is booked alone, and momenta stay."""
+    """Energy rises in no step, falls by the accounted dissipation alone, and momenta stay."""
     result = fl.EnergyDecaying(radius=0.5).run(flying(name)[0], duration=0.24, step=4e-3)
     total = result.kinetic + result.elastic
     assert np.diff(total).max() <= 1e-12 * total[0]

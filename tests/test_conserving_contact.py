@@ -82,7 +82,7 @@ def test_decaying_steps_never_gain_energy():
     assert result.angular_momentum_error < 1e-13
 
 
-def test_what_ground_gives_is_booked():
+def test_impulses_of_ground_are_accounted_for():
     """A ball between two slopes of ground."""
     ball = fl.RigidBody(1.0, 4e-3 * np.eye(3), (0, 0, 1))
     scene = fl.Scene(gravity=(0, 0, -9.81))

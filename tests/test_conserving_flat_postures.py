@@ -1,6 +1,6 @@
 """Conserving schemes through postures in which constraints lose rank: kept matrices mislead there.
 
-A kept matrix has the constraints of an older posture, and next to a flat one the digits in which
+A frozen matrix has the constraints of an older posture, and next to a flat one the digits in which
 the bars are not parallel grow with each iteration by the ratio of the two. A step that ends so is
 on another branch, with the energy of the right one.
 """

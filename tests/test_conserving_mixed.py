@@ -31,7 +31,7 @@ def test_balances_and_motion(name):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_decaying(name):
-    """Energy less work rises in no step, falls by what is booked alone, and momenta stay."""
+    """Energy less work never rises, falls by the accounted dissipation alone; momenta stay."""
     result = DECAYS.run(SCENES[name](), duration=0.04, step=1e-3)
     left = result.total_energy - result.balance[:, 0] + result.balance[:, 1]
     size = np.abs(result.kinetic).max()

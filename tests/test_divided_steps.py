@@ -67,7 +67,7 @@ def spinning() -> tuple[fl.Scene, fl.extend.Body]:
 
 
 def tumbling() -> tuple[fl.Scene, fl.extend.Body]:
-    """Free bodies that spin, rub and bounce on the floor and on each other."""
+    """Free bodies that spin, slide with friction and bounce on the floor and on each other."""
     scene, centres, law = fl.Scene(gravity=(0, 0, -9.81)), [], fl.contact.Impact(0.3, 0.5)
     for k in range(3):
         body = scene.add(fl.RigidBody(1.0, (1e-3, 2e-3, 2.5e-3), (0.21 * k, 0, 0.12)))

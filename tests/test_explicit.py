@@ -198,7 +198,7 @@ def test_damping_of_mass(name):
 
 
 def test_loads_and_supports():
-    """What gravity and supports do is booked step by step, in the compiled loop."""
+    """Work of gravity and supports is accounted for step by step, in the compiled loop."""
     scene, _ = net()
     scene.gravity[:] = (0, 0, -9.81)
     step = 0.5 * SCHEME.stable_step(scene)

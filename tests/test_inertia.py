@@ -164,7 +164,7 @@ def test_mass_matrix_gives_the_kinetic_energy_of_points(seed):
 
 @given(seed=seeds)
 @few
-def test_gram_from_rigid_is_that_of_points(seed):
+def test_director_mass_matrix_is_that_of_points(seed):
     """Mass, centre and inertia tensor say the same as the points that they come from."""
     rng = np.random.default_rng(seed)
     points, masses = rng.normal(size=(10, 3)) + 1, rng.uniform(0.1, 1, 10)

@@ -88,11 +88,11 @@ def test_what_jumps_is_in_the_balance(scheme):
 def test_adaptive_steps_end_at_jumps_that_are_said():
     step = fl.schemes.AdaptiveStep(1e-4)
     scene, _ = oscillator(fl.loads.PiecewiseLinear((0, INSIDE, INSIDE), (0, 0, 1)))
-    told = SCHEMES["generalised alpha"].run(scene, duration=END, step=step)
-    assert np.sum(np.abs(told.times - INSIDE) < 1e-12) == 2, "both sides"
+    listed = SCHEMES["generalised alpha"].run(scene, duration=END, step=step)
+    assert np.sum(np.abs(listed.times - INSIDE) < 1e-12) == 2, "both sides"
     blind, _ = oscillator(lambda t: float(t >= INSIDE))
     found = SCHEMES["generalised alpha"].run(blind, duration=END, step=step)
-    assert len(told.steps.rejected) < len(found.steps.rejected)
+    assert len(listed.steps.rejected) < len(found.steps.rejected)
 
 
 def test_free_bodies_feel_jumps_too():

@@ -183,7 +183,7 @@ def test_is_refused(name):
         make()
 
 
-def test_soft_penalties_are_told_of(caplog):
+def test_soft_penalties_are_reported(caplog):
     """With the name of the contact, how deep, and the stiffness; once."""
     one, other = straight((-1, 0, 0.03), (1, 0, 0.03)), straight((0, -1, 0), (0, 1, 0))
     one.add_velocity((0, 0, -1))

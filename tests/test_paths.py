@@ -132,7 +132,7 @@ def test_load_control_stops_at_a_limit_point_and_keeps_what_it_has(deep):
     assert found.stable.all()
 
 
-def test_path_ends_where_it_is_told_to(deep):
+def test_path_ends_where_it_should(deep):
     scene, crown, _ = deep
     stopped = fl.follow_path(
         scene, fl.stability.PathEnds(stop=lambda s: -s.displacement(crown)[1] - 50.0)

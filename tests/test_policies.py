@@ -1,4 +1,4 @@
-"""What is made anew and when, and velocities that satisfy the constraints."""
+"""What is refactorised and when, and velocities that satisfy the constraints."""
 
 from itertools import pairwise
 
@@ -160,7 +160,7 @@ def test_stabilised_velocities_keep_momenta():
 
 
 class Deaf(fl.schemes.Automatic):
-    """As without asking: all is made anew when new constraints no longer bring back the best."""
+    """As without asking: all is refactorised when new constraints no longer bring back the best."""
 
     def begin(self, bound: bool) -> fl.extend.PolicyState:
         rule = super().begin(bound).rule

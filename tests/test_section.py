@@ -136,7 +136,7 @@ def _random_body(seed):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_gram_matrix_of_point_masses(seed):
+def test_mass_matrix_of_point_masses(seed):
     mass, J, centre, mass_matrix = _random_body(seed)
     np.testing.assert_allclose(
         fl.sections.director_mass_matrix(mass, J, centre), mass_matrix, rtol=1e-12, atol=1e-12

@@ -44,11 +44,13 @@ def test_a_load_beyond_its_limit_arrives_at_a_stable_state_and_says_that_it_snap
     assert len(caught) == 1 and result.stable.all()
 
 
-def test_a_limit_load_on_the_way_is_told_though_the_end_is_stable():
+def test_a_limit_load_on_the_way_is_reported_though_the_end_is_stable():
     scene, _ = arch(24)
-    with pytest.warns(fl.stability.UnstableEquilibriumWarning, match=r"maximum near 0\.8") as told:
+    with pytest.warns(
+        fl.stability.UnstableEquilibriumWarning, match=r"maximum near 0\.8"
+    ) as caught:
         result = fl.follow_loads(scene)
-    assert len(told) == 1
+    assert len(caught) == 1
     assert result.stable.all() and len(result.load_maxima) == 1
     assert maxima([0.5, 1.0]) == ()
     assert maxima([0.5, 0.9, 0.3, 0.4, 0.2, 1.0]) == (0.9, 0.4)

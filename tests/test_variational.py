@@ -100,7 +100,7 @@ def damped() -> fl.Scene:
 
 
 def test_dissipation_and_following_loads():
-    """Lagrange-d'Alembert: second order, and what is lost is booked to second order."""
+    """Lagrange-d'Alembert: second order, and dissipation is accounted for to second order."""
     plan = {"duration": 0.4, "save_every": 10**6}
     exact = fl.GeneralisedAlpha(radius=1.0, tolerance=1e-12).run(damped(), step=5e-5, **plan)
     runs = [SCHEME.run(damped(), step=h, **plan) for h in (4e-3, 2e-3)]
