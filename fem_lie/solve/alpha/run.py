@@ -74,7 +74,7 @@ class Run(Newton):
     """Contacts by impacts, which change the ends of steps."""
 
     def __init__(self, options: Options, equations: Equations, step: float) -> None:
-        """As in the base class."""
+        """Start the run of a scene from its initial state."""
         super().__init__(options, equations, step)
         known, rule = equations.tables, self.decisions.rule
         # the only condition for steps in the compiled loop

@@ -103,7 +103,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
     def __init__(
         self, contacts: Sequence[Contact], equations: Equations, rule: Rule, kept: Factors | None
     ) -> None:
-        """As in the base class."""
+        """Set up the contacts of a scene, without history."""
         super().__init__(contacts, equations, rule, kept)
         self.history, self._energy = ContactHistory(), equations.energy_balance()
         self._forget()

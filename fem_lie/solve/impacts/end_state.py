@@ -183,7 +183,7 @@ class CoupledVelocities(CoupledPositions):
     def __init__(
         self, contacts: Sequence[Contact], equations: Equations, rule: Rule, kept: Factors | None
     ) -> None:
-        """As in the base class."""
+        """Set up the contacts of a scene for impacts at the ends of steps."""
         super().__init__(contacts, equations, rule, kept)
         self.statistics, self.reactions = np.zeros(SIZE), np.zeros(self._m)
         self.work = self.exchanged = 0.0

@@ -300,6 +300,6 @@ class DividedIntegration(Integration[HistoryT], Divided[HistoryT]):
         *,
         bound: bool = False,
     ) -> None:
-        """As in the base classes."""
+        """Set up a run whose failed steps are divided."""
         Divided.__init__(self, policy, step)
         super().__init__(policy, equations, step, bound=bound)
