@@ -1,4 +1,4 @@
-"""Loads beside those at the top level, prestress and temperature, and histories in time."""
+"""Further loads, prestress and temperature, and histories in time."""
 
 from typing import TYPE_CHECKING
 

@@ -156,7 +156,7 @@ class Columns:
         self._kept, self._lefts = {}, {}
 
     def correct(self, beside: Beside, solve: Callable[[Array, Array], None], x: Array) -> None:
-        """Correct the solution ``x`` (n,) of the factors for all rows beside them.
+        """Correct the solution ``x`` (n,) of the factors for all rows that were added to them.
 
         Args:
             beside: The rows.

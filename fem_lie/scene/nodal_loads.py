@@ -190,7 +190,7 @@ class LineLoad(NodalLoad):
         """Consistent forces on directors, from the curved interpolation of the axis, (n, 3, 3)."""
         values = np.zeros((len(self.body.frames), 3, 3))
         nodes, _ = self.body.consistent_lengths()
-        chosen, levers = self.body.cells_of(self.cells), self.body.director_weights()
+        chosen, director_weights = self.body.cells_of(self.cells), self.body.director_weights()
         force = np.asarray(self.force, dtype=np.float64)
-        np.add.at(values, nodes[chosen], levers[chosen, :, :, np.newaxis] * force)
+        np.add.at(values, nodes[chosen], director_weights[chosen, :, :, np.newaxis] * force)
         return values

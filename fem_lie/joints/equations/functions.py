@@ -6,7 +6,7 @@
     ℓ = |Δ|                 the distance of the two origins
     σ = |(Q₃₁, Q₃₂)|        sine of the angle between the axes e₃
 
-Joints use them beside linear terms ``S z``. For the rotation of B about e₃ of A, ``s·z = Q₂₁ −
+Joints add them to linear terms ``S z``. For the rotation of B about e₃ of A, ``s·z = Q₂₁ −
 Q₁₂`` and ``c·z = Q₁₁ + Q₂₂``, with ``s² + c² = (1 + Q₃₃)²``: smooth unless the axes are opposite.
 """
 

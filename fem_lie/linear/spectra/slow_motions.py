@@ -93,7 +93,7 @@ def without(pencil: Pencil, slow: Array, s: Complex, vectors: Complex) -> Comple
 
 
 def _beside(M: sp.csr_matrix, rigid: Array, vectors: Complex) -> Array:
-    """Basis of the parts of vectors beside rigid motion and errors, shape (k, n)."""
+    """Basis of the parts of vectors other than rigid motion and errors, shape (k, n)."""
     both = np.concatenate([vectors.real, vectors.imag])
     both = _unit(both / np.abs(both).max(initial=1e-300), M / M.diagonal().max(), _SPLIT)
     both = _unit(both, M, 0.0)

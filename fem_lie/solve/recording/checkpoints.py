@@ -1,7 +1,7 @@
 """Results written to a file during the run, and the state from which a run can be restarted.
 
 The result file is created at full size and written row by row; whenever the process ends, the rows
-written so far can be read. Beside it are the last checkpoint, which is replaced atomically, and the
+written so far can be read. Next to it is the last checkpoint, which is replaced atomically, and the
 previous one: all data on which the following steps depend. A restarted run therefore computes the
 same results, bit for bit, as an uninterrupted one, also from the previous checkpoint, which is used
 if the last one is damaged.

@@ -231,7 +231,7 @@ class Numbering:
         self.count = self.master_map.count
         self.frames = frames[self.master_map.masters]
         self.start_frames = start_frames[self.master_map.masters] if elsewhere else self.frames
-        # length scale beside rotations; arbitrary for one node
+        # length scale of translations against rotations; arbitrary for one node
         self._size = float(np.linalg.norm(np.ptp(frames[:, 0], axis=0))) or 1.0
         self.velocities = velocities[self.master_map.masters]
         self.groups: Indices = groups[self.master_map.masters]

@@ -54,7 +54,7 @@ class AttachedTerm(Term):
         self.conserved, self._nodes = term.conserved, AttachedNodes(where, master_map)
         self.within_frames = term.within_frames
 
-    # --- abilities beside forces and a tangent ---
+    # --- abilities in addition to forces and a tangent ---
 
     @property
     def viscosity(self) -> ViscousForces | None:
