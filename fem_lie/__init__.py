@@ -1,5 +1,6 @@
 """Flexible multibody dynamics in the local frames of SE(3), as a plugin for FEniCSx."""
 
+import sys as _sys
 from typing import TYPE_CHECKING
 
 from fem_lie import _ffcx_warnings as _ffcx_warnings  # before anything imports DOLFINx
@@ -16,6 +17,7 @@ from fem_lie import reduction as reduction
 from fem_lie import schemes as schemes
 from fem_lie import sections as sections
 from fem_lie import stability as stability
+from fem_lie._arguments import explain_arguments as _explain_arguments
 from fem_lie._renamed import unknown_name
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.gradients.ancf_beam import AncfBeam
@@ -106,6 +108,8 @@ __all__ = [
 
 if not TYPE_CHECKING:  # for users; type checkers know what there is
     __getattr__ = unknown_name(__name__)
+
+_explain_arguments(_sys.modules[__name__])
 
 # before anything of a script can fail on one rank alone
 _end_together()

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
-from functools import cache, wraps
-from typing import Any, TypeVar, cast
+from functools import wraps
+from types import FunctionType, ModuleType
+from typing import Any
 
-Function = TypeVar("Function", bound=Callable[..., Any])
+from fem_lie._jit.decorators import explain_compiled
 
 MEANT = {
     "dt": ("step",),
@@ -45,6 +46,8 @@ MEANT = {
 }
 """Arguments of other codes, in lower case, and what they are called here."""
 
+CONVERTED = {("diameter", "radius"): "half the diameter"}
+"""Arguments whose values differ from those of the argument that is meant, and by what."""
 
 ELSEWHERE = {
     "velocity": "use its method add_velocity()",
@@ -58,79 +61,133 @@ ELSEWHERE = {
 """What is no argument of the constructor or function that is called, and where it is given."""
 
 
-def unknown_argument(what: str, given: str, known: Iterable[str]) -> TypeError:
-    """The error for a keyword argument that does not exist.
+def explain_arguments(package: ModuleType) -> None:
+    """Let all public functions and classes of a package explain calls with wrong arguments.
+
+    Functions are replaced in the namespaces only; the package itself calls the originals. The
+    constructors and public methods of classes are replaced in the classes.
 
     Args:
-        what: Name of the function or class.
-        given: Name of the argument.
-        known: Names of the arguments that exist.
+        package: The package; its namespaces are the modules in its ``__all__``.
     """
-    names = list(known)
-    meant = [name for name in MEANT.get(given.lower(), ()) if name in names]
-    meant = meant or get_close_matches(given, names, n=1, cutoff=0.7)
-    hint = f"expected {' or '.join(meant)}=" if meant else ELSEWHERE.get(given.lower(), "")
-    have = ", ".join(names) or "none"
-    return TypeError(f"{what} has no argument {given!r}{hint and f'; {hint}'} (it has {have})")
+    classes: dict[type, None] = {}
+    public = [getattr(package, name) for name in package.__all__]
+    for namespace in [package, *(thing for thing in public if isinstance(thing, ModuleType))]:
+        for name in namespace.__all__:
+            thing = getattr(namespace, name)
+            if isinstance(thing, FunctionType):
+                explained = _explained(thing)
+                explained.__module__ = namespace.__name__  # where pickle finds it
+                setattr(namespace, name, explained)
+            elif isinstance(thing, type):
+                classes |= dict.fromkeys(thing.__mro__)
+            else:
+                explain_compiled(thing, explanation)
+    for cls in classes:
+        if cls.__module__.startswith("fem_lie."):
+            for name, method in [*_explained_methods(cls)]:
+                setattr(cls, name, method)
 
 
-@cache
-def _arguments(function: Callable[..., Any]) -> tuple[tuple[str, ...], bool]:
-    """Names of the arguments of a function without ``self``, and whether it takes any others."""
-    found = inspect.signature(function).parameters.values()
-    names = tuple(p.name for p in found if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY))
-    return names[names[:1] in (("self",), ("cls",)) :], any(p.kind is p.VAR_KEYWORD for p in found)
+def _explained_methods(cls: type) -> Iterator[tuple[str, Any]]:
+    """Constructor and public methods that a class defines, as :func:`_explained`."""
+    fields = getattr(cls, "__dataclass_fields__", {})  # their defaults may be functions
+    for name, method in vars(cls).items():
+        hidden = name.startswith("_") and name not in ("__init__", "__new__", "__call__")
+        if hidden or name in fields:
+            continue
+        if isinstance(method, classmethod):
+            yield name, classmethod(_explained(method.__func__, bound=True))
+        elif isinstance(method, staticmethod):
+            if isinstance(method.__func__, FunctionType):
+                yield name, staticmethod(_explained(method.__func__, bound=name == "__new__"))
+        elif isinstance(method, FunctionType):
+            yield name, _explained(method, bound=True)
 
 
-def check_arguments(what: str, function: Callable[..., Any], given: Iterable[str]) -> None:
-    """Raise ``TypeError`` if a function lacks one of the given keyword arguments.
+def _explained(function: Callable[..., Any], *, bound: bool = False) -> Any:
+    """A function that explains calls with wrong arguments.
 
     Args:
-        what: Name in the message.
         function: The function.
-        given: Names of the keyword arguments of a call.
-
-    Raises:
-        TypeError: An argument does not exist; the message names the one that is probably meant.
+        bound: The first argument is an object or its class.
     """
-    names, any_others = _arguments(function)
-    for name in given:
-        if name not in names and not any_others:
-            raise unknown_argument(what, name, names)
-
-
-class Explained:
-    """Base of classes whose constructor names the argument that a caller probably means."""
-
-    def __new__(cls, *args: Any, **kwargs: Any) -> Any:
-        """Check the names of keyword arguments before ``__init__`` sees them."""
-        if kwargs:
-            check_arguments(cls.__name__, cls.__init__, kwargs)
-        return super().__new__(cls)
-
-
-# a class without a constructor has no arguments, whatever ``__new__`` takes
-cast(Any, Explained.__new__).__signature__ = inspect.Signature(
-    [inspect.Parameter("cls", inspect.Parameter.POSITIONAL_ONLY)]
-)
-
-
-def explained(function: Function) -> Function:
-    """A function whose error for an unknown argument names the one that is probably meant."""
-    parameters = inspect.signature(function).parameters.values()
-    positional = [p.name for p in parameters if p.kind is p.POSITIONAL_OR_KEYWORD]
-    by_name = [p.name for p in parameters if p.kind is p.KEYWORD_ONLY]
 
     @wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
-        check_arguments(function.__qualname__, function, kwargs)
-        if len(args) > len(positional):
-            first = ", ".join(name for name in positional if name not in ("self", "cls"))
-            raise TypeError(
-                f"{function.__qualname__} takes {first} by position, "
-                f"and by name {', '.join(f'{name}=' for name in by_name) or 'nothing'}; "
-                f"got {len(args) - len(positional)} more values"
-            )
-        return function(*args, **kwargs)
+        try:
+            return function(*args, **kwargs)
+        except TypeError as error:
+            if error.__traceback__ is None or error.__traceback__.tb_next is not None:
+                raise  # an error of the function, not of the call
+            if bound:
+                raise explanation(_name(function, args[0]), function, args, kwargs, 1) from None
+            raise explanation(function.__name__, function, args, kwargs) from None
 
-    return cast(Function, call)
+    return call
+
+
+def _name(function: Callable[..., Any], owner: Any) -> str:
+    """Name of a method or constructor, for messages."""
+    cls = owner if isinstance(owner, type) else type(owner)
+    constructor = function.__name__ in ("__init__", "__new__")
+    return cls.__name__ if constructor else f"{cls.__name__}.{function.__name__}"
+
+
+def explanation(
+    what: str,
+    function: Callable[..., Any],
+    args: Sequence[Any],
+    kwargs: Mapping[str, Any],
+    bound: int = 0,
+) -> TypeError:
+    """The error for a call with wrong arguments.
+
+    Args:
+        what: Name of the function or class.
+        function: The function.
+        args: Values that the call passed by position.
+        kwargs: Values that the call passed by name.
+        bound: Number of arguments that the caller did not pass, such as ``self``.
+    """
+    parameters = [*inspect.signature(function).parameters.values()][bound:]
+    named = [p for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
+    first = [p.name for p in named if p.kind is p.POSITIONAL_OR_KEYWORD]
+    known = [p.name for p in named]
+    shown = _listed(f"*{p.name}" if p.kind is p.VAR_POSITIONAL else p.name for p in parameters)
+    passed = args[bound:]
+    for name in kwargs:
+        if name not in known:
+            hint = _hint(name, known)
+            return TypeError(f"{what} has no argument {name!r}{hint} (it has {shown})")
+    if len(passed) > len(first):
+        rest = ", ".join(f"{p.name}=" for p in named if p.kind is p.KEYWORD_ONLY)
+        return TypeError(
+            f"{what} takes {_listed(first)} by position, and by name {rest or 'nothing'}; "
+            f"got {len(passed) - len(first)} more values"
+        )
+    given = {*first[: len(passed)], *kwargs}
+    missing = [p.name for p in named if p.default is p.empty and p.name not in given]
+    if missing:
+        return TypeError(f"{what}: expected {_listed(missing)} as well (it has {shown})")
+    twice = [name for name in first[: len(passed)] if name in kwargs]
+    return TypeError(f"{what}: got {_listed(twice)} twice, by position and by name")
+
+
+def _hint(given: str, known: Sequence[str]) -> str:
+    """The argument that is probably meant by another name, or where its value is given."""
+    meant = [name for name in MEANT.get(given.lower(), ()) if name in known]
+    meant = meant or get_close_matches(given, known, n=1, cutoff=0.7)
+    if meant:
+        return f"; expected {' or '.join(_with_unit(given.lower(), name) for name in meant)}"
+    return f"; {ELSEWHERE[given.lower()]}" if given.lower() in ELSEWHERE else ""
+
+
+def _with_unit(given: str, meant: str) -> str:
+    """The argument that is meant, and how its value follows from the given one."""
+    conversion = CONVERTED.get((given, meant), "")
+    return f"{meant}={conversion and f' ({conversion})'}"
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(names) or "none"

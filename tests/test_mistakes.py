@@ -39,7 +39,7 @@ MISTAKES = {
     "young=": (lambda: fl.Material(young=1.0, nu=0.3, density=1.0), "'young'; expected E="),
     "poisson=": (lambda: fl.Material(E=1.0, poisson=0.3, density=1.0), "expected nu="),
     "rho=": (lambda: fl.Material(E=1.0, nu=0.3, rho=1.0), "'rho'; expected density="),
-    "diameter=": (lambda: fl.Section.circle(diameter=1, material=STEEL), "expected radius="),
+    "diameter=": (lambda: fl.Section.circle(diameter=1, material=STEEL), r"radius= \(half the"),
     "dt=": (lambda: ALPHA.run(SCENE, duration=0.1, dt=0.01), "'dt'; expected step="),
     "h=": (lambda: ALPHA.run(SCENE, duration=0.1, h=0.01), "'h'; expected step="),
     "t_end=": (lambda: ALPHA.run(SCENE, t_end=0.1, step=0.01), "expected duration="),

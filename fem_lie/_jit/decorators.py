@@ -238,7 +238,12 @@ class _Unmade(_CalledFromPython):
 
     Most functions are called by compiled ones, whose machine code is loaded, or not at all, and
     creating a dispatcher takes half a millisecond.
+
+    Attributes:
+        made: Class of the function after its first call.
     """
+
+    made: type[_CalledFromPython] = _CalledFromPython
 
     def __call__(self, *args: Any, **named: Any) -> Any:
         """Create the dispatcher and call it."""
@@ -254,7 +259,7 @@ class _Unmade(_CalledFromPython):
         with global_compiler_lock:
             if type(self) is not _Unmade:  # another thread was faster
                 return
-            self.__class__ = _CalledFromPython
+            self.__class__ = self.made
             entrance = _entrance(self.function, self)
             # arguments from Python are counted
             options = _OPTIONS | self.options | {_COUNTED: True}
@@ -262,6 +267,40 @@ class _Unmade(_CalledFromPython):
             update_wrapper(self, self.function)
             if can_be_cached(self.function):
                 self.enable_caching()
+
+
+class _Public(_CalledFromPython):
+    """A compiled function of the public interface.
+
+    Attributes:
+        explanation: Makes the error for a call with wrong arguments, from the name of the function,
+            the function, and the values passed by position and by name.
+    """
+
+    explanation: Callable[..., TypeError]
+
+    def __call__(self, *args: Any, **named: Any) -> Any:
+        """Call the compiled function."""
+        try:
+            return super().__call__(*args, **named)
+        except TypeError as error:
+            if error.__traceback__ is None or error.__traceback__.tb_next is not None:
+                raise  # an error of the function, not of the call
+            raise self.explanation(self.__name__, self.function, args, named) from None
+
+
+def explain_compiled(function: object, explanation: Callable[..., TypeError]) -> None:
+    """Let a compiled function explain calls from Python with wrong arguments.
+
+    Args:
+        function: The function; other objects stay as they are.
+        explanation: See :class:`_Public`.
+    """
+    if isinstance(function, _CalledFromPython):
+        public = cast(Any, function)
+        public.made, public.explanation = _Public, explanation
+        if type(function) is _CalledFromPython:
+            public.__class__ = _Public
 
 
 def _entrance(function: Callable[..., Any], inner: Any) -> Callable[..., Any]:

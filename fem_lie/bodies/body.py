@@ -15,7 +15,6 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arguments import Explained
 from fem_lie._arrays import Array, Indices, choice, instance, number, text, vector
 from fem_lie._summary import Summarised
 from fem_lie.attachments.attachment import AttachmentFrame
@@ -43,7 +42,7 @@ _NEAR = 1e-6
 AnyBody = TypeVar("AnyBody", bound="Body")
 
 
-class Body(Explained, Summarised, Nodes):
+class Body(Summarised, Nodes):
     """Body with nodes and named points.
 
     Attributes:

@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie._arguments import Explained
 from fem_lie._arrays import Array, instance
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body, Point
@@ -108,7 +107,7 @@ class VelocityConstraintDefinition(NamedTuple):
     radius: float = 0.0
 
 
-class Connection(Explained, ABC):
+class Connection(ABC):
     """Base class of whatever connects frames of bodies.
 
     Attributes:

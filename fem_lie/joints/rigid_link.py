@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fem_lie._arguments import Explained
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_node, require_point
 
 
 @dataclass(frozen=True, eq=False)
-class RigidLink(Explained):
+class RigidLink:
     """Point ``b`` is rigidly attached to point ``a``.
 
     The link eliminates the unknowns of the node of ``b`` (master–slave elimination): there are no

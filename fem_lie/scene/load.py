@@ -19,7 +19,6 @@ from typing import Any, ClassVar, NamedTuple, Protocol, TypeAlias, cast
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arguments import Explained
 from fem_lie._arrays import Array, Indices, at_time, flag, history, instance, text, vector
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
@@ -113,7 +112,7 @@ class Carrier(NamedTuple):
     expected: str
 
 
-class Load(Explained, ABC):
+class Load(ABC):
     """Base class of all loads.
 
     A subclass is a frozen dataclass. It names the argument that is its body (:attr:`carrier`) and

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arguments import Explained, explained
 from fem_lie._arrays import Array, choice, instance, shown, vector
 from fem_lie._summary import Summarised
 from fem_lie.bodies.body import Body, Holds
@@ -68,7 +67,7 @@ def require_scene(value: object) -> None:
     instance(value, Scene, "what is solved", "a Scene")
 
 
-class Scene(Explained, Summarised):
+class Scene(Summarised):
     """A multibody system: bodies, joints, contacts, loads and supports.
 
     Attributes:
@@ -140,7 +139,6 @@ class Scene(Explained, Summarised):
     def gravity(self, value: npt.ArrayLike) -> None:
         self._gravity = vector(value, 3, "gravity")
 
-    @explained
     def add(self, item: Item) -> Item:
         """Add a body, joint, spring, drive, gear, link, contact, load or support, and return it.
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem_lie._arguments import Explained
 from fem_lie._arrays import Array, instance, numbers
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_node, require_point
@@ -16,7 +15,7 @@ _ORTHONORMAL = 1e-8  # single precision does not meet it
 
 
 @dataclass(frozen=True, eq=False)
-class Clamp(Explained):
+class Clamp:
     """A support that holds the position and the rotation of a point.
 
     Attributes:
@@ -55,7 +54,7 @@ class Clamp(Explained):
 
 
 @dataclass(frozen=True, eq=False)
-class PrescribedMotion(Explained):
+class PrescribedMotion:
     """The frame of a point follows a prescribed function of time.
 
     Attributes:

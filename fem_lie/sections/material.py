@@ -6,12 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem_lie._arguments import Explained
 from fem_lie._arrays import Array, instance, number, numbers, positive, positive_or_zero
 
 
 @dataclass(frozen=True)
-class Material(Explained):
+class Material:
     """Isotropic elastic material.
 
     Attributes:
@@ -45,7 +44,7 @@ def require_material(value: object) -> None:
 
 
 @dataclass(frozen=True)
-class Damping(Explained):
+class Damping:
     """Linear damping; Rayleigh damping uses both parts.
 
     Attributes:

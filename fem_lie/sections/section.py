@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arguments import Explained, explained
 from fem_lie._arrays import Array, number, numbers, positive
 from fem_lie._summary import Summarised
 from fem_lie.sections.properties import SectionProperties, rectangle, ring, rotation
@@ -122,7 +121,7 @@ _CIRCLE_POINTS = 32
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Section(Explained, Summarised):
+class Section(Summarised):
     """Stiffness and inertia of a beam per length, in the local frame of its points.
 
     Attributes:
@@ -149,7 +148,6 @@ class Section(Explained, Summarised):
             object.__setattr__(self, "outline", _outline(self.outline))
 
     @classmethod
-    @explained
     def rectangle(
         cls,
         width: float,
@@ -178,7 +176,6 @@ class Section(Explained, Summarised):
         return _from_closed_form(properties, material.density, corners)
 
     @classmethod
-    @explained
     def circle(
         cls, radius: float, material: Material, *, shear_factor: float | None = None
     ) -> Section:
@@ -197,7 +194,6 @@ class Section(Explained, Summarised):
         return _from_closed_form(properties, material.density, _circle(radius))
 
     @classmethod
-    @explained
     def tube(
         cls,
         inner_radius: float,

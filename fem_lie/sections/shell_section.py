@@ -16,7 +16,6 @@ from math import cos, radians, sin
 
 import numpy as np
 
-from fem_lie._arguments import Explained, explained
 from fem_lie._arrays import Array, instance, number, positive, positive_or_zero
 from fem_lie._summary import Summarised
 from fem_lie.sections.material import Material
@@ -105,7 +104,7 @@ class Ply:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ShellSection(Explained, Summarised):
+class ShellSection(Summarised):
     """Stiffness and inertia of a shell per area.
 
     Attributes:
@@ -125,7 +124,6 @@ class ShellSection(Explained, Summarised):
         positive(self.thickness, "thickness")
 
     @classmethod
-    @explained
     def layer(
         cls, thickness: float, material: Material, *, shear_factor: float = SHEAR_FACTOR
     ) -> ShellSection:

@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arguments import explained
 from fem_lie._arrays import Array, flag, instance
 from fem_lie.bodies.beams.line_body import LineBody, Placed
 from fem_lie.bodies.beams.sectioned import (
@@ -134,7 +133,6 @@ class Beam(LineBody):
         log_open_profiles(self.label, sections, float(chains.arc.max(initial=0.0)))
 
     @classmethod
-    @explained
     def straight(
         cls,
         start: npt.ArrayLike,

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arguments import explained
 from fem_lie._arrays import instance, positive
 from fem_lie.bodies.beams.line_body import Placed
 from fem_lie.bodies.rods.cable_body import CableBody, successive
@@ -101,7 +100,6 @@ class Cable(CableBody):
         super().__init__(mesh, placed, successive(elements), section, element, damping, name)
 
     @classmethod
-    @explained
     def straight(
         cls,
         start: npt.ArrayLike,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import InitVar, dataclass
 
-from fem_lie._arguments import Explained
 from fem_lie._arrays import Array, Indices, number, positive
 from fem_lie.contact.friction.anchors import CoulombLaw
 from fem_lie.forms.term import Term
@@ -39,7 +38,7 @@ class ContactTerm(Term):
 
 
 @dataclass(frozen=True)
-class Penalty(Explained):
+class Penalty:
     """Contact law with a force proportional to the overlap: energy ``½ k g²`` at a gap ``g < 0``.
 
     The force is ``p = max(0, −k g − c ġ)``; it is never tensile. The law is for statics, for
@@ -107,7 +106,7 @@ class Penalty(Explained):
 
 
 @dataclass(frozen=True)
-class Impact(Explained):
+class Impact:
     """Contact law of rigid surfaces: no penetration, Coulomb friction, Newton's restitution.
 
     The law is for :class:`~fem_lie.GeneralisedAlpha` and :class:`~fem_lie.schemes.Variational` with

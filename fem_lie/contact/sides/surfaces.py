@@ -13,7 +13,6 @@ from typing import ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 
-from fem_lie._arguments import Explained
 from fem_lie._arrays import Array
 from fem_lie._jit.decorators import Callback
 from fem_lie.bodies.body import Body, Point
@@ -124,7 +123,7 @@ def polyhedron_at(point: Point, positions: Sequence[Array]) -> Polyhedron:
     return Polyhedron(owner_of(point), (np.array(positions) - H[0]) @ H[1:].T)
 
 
-class ContactSurface(Explained, ABC):
+class ContactSurface(ABC):
     """Base class of contact surfaces."""
 
     @property

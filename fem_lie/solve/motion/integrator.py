@@ -15,7 +15,6 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arguments import Explained, explained
 from fem_lie._arrays import instance, number, positive, whole
 from fem_lie.results import Result
 from fem_lie.results.record import Record
@@ -31,7 +30,7 @@ from fem_lie.solve.step_control import ConstantStep, Control, StepChoice
 from fem_lie.system.equations import Equations
 
 
-class Integrator(Explained, ABC):
+class Integrator(ABC):
     """Options of a time integration scheme; :meth:`run` integrates."""
 
     _wanted_step: ClassVar[str] = (
@@ -39,7 +38,6 @@ class Integrator(Explained, ABC):
         "discontinuities (or use GeneralisedAlpha)"
     )
 
-    @explained
     def run(
         self,
         scene: Scene,

@@ -33,7 +33,6 @@ import numpy as np
 import scipy.sparse as sp
 from slepc4py import SLEPc
 
-from fem_lie._arguments import explained
 from fem_lie._arrays import Array, whole
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.spectra.pencil import padded, solve_factorised, to_petsc
@@ -270,7 +269,6 @@ _OTHER_SIGN = 100.0  # smallest ratio of spurious factors to those of reversed l
 _STRAINED = 0.05  # largest strain at the load factors for which linear theory is reliable
 
 
-@explained
 def buckling(
     scene: Scene, count: int = 4, *, petsc_options_prefix: str = "fem_lie_buckling_"
 ) -> BucklingModes:

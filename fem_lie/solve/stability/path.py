@@ -12,7 +12,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem_lie._arguments import explained
 from fem_lie._arrays import instance, number
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results.path import CriticalPoint, CriticalPointType, EquilibriumPath, Station
@@ -37,7 +36,6 @@ _MODES = 2
 _log = logging.getLogger(__name__)
 
 
-@explained
 def follow_path(
     scene: Scene,
     until: float | PathEnds | None = None,

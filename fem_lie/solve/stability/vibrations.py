@@ -23,7 +23,6 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arguments import explained
 from fem_lie._arrays import Array, Indices, instance, whole
 from fem_lie.bodies.body import Body
 from fem_lie.joints.redundant import RedundantConstraints
@@ -104,7 +103,6 @@ def scaled(shape: Shape, lengths: Array) -> tuple[Shape, bool]:
 _log = logging.getLogger(__name__)
 
 
-@explained
 def vibrations(
     scene: Scene,
     count: int = 6,

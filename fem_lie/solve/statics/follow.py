@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie._arguments import explained
 from fem_lie._arrays import Array
 from fem_lie.bodies.nodes import FoldedElementError
 from fem_lie.joints.connection import LostBranchError
@@ -37,7 +36,6 @@ from fem_lie.solve.statics.unstable import (
 from fem_lie.system.equations import Equations, Plan, TimeState
 
 
-@explained
 def follow_loads(
     scene: Scene,
     levels: Sequence[float] = (1.0,),

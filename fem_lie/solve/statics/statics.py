@@ -9,7 +9,6 @@ from functools import partial
 
 import numpy.typing as npt
 
-from fem_lie._arguments import explained
 from fem_lie._arrays import instance, whole
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results.equilibrium import StaticResult
@@ -25,7 +24,6 @@ _MANY = 10  # number of load steps if full steps and the arc length fail
 _log = logging.getLogger(__name__)
 
 
-@explained
 def statics(
     scene: Scene,
     *,
