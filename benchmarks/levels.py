@@ -122,7 +122,7 @@ def study(build: Callable[[], fl.Scene], sets: int) -> Tally:
             continue
         places = result.frames[-1, :, 0]
         first = places if first is None else first
-        size = np.linalg.norm(np.ptp(result.initial[:, 0], axis=0))
+        size = np.linalg.norm(np.ptp(result.info.undeformed[:, 0], axis=0))
         tally.arrived += 1
         tally.same += bool(np.linalg.norm(places - first, axis=1).max() <= _SAME * size)
         tally.least = min(tally.least, result.total_iterations)

@@ -112,7 +112,7 @@ def solved(scene: fl.Scene, end: fl.extend.Point, steps: int) -> Found:
         # what has no torsion turns out of its plane under a moment fixed in space, if it is let
         warnings.simplefilter("ignore", fl.stability.UnstableEquilibriumWarning)
         result = fl.statics(scene, load_steps=steps)
-    total = result.iterations.sum() + result.failed_iterations
+    total = result.total_iterations
     return Found(result.position(end)[-1] / LENGTH, float(total) / len(result.iterations))
 
 

@@ -109,7 +109,7 @@ def free(
     scene.add(turned(point, axis, degrees))
     found, start = fl.statics(scene), point.position
     R = lie.so3_exp(np.radians(degrees) * np.asarray(axis) / np.linalg.norm(axis))
-    before, after = found.initial, found.frames[-1]
+    before, after = found.info.undeformed, found.frames[-1]
     size = np.ptp(before[:, 0], axis=0).max() or 1.0
     places = start + (before[:, 0] - start) @ R.T
     error = np.abs(after[:, 0] - places).max() / size

@@ -55,7 +55,7 @@ def press(mesh: int, load_steps: int = 60) -> tuple[np.ndarray, np.ndarray, floa
     )
     result = fl.statics(scene, levels=LEVELS, load_steps=load_steps)
     found = fl.post.contact_forces(result, touch)
-    iterations = float(result.iterations.sum() / (len(result.factors) - 1))
+    iterations = float(result.iterations[-1] / (len(result.factors) - 1))
     forces = 4.0 * np.abs(found.total[:, 2])
     return DEPTH * result.factors, forces, float(found.penetration.max()), iterations
 

@@ -96,7 +96,7 @@ def main() -> None:
         at = [int(np.argmin(np.abs(result.factors - pressed))) for pressed in PRESSED]
         errors = forces[at] / wanted - 1
         reported = " ".join(f"{100 * error:+.2f}" for error in errors)
-        iterations = result.iterations.sum() / (len(result.factors) - 1)
+        iterations = result.iterations[-1] / (len(result.factors) - 1)
         print(
             f"{mesh:3d} elements on a quarter: force {reported} % at {PRESSED} R, overlap "
             f"{deep / THICKNESS:.1e} thicknesses, {iterations:.1f} iterations per step",

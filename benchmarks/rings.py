@@ -113,7 +113,7 @@ def capstan(degrees: float, rings: int, cells: int, friction: float) -> dict[str
         "most": float(tension.max()),
         "angle": float(np.degrees(turned)),
         "error": float(tension.mean() / np.exp(friction * turned) - 1.0),
-        "iterations": float(result.iterations.sum() / STEPS),
+        "iterations": float(result.iterations[-1] / STEPS),
     }
 
 

@@ -92,7 +92,7 @@ def largest_step(
         b = RADIUS - result.position("hemisphere.10")[-1, 1]
         _, outward, inward = CASES[thickness]
         found = errors(a / outward, b / inward)
-        return f"{count}, {result.iterations.sum()}, {seconds:.2f} ({found})"
+        return f"{count}, {result.iterations[-1]}, {seconds:.2f} ({found})"
     return f"more than {most}"
 
 
@@ -148,7 +148,7 @@ def strip_deflection(
     return float(radius - np.mean(ends)) / small
 
 
-def solved(shell: fl.Shell, load: fl.loads.EdgeLoad) -> fl.PathResult:
+def solved(shell: fl.Shell, load: fl.loads.EdgeLoad) -> fl.StaticResult:
     """Equilibrium of a shell under one load."""
     scene = fl.Scene()
     scene.add(shell)

@@ -87,7 +87,7 @@ def main(
     return record
 
 
-def turning_error(result: fl.PathResult, factors: np.ndarray) -> float:
+def turning_error(result: fl.StaticResult, factors: np.ndarray) -> float:
     """Largest difference between the end's rotation and M L/EI, rad."""
     director = result.rotation("strip.10")[:, :, 2]
     angle = np.arctan2(-director[:, 0], director[:, 2])

@@ -68,7 +68,7 @@ def main(
         "ratio": ratio,
         "error": abs(ratio / wanted - 1),
         "elements": len(rope.elements),
-        "iterations": int(result.iterations.sum()),
+        "iterations": int(result.iterations[-1]),
         "load_steps": len(result.factors),
     }
 

@@ -74,7 +74,7 @@ def main(
         "lower_limit_error": FORCE * lower.factor / reference[1] - 1.0,
         "negative_pivots": [*upper.negative_pivots, *lower.negative_pivots],
         "bifurcation_loads": [FORCE * point.factor for point in path.bifurcations],
-        "load_steps": int((path.iterations > 0).sum()) - 1,
+        "load_steps": path.load_steps,
         "rejected_steps": path.failed_steps,
         "iterations": path.total_iterations,
         "seconds": path.seconds,

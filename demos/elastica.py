@@ -70,7 +70,7 @@ def main(
         tip, result = solve(count, load_steps, stiffness_ratio)
         exact = np.array([elastica(FORCE * factor) for factor in result.factors])
         gaps = np.linalg.norm(tip - exact, axis=1) / np.linalg.norm(exact[-1])
-        errors[count], iterations = float(gaps[-1]), int(result.iterations.sum())
+        errors[count], iterations = float(gaps[-1]), int(result.iterations[-1])
         if count == elements:
             path, chosen, shown = tip, result, exact
             record = {

@@ -91,7 +91,7 @@ def main(
         "forces": force.tolist(),
         "wanted_forces": [float(each.force) for each in wanted],
         "overlap": float(found.penetration.max() / THICKNESS),
-        "iterations_per_step": float(result.iterations.sum() / (len(result.factors) - 1)),
+        "iterations_per_step": float(result.iterations[-1] / (len(result.factors) - 1)),
     }
 
 

@@ -79,7 +79,7 @@ def main(thickness: float = 6.35, mesh: int = 16, pictures: bool = True) -> dict
         "negative_pivots": [*upper.negative_pivots, *lower.negative_pivots],
         "snap_back": turns(path.factors) and turns(deflection),
         "deflection": float(deflection[-1]),
-        "load_steps": int((path.iterations > 0).sum()) - 1,
+        "load_steps": path.load_steps,
         "rejected_steps": path.failed_steps,
         "iterations": path.total_iterations,
         "seconds": path.seconds,

@@ -107,7 +107,7 @@ def trace(around: int, along: int, formulation: str, pictures: bool) -> dict[str
     return {
         "limit_loads": [point.factor for point in path.limits],
         "negative_pivots": [point.negative_pivots for point in path.limits],
-        "path_steps": int((path.iterations > 0).sum()) - 1,
+        "path_steps": path.load_steps,
         "path_iterations": path.total_iterations,
         "path_seconds": path.seconds,
     }

@@ -13,7 +13,7 @@ import fem_lie as fl
 def of_path(*paths: fl.stability.EquilibriumPath) -> dict[str, Any]:
     """What paths took, together: steps, iterations, seconds."""
     return {
-        "load_steps": sum(int((path.iterations > 0).sum()) - 1 for path in paths),
+        "load_steps": sum(path.load_steps for path in paths),
         "rejected_steps": sum(path.failed_steps for path in paths),
         "iterations": sum(path.total_iterations for path in paths),
         "seconds": sum(path.seconds for path in paths),

@@ -34,7 +34,7 @@ from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.ranks.together import end_together as _end_together
-from fem_lie.results.equilibrium import PathResult, StaticResult
+from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
 from fem_lie.scene.nodal_loads import LineLoad, PointLoad
 from fem_lie.scene.scene import Scene
@@ -69,7 +69,6 @@ __all__ = [
     "Material",
     "Net",
     "NodalFrames",
-    "PathResult",
     "PointLoad",
     "PrescribedMotion",
     "Result",

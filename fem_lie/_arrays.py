@@ -21,6 +21,9 @@ Indices: TypeAlias = npt.NDArray[np.int64]
 Flags: TypeAlias = npt.NDArray[np.bool_]
 """Array of booleans."""
 
+Scalar = TypeVar("Scalar", np.float64, np.complex128)
+"""Type of the numbers in an array that may be complex."""
+
 
 _log = logging.getLogger(__name__)
 

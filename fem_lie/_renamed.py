@@ -25,6 +25,7 @@ RENAMED = {
     "LoadStretch": "fl.adaptivity.LoadSegment",
     "Never": "fl.schemes.FactoriseOnce",
     "Parameters": "fl.Shell(..., drilling=True or False)",
+    "PathResult": "fl.StaticResult",
     "PointDisplacement": "fl.adaptivity.PointDisplacementGoal",
     "Policy": "fl.schemes.RefactorisationPolicy",
     "Recovery": "fl.adaptivity.RecoveryEstimate",

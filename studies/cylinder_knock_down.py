@@ -67,7 +67,8 @@ def ring_mode(modes: fl.stability.BucklingModes) -> tuple[int, int]:
     """The first mode that does not vary around, and the sign with which edges are inward."""
     wall = modes.info.body("wall").nodes
     x = modes.frames[wall, 0]
-    radial = [np.sum(modes.displacement(k)[wall] * _outward(x), axis=1) for k in _numbers(modes)]
+    moved = np.stack([modes.displacement(node) for node in wall], axis=1)
+    radial = np.sum(moved * _outward(x), axis=2)
     heights = np.round(x[:, 2], 9)
     varies = []
     for w in radial:
@@ -78,10 +79,6 @@ def ring_mode(modes: fl.stability.BucklingModes) -> tuple[int, int]:
         raise ArithmeticError(f"no mode is one of rings: they vary by {varies} around")
     number = int(rings[0])
     return 1 + number, -int(np.sign(radial[number][x[:, 2].argmin()]))
-
-
-def _numbers(modes: fl.stability.BucklingModes) -> range:
-    return range(1, len(modes) + 1)
 
 
 def _outward(x: np.ndarray) -> np.ndarray:

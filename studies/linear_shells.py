@@ -141,7 +141,7 @@ def deflection(case: Case, mesh: int, formulation: str) -> float:
     corners = ("10", "11") if case.point == "middle" else (case.point,)
     moved = [
         result.position(f"{shell.name}.{point}")[-1]
-        - result.initial[result.info.node(f"{shell.name}.{point}"), 0]
+        - result.info.undeformed[result.info.node(f"{shell.name}.{point}"), 0]
         for point in corners
     ]
     return float(np.mean(moved, axis=0) @ case.direction / SMALL)

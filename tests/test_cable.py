@@ -173,7 +173,7 @@ def test_load_steps_converge_at_once_with_carried_stress():
         scene = fl.Scene(gravity=(0, -GRAVITY, 0))
         scene.add(cable)
         scene.add(fl.Clamp(cable.point("start")))
-        assert fl.statics(scene).iterations.sum() <= 6
+        assert fl.statics(scene).iterations[-1] <= 6
 
 
 def weight_on_a_cable(cells: int) -> float:

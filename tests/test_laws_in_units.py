@@ -99,8 +99,8 @@ def pulled(u: UnitSystem, kind: str) -> np.ndarray:
     force = u.line_load([strain * E * 0.02, 0, 0])
     scene.add(fl.loads.EdgeLoad(shell, "a=1", force=force))
     result = fl.statics(scene)
-    moved = result.frames[-1][:, 0] - result.initial[:, 0]
-    return u.inverse.length([result.initial[:, 0], moved / strain])
+    moved = result.frames[-1][:, 0] - result.info.undeformed[:, 0]
+    return u.inverse.length([result.info.undeformed[:, 0], moved / strain])
 
 
 @pytest.mark.parametrize("kind", SHELLS)
@@ -136,7 +136,7 @@ def blown(u: UnitSystem) -> np.ndarray:
     shell.clamp("a=1")
     scene.add(fl.loads.SurfacePressure(shell, u.stress(3e5), u.of([0, 0, 1e5], -2, 1, -2)))
     result = fl.statics(scene)
-    return u.inverse.length(result.frames[-1][:, 0] - result.initial[:, 0])
+    return u.inverse.length(result.frames[-1][:, 0] - result.info.undeformed[:, 0])
 
 
 @pytest.mark.parametrize("u", OTHER_SYSTEMS, ids=str)

@@ -76,7 +76,7 @@ def test_each_way_of_loading_is_the_others_fallback():
         load_steps=2,
         newton=fl.schemes.Newton(smallest_step=0.5, max_iterations=10),
     )
-    assert isinstance(result, fl.PathResult)
+    assert result.load_steps > len(result.factors) == 1  # the steps of the arc length
     assert result.factors[-1] == 1.0 and result.failed_iterations >= 10
 
 

@@ -48,7 +48,7 @@ def test_pictures_of_statics_show_the_wanted_states(bent, drawn, at, states):
     """The unloaded one and at most seven others, or those asked for by number or load factor."""
     bent.picture("none.png", at)
     (frames,) = drawn
-    np.testing.assert_array_equal(frames[0], bent.initial)
+    np.testing.assert_array_equal(frames[0], bent.info.undeformed)
     np.testing.assert_array_equal(frames[1:], bent.frames[states])
 
 

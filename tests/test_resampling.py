@@ -149,7 +149,7 @@ def test_a_file_that_does_not_say_what_nodes_are_is_read_but_not_interpolated(tm
     replace(result, info=replace(result.info, bodies=bodies)).save(tmp_path / "old.h5")
     old = fl.Result.load(tmp_path / "old.h5")
     np.testing.assert_array_equal(old.frames, result.frames)
-    with pytest.raises(ValueError, match="node types of RigidBody 'body' are not recorded"):
+    with pytest.raises(ValueError, match="RigidBody 'body' has no recorded node types"):
         old.resampled([0.01])
 
 

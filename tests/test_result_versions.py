@@ -76,8 +76,27 @@ def test_each_version_is_read(file):
     same(result, fl.Result.load(VERSIONS[0]))
 
 
+@pytest.mark.parametrize("file", [pytest.param(file, id=file.stem) for file in VERSIONS])
+def test_displacements_need_the_undeformed_configuration(file, tmp_path):
+    """It is in files since version 12; earlier ones say so instead of taking the first state."""
+    result = fl.Result.load(file)
+    if int(file.stem.rpartition("_")[2]) >= 12:
+        fallen = result.position("ball.centre") - [0, 3, 1.1]
+        np.testing.assert_allclose(result.displacement("ball.centre"), fallen, atol=1e-15)
+        return
+    for ask in (
+        lambda: result.displacement("ball.centre"),
+        lambda: result.write_vtk(tmp_path / "run.pvd"),
+    ):
+        with pytest.raises(ValueError, match="'ball' has no recorded undeformed configuration"):
+            ask()
+
+
 def test_there_is_a_file_of_every_version():
-    """Who writes another version leaves a file of it here: ``run(DATA / "results_N.h5")``."""
+    """Who writes another version leaves a file of it here, with the motion of the others.
+
+    ``Result(**vars(Result.load(DATA / "results_11.h5")) | {"info": run().info}).save(...)``.
+    """
     from fem_lie.results.file import _READERS, _VERSION
 
     numbers = sorted(int(file.stem.rpartition("_")[2]) for file in VERSIONS)

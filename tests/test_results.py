@@ -42,9 +42,15 @@ def _rod():
         np.column_stack([node[:-1], node[1:]]),
         outline=SQUARE,
         points={"start": 0, "end": NODES - 1},
+        undeformed=frames[0, :NODES],
     )
     tip = BodyInfo(
-        "tip", "RigidBody", np.array([NODES]), box=np.array([0.5, 0.2, 0.1]), points={"centre": 5}
+        "tip",
+        "RigidBody",
+        np.array([NODES]),
+        box=np.array([0.5, 0.2, 0.1]),
+        points={"centre": 5},
+        undeformed=frames[0, NODES:],
     )
     joints = (
         JointInfo("hinge", "Cylindrical", node=0, coordinates=("angle", "displacement")),
@@ -235,7 +241,7 @@ def test_other_files_are_refused(rod, tmp_path):
     with h5py.File(tmp_path / "old.h5", "a") as file:
         file.attrs["version"] = 0
     with pytest.raises(
-        ValueError, match=r"of versions 10 to 11: format 'fem_lie results', version 0"
+        ValueError, match=r"of versions 10 to 12: format 'fem_lie results', version 0"
     ):
         fl.Result.load(tmp_path / "old.h5")
     with h5py.File(tmp_path / "foreign.h5", "w") as file:
@@ -259,6 +265,8 @@ def test_the_series_for_paraview_has_times_cells_and_global_vectors(rod, tmp_pat
     assert data.n_lines == NODES - 1 and data.n_verts == 1
     np.testing.assert_array_equal(data.cell_data["body"], [1, 0, 0, 0, 0])
     np.testing.assert_allclose(data.point_data["e1"], rod.frames[7, :, 1])
+    moved = rod.frames[7, :, 0] - rod.frames[0, :, 0]
+    np.testing.assert_allclose(data.point_data["displacement"], moved)
     np.testing.assert_allclose(
         data.point_data["velocity"],
         np.cross(data.point_data["angular velocity"], rod.frames[7, :, 0]),

@@ -32,7 +32,7 @@ def cantilever(name: str, cells: int, own: fl.Section) -> tuple[fl.Scene, fl.Rod
 
 def iterations(result: fl.StaticResult) -> float:
     """Of a step, those in vain among them."""
-    return float(result.iterations.sum() + result.failed_iterations) / len(result.iterations)
+    return float(result.total_iterations) / len(result.iterations)
 
 
 def rolled_up(name: str, cells: int, slenderness: float) -> tuple[float, float]:

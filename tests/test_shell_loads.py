@@ -240,7 +240,7 @@ def test_a_balloon_is_blown_up(solve):
         shell, scene = sphere(count)
         scene.add(fl.loads.SurfacePressure(shell, 8.0))
         result = solve(scene)
-        assert result.iterations.sum() <= 15
+        assert result.iterations[-1] <= 15
         radius = np.linalg.norm(result.frames[-1, :, 0], axis=1)
         errors.append(radius.mean() / blown_up(8.0) - 1)
     assert blown_up(8.0) > 1.25

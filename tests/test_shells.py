@@ -129,7 +129,7 @@ def test_load_steps_and_arc_length_find_the_same_state(formulation):
     stepped = fl.statics(loaded(formulation), load_steps=4)
     difference = np.abs(places(followed) - places(stepped)).max()
     assert difference <= 1e-7
-    assert np.abs(followed.frames[-1, :, 0] - followed.initial[:, 0]).max() > 0.3
+    assert np.abs(followed.frames[-1, :, 0] - followed.info.undeformed[:, 0]).max() > 0.3
 
 
 def test_states_between_are_those_of_the_load_that_they_belong_to():

@@ -258,7 +258,7 @@ def test_newton_converges_quadratically_and_needs_few_steps_with_carried_stress(
     # a rate of two; with the turning of unbalanced forces left in at equilibrium it would be one
     assert increments[-1] <= 1e-12
     assert (np.diff(logs)[1:] / np.diff(logs)[:-1]).max() > 1.5
-    assert fl.statics(scene, load_steps=1).iterations.sum() <= 6
+    assert fl.statics(scene, load_steps=1).iterations[-1] <= 6
 
 
 def test_links_and_fixed_joints_are_the_same():
@@ -301,7 +301,7 @@ def hemisphere(drilling, *, scale=1.0, cell="quadrilateral", degree=1, cells=16)
         fl.PointLoad(shell.point("10"), force=(0, -200, 0)),
     ]
     result = fl.follow_loads(scene_with(shell, *loads))
-    assert result.iterations.sum() + result.failed_iterations <= 18
+    assert result.total_iterations <= 18
     return [
         result.position(f"{shell.name}.00")[-1, 0] - 10,
         10 - result.position(f"{shell.name}.10")[-1, 1],

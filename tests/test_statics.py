@@ -75,7 +75,8 @@ def test_roll_up_to_a_circle(case, slender):
     result = fl.statics(scene, load_steps=6)
     assert np.linalg.norm(result.position(beam.point("end"))[-1]) < 1e-9 * L
     # a prescribed end also moves against the axial stiffness in each step: more iterations
-    assert result.iterations.mean() <= (9 if case == "prescribed rotation" else 4.5)
+    most = 9 if case == "prescribed rotation" else 4.5
+    assert result.iterations[-1] <= most * len(result.factors)
     if case == "prescribed rotation":
         assert abs(abs(result.joint_forces[-1, -1, 5]) - moment[2]) < 1e-6 * moment[2]
     if case == "by a joint":
@@ -101,7 +102,7 @@ def test_roll_up_by_directors(formulation, cells, bound, slender):
     scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, 2 * np.pi * EI / L)))
     result = fl.statics(scene, load_steps=6)
     assert np.linalg.norm(result.position(beam.point("end"))[-1]) < bound * L
-    assert result.iterations.mean() <= 4.5
+    assert result.iterations[-1] / len(result.factors) <= 4.5
 
 
 @pytest.mark.parametrize(

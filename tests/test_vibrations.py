@@ -192,7 +192,7 @@ def test_steady_rotation_converges_quadratically():
         result = fl.statics(
             scene, spin=(0, 0, 10), load_steps=2, newton=fl.schemes.Newton(carried_stress=carried)
         )
-        assert result.iterations.max() <= 6
+        assert np.diff(result.iterations, prepend=0).max() <= 6
         tips.append(result.position(body.point("end"))[-1])
     np.testing.assert_allclose(*tips, rtol=0, atol=1e-9)
 

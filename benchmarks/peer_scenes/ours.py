@@ -131,11 +131,11 @@ def material(result: fl.Result, node: int, arm: tuple[float, ...]) -> Array:
 def statics(request: Request) -> dict[str, Any]:
     """Where the probe is, and what it took."""
     place, result, count = STATICS[request["scene"]](request)
-    loads = isinstance(result, fl.PathResult)
+    loads = result.load_steps > len(result.factors)
     return {
         "place": place.tolist(),
         "seconds": result.seconds,
-        "steps": int(result.load_steps) if loads else len(result.factors),
+        "steps": result.load_steps,
         "iterations": int(result.total_iterations),
         "matrices": int(result.total_iterations),
         "unknowns": count,
@@ -170,7 +170,7 @@ def rollup(request: Request) -> tuple[Array, fl.StaticResult, int]:
     return result.position(beam.point("end"))[-1], result, 6 * len(beam.frames)
 
 
-def hemisphere(request: Request) -> tuple[Array, fl.PathResult, int]:
+def hemisphere(request: Request) -> tuple[Array, fl.StaticResult, int]:
     scene = pinched(request["thickness"], quarter(request["cells"]), FORMULATIONS[request["way"]])
     result = fl.follow_loads(scene)
     outward = result.position("hemisphere.00")[-1, 0] - RADIUS
@@ -178,7 +178,7 @@ def hemisphere(request: Request) -> tuple[Array, fl.PathResult, int]:
     return np.array([outward, inward]), result, 5 * len(scene.bodies[0].frames)
 
 
-def plate(request: Request) -> tuple[Array, fl.PathResult, int]:
+def plate(request: Request) -> tuple[Array, fl.StaticResult, int]:
     scene = bent.plate(request["cells"])
     result = fl.follow_loads(scene)  # as statics does with shells
     moved = result.position("plate.10")[-1] - (bent.SIDE, 0.0, 0.0)

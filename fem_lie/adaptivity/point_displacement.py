@@ -57,7 +57,7 @@ class PointDisplacementGoal(Goal):
             result: A result of the scene.
         """
         node = result.info.node(self.point)
-        moved = result.frames[-1, node, 0] - result.initial[node, 0]
+        moved = result.frames[-1, node, 0] - result.info.undeformed[node, 0]
         return float(moved @ np.asarray(self.along))
 
     def load(self, result: StaticResult) -> tuple[int, Array]:

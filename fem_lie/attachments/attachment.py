@@ -18,8 +18,9 @@ from types import FunctionType
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Scalar
 from fem_lie._jit import compiled
 
 _SAME = 1e-12  # of numbers of order one
@@ -88,11 +89,11 @@ class AttachmentFrame(NamedTuple):
         found, _ = self._located(frames)
         return found.reshape(*frames.shape[:-3], 4, 3)
 
-    def twist(self, frames: Array, v: Array) -> Array:
+    def twist(self, frames: Array, v: npt.NDArray[Scalar]) -> npt.NDArray[Scalar]:
         """Twist of the frame, shape (…, 6), for nodal twists, shape (…, n, 6)."""
         _, J = self._located(frames)
         own = v[..., list(self.nodes), :].reshape(len(J), -1, 6)
-        return np.einsum("gkij,gkj->gi", J, own).reshape(*frames.shape[:-3], 6)
+        return np.asarray(np.einsum("gkij,gkj->gi", J, own)).reshape(*frames.shape[:-3], 6)
 
     def spins(self, frames: Array) -> Array:
         """Angular velocity of the frame per unit motion of each node, shape (k, 3, 6)."""

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Indices, Scalar
 from fem_lie._summary import Summarised
 from fem_lie.bodies.points import require_node
 from fem_lie.lie.node_types import NodeType
@@ -43,6 +45,8 @@ class BodyInfo(Summarised):
         node_types: Type of each node, see :mod:`fem_lie.lie.node_types`, shape (n,); a frame whose
             axes the body sets, as on an edge of a discrete rod, counts as a position. ``None`` for
             files of results without node types.
+        undeformed: Frames of its nodes in the undeformed configuration, shape (n, 4, 3); ``None``
+            for files of results without them.
     """
 
     name: str
@@ -55,6 +59,7 @@ class BodyInfo(Summarised):
     faces: Indices = field(default_factory=lambda: np.empty((0, 4), dtype=np.int64))
     thickness: Array = field(default_factory=lambda: np.empty(0))
     node_types: Indices | None = None
+    undeformed: Array | None = None
 
     @classmethod
     def of(cls, body: Body, nodes: Indices) -> BodyInfo:
@@ -70,6 +75,7 @@ class BodyInfo(Summarised):
             faces=nodes[body.faces],
             thickness=body.thickness,
             node_types=_recorded_kinds(body),
+            undeformed=body.frames.copy(),
         )
 
 
@@ -154,15 +160,27 @@ class SceneInfo(Summarised):
         Raises:
             ValueError: The types of a body are not recorded; the message names it.
         """
-        found = np.empty(sum(len(body.nodes) for body in self.bodies), dtype=np.int64)
+        found = np.empty(self._count, dtype=np.int64)
         for body in self.bodies:
-            if body.node_types is None:
-                raise ValueError(
-                    f"the node types of {body.kind} {body.name!r} are not recorded: its file of "
-                    "results was written by an earlier version of fem_lie; run the scene again"
-                )
-            found[body.nodes] = body.node_types
+            found[body.nodes] = _known(body, body.node_types, "node types")
         return found
+
+    @cached_property
+    def undeformed(self) -> Array:
+        """Frames of all nodes in the undeformed configuration, shape (N, 4, 3).
+
+        Raises:
+            ValueError: That of a body is not recorded; the message names it.
+        """
+        found = np.empty((self._count, 4, 3))
+        for body in self.bodies:
+            found[body.nodes] = _known(body, body.undeformed, "undeformed configuration")
+        return found
+
+    @property
+    def _count(self) -> int:
+        """Number of nodes of the system."""
+        return sum(len(body.nodes) for body in self.bodies)
 
     def body(self, name: str) -> BodyInfo:
         """Body with this name.
@@ -234,7 +252,9 @@ class SceneInfo(Summarised):
             return frames[..., self.node(point), :, :]
         return attachment.frame(frames[..., self._nodes(point), :, :])
 
-    def twist(self, point: Point | str | int, frames: Array, v: Array) -> Array:
+    def twist(
+        self, point: Point | str | int, frames: Array, v: npt.NDArray[Scalar]
+    ) -> npt.NDArray[Scalar]:
         """Twists of a point, (…, 6), from those of all nodes, (…, N, 6); see :meth:`frame`."""
         attachment = None if isinstance(point, str | int | np.integer) else point.any_attachment
         if attachment is None:
@@ -263,6 +283,16 @@ class SceneInfo(Summarised):
 
 
 Item = TypeVar("Item", BodyInfo, JointInfo)
+Recorded = TypeVar("Recorded", Array, Indices)
+
+
+def _known(body: BodyInfo, values: Recorded | None, what: str) -> Recorded:
+    if values is None:
+        raise ValueError(
+            f"{body.kind} {body.name!r} has no recorded {what}: its file of results was written by "
+            "an earlier version of fem_lie; run the scene again"
+        )
+    return values
 
 
 def _named(items: tuple[Item, ...], name: str, what: str) -> Item:

@@ -147,9 +147,10 @@ def write_series(
 ) -> None:
     """Write a ``.pvd`` file, and a folder of the same name with a ``.vtp`` file for each time.
 
-    Point data: directors ``e1``, ``e2``, ``e3``, ``displacement`` from the first time, and
-    ``velocity`` and ``angular velocity``, all in global components; cell data: ``body``, the number
-    of the body, and section forces in the middle of elements, if given, nan elsewhere.
+    Point data: directors ``e1``, ``e2``, ``e3``, ``displacement`` (from the undeformed
+    configuration), ``velocity`` and ``angular velocity``, all in global components; cell data:
+    ``body``, the number of the body, and section forces in the middle of elements, if given, nan
+    elsewhere.
 
     Args:
         path: Name of the ``.pvd`` file.
@@ -160,7 +161,8 @@ def write_series(
         forces: Section forces of beams at all of these times.
 
     Raises:
-        ValueError: The name does not end in ``.pvd``, or section forces are at other times.
+        ValueError: The name does not end in ``.pvd``, section forces are at other times, or the
+            undeformed configuration is not recorded.
     """
     import pyvista
 
@@ -171,7 +173,7 @@ def write_series(
         data = pyvista.PolyData(frames[k, :, 0], faces, lines=lines, verts=vertices)
         for i in (1, 2, 3):
             data.point_data[f"e{i}"] = frames[k, :, i]
-        data.point_data["displacement"] = frames[k, :, 0] - frames[0, :, 0]
+        data.point_data["displacement"] = frames[k, :, 0] - info.undeformed[:, 0]
         if velocities is not None:
             for what, part in (("velocity", slice(0, 3)), ("angular velocity", slice(3, 6))):
                 spatial = np.einsum("ni,nij->nj", velocities[k, :, part], frames[k, :, 1:])

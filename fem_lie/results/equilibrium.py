@@ -17,7 +17,7 @@ from fem_lie.pictures.bodies import Arrows
 from fem_lie.pictures.page.page import Diagram, along_a_load
 from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.ranks.shared_factors import Subdomains
-from fem_lie.results.states import Displaced, StateSeries, evenly, label_of, nearest
+from fem_lie.results.states import StateSeries, evenly, label_of, nearest
 from fem_lie.scene.rotation import Rotation
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class StaticResult(StateSeries, Displaced):
+class StaticResult(StateSeries):
     """Equilibrium states.
 
     Attributes:
@@ -33,10 +33,9 @@ class StaticResult(StateSeries, Displaced):
         frames: Frames of all nodes at these factors, shape (k, nodes, 4, 3).
         joint_forces: Force and moment of each joint on its point ``a``, about the joint and in its
             axes on that side, shape (k, j, 6).
-        iterations: Number of linear solutions in each accepted step, shape (k,).
+        iterations: Number of linear solutions in all accepted steps up to each state, shape (k,).
         failed_iterations: Number of linear solutions in rejected steps.
         info: Bodies and joints.
-        initial: Frames of the undeformed configuration, shape (nodes, 4, 3).
         steady_rotation: Rotation of the frame in which this is an equilibrium, at load factor 1.
         seconds: Wall time from the first assembly to the last solution, without set-up.
         reactions: Force and moment of each support on its node, about the node, global components,
@@ -46,6 +45,8 @@ class StaticResult(StateSeries, Displaced):
             without a potential it is 1 if their number is odd, else 0; −1 if the matrix could not
             be factorised.
         factorisations: Number of factorisations of the matrix.
+        load_steps: Number of accepted steps, including those between the returned states.
+        failed_steps: Number of rejected steps.
         load_maxima: Load factors, approximately, at which the load had a maximum along the path.
         subdomains: Statistics of the domain decomposition, if it was used.
     """
@@ -56,7 +57,6 @@ class StaticResult(StateSeries, Displaced):
     iterations: Indices
     failed_iterations: int
     info: SceneInfo
-    initial: Array
     steady_rotation: Rotation
     seconds: float
     reactions: Array
@@ -64,16 +64,18 @@ class StaticResult(StateSeries, Displaced):
         default_factory=lambda: np.empty(0, dtype=np.int64), kw_only=True
     )
     factorisations: int = field(default=0, kw_only=True)
+    load_steps: int = field(default=0, kw_only=True)
+    failed_steps: int = field(default=0, kw_only=True)
     load_maxima: tuple[float, ...] = field(default=(), kw_only=True)
     subdomains: Subdomains | None = field(default=None, kw_only=True)
 
     def _summary(self) -> Iterator[tuple[str, object]]:
         """Load factors, displacement, iterations and stability."""
-        u = np.linalg.norm(self.frames[-1, :, 0] - self.initial[:, 0], axis=-1)
+        u = np.linalg.norm(self.frames[-1, :, 0] - self.info.undeformed[:, 0], axis=-1)
         yield "bodies", [body.name for body in self.info.bodies]
         yield "factors", self.factors
         yield "largest_displacement", float(u.max(initial=0.0))
-        yield "iterations", int(self.iterations.sum()) + self.failed_iterations
+        yield "iterations", self.total_iterations
         yield from (("stable", bool(self.stable[-1])),) if len(self.negative_pivots) else ()
         yield "seconds", self.seconds
 
@@ -87,8 +89,8 @@ class StaticResult(StateSeries, Displaced):
 
     @property
     def total_iterations(self) -> int:
-        """Number of linear solutions, including rejected steps."""
-        return int(self.iterations.sum()) + self.failed_iterations
+        """Number of linear solutions, including those of rejected steps."""
+        return super().total_iterations + self.failed_iterations
 
     def plot(
         self,
@@ -134,7 +136,7 @@ class StaticResult(StateSeries, Displaced):
             ValueError: There is no such state.
         """
         rows = self._instants(_DRAWN) if at is None else [self._row(state) for state in at]
-        drawn = np.concatenate([self.initial[np.newaxis], self.frames[rows]])
+        drawn = np.concatenate([self.info.undeformed[np.newaxis], self.frames[rows]])
         paths = self._traces(trace)
         canvas = Canvas(title, units)
         bodies.draw(
@@ -169,26 +171,9 @@ class StaticResult(StateSeries, Displaced):
 
     def _traces(self, points: Sequence[Point | str | int]) -> list[Array]:
         """Paths of points through all states, starting from the undeformed configuration."""
-        starts = [self.info.frame(point, self.initial)[np.newaxis, 0] for point in points]
+        rest = self.info.undeformed
+        starts = [self.info.frame(point, rest)[np.newaxis, 0] for point in points]
         return [np.vstack(parts) for parts in zip(starts, super()._traces(points), strict=True)]
-
-
-@dataclass(frozen=True, repr=False)
-class PathResult(StaticResult):
-    """Equilibrium states at prescribed loads, from :func:`~fem_lie.follow_loads`.
-
-    ``factors`` are the prescribed load factors; ``iterations`` are the numbers of linear solutions
-    on the path to each of them, without those of failed steps.
-
-    Attributes:
-        load_steps: Number of accepted steps, including those between the prescribed loads.
-        failed_steps: Number of rejected steps.
-        seconds: Wall time from the first assembly to the last solution.
-    """
-
-    load_steps: int
-    failed_steps: int
-    seconds: float
 
 
 _DRAWN = 7  # states in a picture, without the undeformed configuration

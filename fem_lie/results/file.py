@@ -1,7 +1,7 @@
 """Result files in HDF5: one data set for each array, one group for each body and joint.
 
-Since version 11 all contents have checksums, see :mod:`fem_lie.results.storage`. Files of version
-10 and later can be read.
+Since version 11 all contents have checksums, see :mod:`fem_lie.results.storage`; since version 12
+bodies have their undeformed configuration. Files of version 10 and later can be read.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from fem_lie.results.storage import (
 
 Record = TypeVar("Record", StepHistory, ContactSteps)
 
-_FORMAT, _VERSION = "fem_lie results", 11
+_FORMAT, _VERSION = "fem_lie results", 12
 _NUMBERS = "numbers"
 _BLOCK = 2**26  # bytes of rows that are copied together
 NUMBERS = ("factorisations", "k_updates", "phi_updates", "divided", "seconds")
@@ -264,6 +264,7 @@ def _read_version_11(file: Any, names: Sequence[str]) -> Stored:
 _READERS: dict[int, Callable[[Any, Sequence[str]], Stored]] = {
     10: _read_version_10,
     11: _read_version_11,
+    12: _read_version_11,
 }
 
 
@@ -306,13 +307,16 @@ def _groups(file: Any, name: str) -> list[Any]:
     return [file[name][str(i)] for i in range(len(file[name]))]
 
 
+_OF_SOME_BODIES = "outline", "box", "node_types", "undeformed"
+
+
 def _write_body(group: Any, body: BodyInfo) -> None:
     group.attrs.update({"name": body.name, "kind": body.kind})
     group["nodes"], group["cells"] = body.nodes, body.cells
     group["faces"], group["thickness"] = body.faces, body.thickness
     group["point_names"] = list(body.points) or np.empty(0, dtype="S1")
     group["point_nodes"] = np.array(list(body.points.values()), dtype=np.int64)
-    for name in ("outline", "box", "node_types"):
+    for name in _OF_SOME_BODIES:
         if getattr(body, name) is not None:
             group[name] = getattr(body, name)
 
@@ -326,10 +330,8 @@ def _read_body(group: Any) -> BodyInfo:
         cells=group["cells"][()],
         faces=group["faces"][()],
         thickness=group["thickness"][()],
-        outline=group["outline"][()] if "outline" in group else None,
-        box=group["box"][()] if "box" in group else None,
-        node_types=group["node_types"][()] if "node_types" in group else None,
         points={n: int(i) for n, i in zip(names, group["point_nodes"][()], strict=True)},
+        **{name: group[name][()] for name in _OF_SOME_BODIES if name in group},
     )
 
 

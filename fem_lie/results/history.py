@@ -70,7 +70,7 @@ class Result(Balanced, StateSeries):
             accumulated since the start, shape (T, 3).
         impulses: Impulses of loads (including gravity) and of reactions, force before moment about
             the origin, accumulated since the start, global components, shape (T, 2, 6).
-        iterations: Number of Newton iterations since the start, shape (T,).
+        iterations: Number of linear solutions in all accepted steps up to each time, shape (T,).
         factorisations: Number of factorisations in the whole run.
         k_updates: Number of those with updated mass and stiffness matrices.
         phi_updates: Number of those with an updated constraint Jacobian.
@@ -98,7 +98,7 @@ class Result(Balanced, StateSeries):
     angular_momentum: Array = if_recorded()
     balance: Array = if_recorded()
     impulses: Array = if_recorded()
-    iterations: npt.NDArray[np.int64]
+    iterations: Indices
     factorisations: int
     k_updates: int
     phi_updates: int
@@ -124,7 +124,7 @@ class Result(Balanced, StateSeries):
             (("times", f"{self.times[0]:.6g} to {self.times[-1]:.6g}"),) if len(self.times) else ()
         )
         yield "recorded", self.recorded
-        yield "iterations", int(self.iterations[-1]) if len(self.iterations) else 0
+        yield "iterations", self.total_iterations
         yield "factorisations", self.factorisations
         yield "seconds", self.seconds
 

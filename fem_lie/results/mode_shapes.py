@@ -6,19 +6,23 @@ import os
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Flags, instance, number
+from fem_lie._arrays import Array, Flags, Scalar, instance, number
 from fem_lie._summary import Summarised
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies
 from fem_lie.pictures.page.content import drawn
 from fem_lie.pictures.page.page import Page, Slider, page
 from fem_lie.pictures.stage import SI, Canvas, Units
+from fem_lie.results.states import Located
+
+if TYPE_CHECKING:
+    from fem_lie.bodies.body import Point
 
 LARGEST_ROTATION = 0.5
 """Largest rotation in pictures, rad, unless an amplitude is given."""
@@ -158,8 +162,36 @@ class ModeShapes(ABC):
         return fitting if self.rotation_only[mode - 1] else min(_PART * size, fitting)
 
 
+class ModeDisplacements(Summarised, Located, Generic[Scalar]):
+    """Access to displacements of points in k modes of one state.
+
+    Attributes:
+        shapes: Local increments (translation, rotation) of all nodes, shape (k, n, 6).
+        frames: The state, shape (n, 4, 3), of which :meth:`position` and :meth:`rotation` are.
+    """
+
+    shapes: npt.NDArray[Scalar]
+
+    def __len__(self) -> int:
+        """Number of modes."""
+        return len(self.shapes)
+
+    def displacement(self, point: Point | str | int) -> npt.NDArray[Scalar]:
+        """Displacement of a point in each mode, global components, shape (k, 3).
+
+        Args:
+            point: As for :meth:`position`.
+
+        Raises:
+            ValueError: There is no such point.
+        """
+        frames = np.broadcast_to(self.frames, (len(self), *self.frames.shape))
+        u = self.info.twist(point, frames, self.shapes)[:, :3]
+        return np.asarray(u @ self.info.frame(point, self.frames)[1:])
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class BucklingModes(Summarised, ModeShapes):
+class BucklingModes(ModeDisplacements[np.float64], ModeShapes):
     """Buckling load factors and modes of linear buckling analysis, the lowest first.
 
     Attributes:
@@ -181,28 +213,12 @@ class BucklingModes(Summarised, ModeShapes):
     info: SceneInfo
     seconds: float
 
-    def __len__(self) -> int:
-        """Number of modes."""
-        return len(self.factors)
-
     def __str__(self) -> str:
         """One line for each mode."""
         marks = ["  turns only" if turns else "" for turns in self.rotation_only]
         rows = enumerate(zip(self.factors, marks, strict=True), start=1)
         lines = [f"{number:4}  {factor:.8g}{mark}" for number, (factor, mark) in rows]
         return "\n".join(["mode  load factor", *lines])
-
-    def displacement(self, mode: int) -> Array:
-        """Displacements of all nodes in a mode, global components, shape (n, 3).
-
-        Args:
-            mode: Number of the mode.
-
-        Raises:
-            ValueError: There is no such mode; they are counted from 1.
-        """
-        u = self.shape(mode)[:, :3]
-        return np.einsum("nij,ni->nj", self.frames[:, 1:], u)
 
     def _look(self, mode: int) -> ModeLook:
         return ModeLook(f"Mode {mode}: load factor {chosen(self.factors, mode):.5g}", self.size)

@@ -44,14 +44,12 @@ class PathState(Summarised, Displaced):
     Attributes:
         factor: Load factor.
         frames: Frames of all nodes, shape (n, 4, 3).
-        initial: Frames of the undeformed configuration, shape (n, 4, 3).
         negative_pivots: Number of negative eigenvalues of the tangent stiffness.
         info: Bodies and joints.
     """
 
     factor: float
     frames: Array
-    initial: Array
     negative_pivots: int
     info: SceneInfo
 
@@ -78,7 +76,6 @@ class CriticalPoint(Summarised, Displaced, ModeShapes):
         index: Index of that state among the states of the path.
         frames: Frames of all nodes in the numbering of the system, shape (n, 4, 3); for those of a
             point see :meth:`position`, :meth:`displacement` and :meth:`rotation`.
-        initial: Frames of the undeformed configuration, shape (n, 4, 3).
         info: Bodies and joints.
     """
 
@@ -93,7 +90,6 @@ class CriticalPoint(Summarised, Displaced, ModeShapes):
     station: Station
     index: int
     frames: Array
-    initial: Array
     info: SceneInfo
 
     @property
@@ -147,7 +143,6 @@ class EquilibriumPath(StaticResult):
         observed: Observed quantities by name, each of shape (k,).
         complete: Whether the path reached the requested end.
         reason: Why the path ended.
-        failed_steps: Number of steps that were rejected, or repeated with a smaller size.
         locating_iterations: Number of linear solutions to locate critical points.
         stations: The states as starting points of other paths:
             ``follow_path(scene, start=path.stations[3])``.
@@ -158,7 +153,6 @@ class EquilibriumPath(StaticResult):
     observed: Mapping[str, Array]
     complete: bool
     reason: str
-    failed_steps: int
     locating_iterations: int
     stations: tuple[Station, ...]
 

@@ -60,13 +60,7 @@ class Located:
 
 
 class Displaced(Located):
-    """States with displacements from the undeformed configuration.
-
-    Attributes:
-        initial: Frames of the undeformed configuration, shape (N, 4, 3).
-    """
-
-    initial: Array
+    """Access to displacements of points from the undeformed configuration."""
 
     def displacement(self, point: Point | str | int) -> Array:
         """Displacement of a point, global components, shape (3,), or (k, 3) in k states.
@@ -75,21 +69,33 @@ class Displaced(Located):
             point: As for :meth:`position`.
 
         Raises:
-            ValueError: There is no such point.
+            ValueError: There is no such point, or the result is from a file of an earlier version.
         """
-        return np.asarray(self.position(point) - self.info.frame(point, self.initial)[0])
+        return np.asarray(self.position(point) - self.info.frame(point, self.info.undeformed)[0])
 
 
-class StateSeries(Summarised, Located, ABC):
-    """A sequence of states: a motion, or equilibria along a load.
+class StateSeries(Summarised, Displaced, ABC):
+    """A sequence of k states: a motion, or equilibria along a load.
 
     Attributes:
+        frames: Frames of the N nodes, shape (k, N, 4, 3).
         joint_forces: Force and moment of each joint on its point ``a``, shape (k, j, 6).
         reactions: Force and moment of each support on its node, shape (k, s, 6).
+        iterations: Number of linear solutions in all accepted steps up to each state, shape (k,).
+        factorisations: Number of factorisations of the matrix.
+        seconds: Wall time of the solution, without set-up.
     """
 
     joint_forces: Array
     reactions: Array
+    iterations: Indices
+    factorisations: int
+    seconds: float
+
+    @property
+    def total_iterations(self) -> int:
+        """Number of linear solutions in all accepted steps."""
+        return int(self.iterations[-1]) if len(self.iterations) else 0
 
     def joint_force(self, joint: Connection | str) -> Array:
         """Force and moment of a joint on its point ``a``, in its axes there, shape (k, 6).

@@ -10,13 +10,12 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, whole
-from fem_lie._summary import Summarised
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures import bodies
 from fem_lie.pictures.page.content import drawn
 from fem_lie.pictures.page.page import Page, Slider, page
 from fem_lie.pictures.stage import SI, Canvas, Units
-from fem_lie.results.mode_shapes import LARGEST_ROTATION, chosen
+from fem_lie.results.mode_shapes import LARGEST_ROTATION, ModeDisplacements, chosen
 
 Complex = npt.NDArray[np.complex128]
 
@@ -25,7 +24,7 @@ _PHASES = 49  # states of one oscillation in a page
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Modes(Summarised):
+class Modes(ModeDisplacements[np.complex128]):
     """Vibration modes ``H exp(Re(φ exp(s t)))`` about an equilibrium, the slowest first.
 
     Attributes:
@@ -49,10 +48,6 @@ class Modes(Summarised):
     size: float
     residuals: Array
     info: SceneInfo
-
-    def __len__(self) -> int:
-        """Number of modes."""
-        return len(self.eigenvalues)
 
     @property
     def frequencies(self) -> Array:

@@ -30,7 +30,7 @@ from fem_lie.adaptivity.space_error import SpaceError, space_error
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.surfaces import SurfaceMesh
-from fem_lie.results.equilibrium import PathResult
+from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.solve.statics.arc_length import ArcLength, increasing
 from fem_lie.solve.statics.follow import check_proportion, follow_loads
@@ -57,7 +57,7 @@ class LoadSegment(Summarised, Generic[Followed]):
 
     mesh: Followed
     scene: Scene
-    result: PathResult
+    result: StaticResult
     error: SpaceError
     change: Transferred | None
 

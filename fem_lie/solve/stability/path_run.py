@@ -43,6 +43,7 @@ class Record:
 
     stations: list[Station] = field(default_factory=list)
     critical: list[tuple[Bracket, int]] = field(default_factory=list)
+    load_steps: int = 0
     failed_steps: int = 0
     failed_iterations: int = 0
     locating: int = 0
@@ -55,7 +56,6 @@ class Pursuit:
 
     Attributes:
         model: The loaded scene.
-        initial: Frames of all nodes, unloaded, shape (n, 4, 3).
         info: Bodies and joints.
         found: States and events so far.
     """
@@ -72,7 +72,7 @@ class Pursuit:
         self._walker, self.model, self._ends = walker, walker.model, ends
         self._resolution, self._locate = resolution, locate
         equations, unknowns = self.model.equations, self.model.equations.unknowns
-        self.initial, self.info = self.all_frames(equations.start.unloaded), equations.info
+        self.info = equations.info
         placed = self.model.placed
         self._places = equations.start.unloaded[: unknowns.moving, 0][placed]
         self._scale = _SCALE * self.model.diameter
@@ -108,10 +108,9 @@ class Pursuit:
 
     def _follow(self, here: Station, show: Advance) -> None:
         found, length = self.found, _BEGIN * self._resolution
-        count = 0
         while not found.reason:
-            if count == self._ends.steps:
-                found.reason = f"the largest number of steps, {count}, is reached"
+            if found.load_steps == self._ends.steps:
+                found.reason = f"the largest number of steps, {found.load_steps}, is reached"
                 break
             arc = self._arc(here)
             length = min(length, self._remaining_length(here))
@@ -124,8 +123,8 @@ class Pursuit:
                         f"{self._hint(here)}"
                     )
                 continue
-            count += 1
-            if count == 1 and (free := self._free_motions(new)):
+            found.load_steps += 1
+            if found.load_steps == 1 and (free := self._free_motions(new)):
                 raise ValueError(f"the path has no start: {free}")
             used = length
             length = min(self._resolution, used * self._growth(here, new, arc))
@@ -310,7 +309,7 @@ class Pursuit:
     def observed(self, station: Station) -> PathState:
         """A state as passed to user functions."""
         frames = self.all_frames(station.state.frames)
-        return PathState(station.factor, frames, self.initial, station.negative, self.info)
+        return PathState(station.factor, frames, station.negative, self.info)
 
     def all_frames(self, H: Array) -> Array:
         """A copy of the frames of all nodes, from those of the equations."""

@@ -14,7 +14,7 @@ from fem_lie.lie.node_types import all_to_global_components, has_position
 from fem_lie.linear.choice import Solutions
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.ranks.shared_factors import Subdomains
-from fem_lie.results.equilibrium import PathResult
+from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.scene.load import StrainLoad
 from fem_lie.scene.rotation import Rotation
@@ -42,7 +42,7 @@ def follow_loads(
     *,
     arc_length: ArcLength | None = None,
     petsc_options_prefix: str = "fem_lie_statics_",
-) -> PathResult:
+) -> StaticResult:
     """Equilibrium at one or several load factors, by the load-capped arc length.
 
     All loads, and gravity, grow in proportion to the load factor.
@@ -64,7 +64,9 @@ def follow_loads(
     return result
 
 
-def followed(scene: Scene, levels: Sequence[float], options: ArcLength, prefix: str) -> PathResult:
+def followed(
+    scene: Scene, levels: Sequence[float], options: ArcLength, prefix: str
+) -> StaticResult:
     """As :func:`follow_loads`, without a warning on stability."""
     check_proportion(scene)
     levels = beyond(scene, levels)
@@ -371,22 +373,21 @@ class _AtFactor(Iterated):
 
 def _result(
     model: SceneEquilibrium, path: Path, levels: Sequence[float], seconds: float
-) -> PathResult:
+) -> StaticResult:
     equations, reached = model.equations, list(levels[: len(path.states)])
     unknowns, counts = equations.unknowns, np.cumsum([0, *path.iterations])
-    ends = [0] + [1 + path.factors.index(f) if f in path.factors else 0 for f in reached]
+    ends = [1 + path.factors.index(f) if f in path.factors else 0 for f in reached]
     states: list[_State] = path.states
     frames = [equations.report(state.frames).frames.copy() for state in states]
     forces = [model.joint_forces(state) for state in states]
     reactions = [model.reactions(*held) for held in zip(states, reached, strict=True)]
-    return PathResult(
+    return StaticResult(
         factors=np.array(reached),
         frames=np.array(frames).reshape(len(states), unknowns.total, 4, 3),
         joint_forces=np.array(forces).reshape(len(states), unknowns.connections, 6),
-        iterations=np.diff(counts[ends]),
+        iterations=counts[ends],
         failed_iterations=path.failed_iterations,
         info=equations.info,
-        initial=equations.report(equations.start.unloaded).frames.copy(),
         steady_rotation=Rotation.of((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
         reactions=np.array(reactions).reshape(len(states), len(unknowns.supported), 6),
         load_steps=len(path.iterations),

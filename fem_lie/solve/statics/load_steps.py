@@ -136,7 +136,7 @@ class LoadSteps(Iterated):
         self._reactions: list[Array] = []
         self._counts: list[int] = []
         self._pivots: list[int] = []
-        self._failed, self._to_check = 0, True
+        self._failed, self._failed_steps, self._to_check = 0, 0, True
         self._watch = Stopwatch()
 
     def result(self) -> StaticResult:
@@ -146,15 +146,16 @@ class LoadSteps(Iterated):
             np.array(self._factors),
             np.array(self._frames).reshape(k, unknowns.total, 4, 3),
             np.array(self._forces).reshape(k, unknowns.connections, 6),
-            np.array(self._counts, dtype=np.int64),
+            np.cumsum(self._counts, dtype=np.int64),
             self._failed,
             equations.info,
-            equations.report(equations.start.unloaded).frames.copy(),
             self._rotation,
             self._watch.seconds,
             np.array(self._reactions).reshape(k, len(unknowns.supported), 6),
             negative_pivots=np.array(self._pivots, dtype=np.int64),
             factorisations=self._solver.factorisations,
+            load_steps=k,
+            failed_steps=self._failed_steps,
             subdomains=self._solver.subdomains,
         )
 
@@ -286,6 +287,7 @@ class LoadSteps(Iterated):
                 self._lost = f" The step was refused: {error}."
         self.H, self.multipliers = H, multipliers
         self._failed += self.iterations
+        self._failed_steps += 1
         equations.memory.restore(saved)
         return None
 
