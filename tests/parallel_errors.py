@@ -5,14 +5,14 @@ import sys
 
 from mpi4py import MPI
 
-import numpy as np
+import parallel_scenes
 
-from fem_lie.ranks.together import end_together, meet
+import fem_lie as fl
 
 MESSAGES = {
     "numbers": "at a solution their numbers differ",
     "raise": "ZeroDivisionError: on the second rank alone",
-    "end": "rank 0 at a solution, rank 1 at the end of the script",
+    "end": "rank 0 at a new matrix, rank 1 at the end of the script",
 }
 FAULTS = list(MESSAGES)
 SECOND = MPI.COMM_WORLD.rank == 1
@@ -24,10 +24,13 @@ def go_wrong(fault):
         raise ZeroDivisionError("on the second rank alone")
     if fault == "end" and SECOND:
         return
-    meet("a solution", np.ones(1) + (fault == "numbers" and SECOND))
+    scene, corner = parallel_scenes.sheet()
+    if fault == "numbers" and SECOND:
+        scene.add(fl.PointLoad(corner, force=(0.0, 0.0, 1.0)))
+    fl.statics(scene)
 
 
 if __name__ == "__main__":
-    faulthandler.dump_traceback_later(500, exit=True)
-    end_together()
+    faulthandler.dump_traceback_later(120, exit=True)
+    parallel_scenes.share_factors()
     go_wrong(sys.argv[1])

@@ -76,8 +76,14 @@ class SharedMatrix:
     """
 
     def __init__(self, csr: tuple[Array, Indices, Indices]) -> None:
-        """Take this rank's rows of values, columns, row pointers; :meth:`take` updates values."""
+        """Take this rank's rows of values, columns, row pointers; :meth:`take` updates values.
+
+        Raises:
+            RanksError: The ranks are at different points, or have matrices of different size.
+        """
         world = MPI.COMM_WORLD
+        # what follows is collective, and would wait forever for a rank that is elsewhere
+        meet("a new matrix", np.array([len(csr[2]), len(csr[1])], dtype=np.float64))
         # objects without references on any rank are freed by all ranks together
         PETSc.garbage_cleanup(PETSc.COMM_WORLD)
         self._values, columns, pointers = csr
