@@ -122,28 +122,21 @@ def cell_name(domain: ufl.Mesh) -> str:
 
 
 def create_line_mesh(
-    comm: MPI.Intracomm,
-    points: npt.NDArray[np.float64],
-    cells: npt.NDArray[np.int64],
-    degree: int = 1,
+    points: npt.NDArray[np.float64], cells: npt.NDArray[np.int64]
 ) -> dolfinx.mesh.Mesh:
-    """Line mesh in space from points ``(n, 3)`` and cells ``(m, degree + 1)``, on all ranks.
+    """Line mesh in space on this process, from points ``(n, 3)`` and cells ``(m, 2)``.
 
     The call is by keyword: two arguments were swapped in 0.10.
 
     Raises:
-        ValueError: The mesh branches, there are several ranks, and this DOLFINx would cut it.
-        RuntimeError: The mesh was cut nevertheless.
+        RuntimeError: The mesh was cut.
     """
-    total = comm.allreduce(len(points))
-    valence = comm.allreduce(np.bincount(cells[:, :2].ravel(), minlength=total))
-    largest = int(valence.max())
-    _refuse_branches(comm, largest)
-    element = basix.ufl.element("Lagrange", "interval", degree, shape=(3,))
+    valence = np.bincount(cells.ravel())
+    element = basix.ufl.element("Lagrange", "interval", 1, shape=(3,))
     options: dict[str, Any] = {}
     if BRANCHING_IN_PARALLEL:
-        options["max_facet_to_cell_links"] = max(2, largest)
-    mesh = dolfinx.mesh.create_mesh(comm, cells=cells, x=points, e=element, **options)
+        options["max_facet_to_cell_links"] = max(2, int(valence.max()))
+    mesh = dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=points, e=element, **options)
     expected, found = np.count_nonzero(valence), mesh.topology.index_map(0).size_global
     if found != expected:
         raise RuntimeError(
@@ -169,14 +162,11 @@ def check_branches(mesh: dolfinx.mesh.Mesh) -> None:
     valence.array[:] = np.bincount(vertices, minlength=len(valence.array))
     valence.scatter_reverse(la.InsertMode.add)
     largest = int(valence.array[: index_map.size_local].max(initial=0))
-    _refuse_branches(mesh.comm, mesh.comm.allreduce(largest, MPI.MAX))
-
-
-def _refuse_branches(comm: MPI.Intracomm, valence: int) -> None:
-    if comm.size > 1 and valence > 2 and not BRANCHING_IN_PARALLEL:
+    largest = mesh.comm.allreduce(largest, MPI.MAX)
+    if largest > 2:
         raise ValueError(
-            f"{valence} cells meet at a vertex: DOLFINx {dolfinx.__version__} cuts branching line "
-            f"meshes on several processes, got {comm.size}; use one, or DOLFINx 0.10 or later"
+            f"{largest} cells meet at a vertex: DOLFINx {dolfinx.__version__} cuts branching line "
+            f"meshes on several processes, got {mesh.comm.size}; use one, or DOLFINx 0.10 or later"
         )
 
 

@@ -7,12 +7,13 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-import basix.ufl
 import dolfinx
 import numpy as np
+from own_meshes import mesh_of, own_mesh
 
 import fem_lie as fl
-from fem_lie import _compat
+
+SECTION = fl.Section.circle(0.1, fl.Material(1e6, 0.3, 1.0))
 
 
 def lines(comm, arms: int, cells: int = 8) -> tuple[np.ndarray, np.ndarray]:
@@ -39,9 +40,7 @@ def outcome(comm, make) -> str:
 
 def of_dolfinx(comm, arms: int) -> dolfinx.mesh.Mesh:
     """A user's mesh, made as users make it."""
-    points, cells = lines(comm, arms)
-    element = basix.ufl.element("Lagrange", "interval", 1, shape=(3,))
-    mesh = dolfinx.mesh.create_mesh(comm, cells=cells, x=points, e=element)
+    mesh = own_mesh(*lines(comm, arms), "interval", comm)
     fl.NodalFrames(mesh)
     return mesh
 
@@ -56,8 +55,9 @@ def results(comm) -> dict:
 
 
 def ours(comm, arms: int) -> dolfinx.mesh.Mesh:
-    """The library's mesh."""
-    return _compat.create_line_mesh(comm, *lines(comm, arms))
+    """The library's mesh, which each rank has for itself."""
+    points, cells = lines(MPI.COMM_SELF, arms)
+    return mesh_of(fl.Net(points, cells.tolist(), SECTION))
 
 
 if __name__ == "__main__":

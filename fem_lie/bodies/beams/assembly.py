@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
-from mpi4py import MPI
-
 import numpy as np
 
 from fem_lie import _compat
@@ -109,7 +107,7 @@ def _place(
         mesh, given = own, corners[cells]
         permutation: Indices = np.arange(len(cells))
     else:
-        mesh = _compat.create_line_mesh(MPI.COMM_SELF, points, cells)
+        mesh = _compat.create_line_mesh(points, cells)
         permutation = mesh.topology.original_cell_index.astype(np.int64)
         given = corners[mesh.geometry.input_global_indices[_compat.geometry_dofmap(mesh)]]
     nodal = NodalFrames(mesh, degree)
