@@ -40,11 +40,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 from matplotlib.figure import Figure
 
 import fem_lie as fl
 from fem_lie.extend import COLOURS
-from fem_lie.system import System
 
 RESULTS = Path(__file__).parents[1] / "results"
 LOCAL, INERTIAL = fl.schemes.MatrixFrame.LOCAL, fl.schemes.MatrixFrame.INERTIAL
@@ -216,15 +216,15 @@ def run(
 
 def asymmetry(scene: fl.Scene, result: fl.Result) -> float:
     """``|K - K^T| / |K|`` of the elastic tangent in local components, in the last state."""
-    system = System(scene, dynamics=True)
-    H = system.frames.copy()
-    H[: system.count] = result.frames[-1][system.numbering.master_map.masters]
-    system.elastic.reset_stress(H)
-    elements = next(iter(system.elastic))
-    (rows, columns), blocks = elements.pairs, elements.tangent(H, elements.room())
-    at = {pair: k for k, pair in enumerate(zip(rows.tolist(), columns.tolist(), strict=True))}
-    mirrored = [at[j, i] for i, j in at]
-    return float(np.abs(blocks - blocks[mirrored].transpose(0, 2, 1)).max() / np.abs(blocks).max())
+    equations = fl.extend.Equations(scene, dynamics=True)
+    n = equations.unknowns.moving
+    H, none = equations.start.frames.copy(), np.zeros((n, 6))
+    H[:n] = result.frames[-1][equations.unknowns.masters]
+    state = fl.extend.TimeState(H, none, none, np.zeros(equations.unknowns.m))
+    equations.fill(state, None, fl.extend.Plan(none, stressed=H))
+    values, columns, pointers = equations.matrix.csr
+    K = sp.csr_matrix((values, columns, pointers))[: 6 * n, : 6 * n]
+    return float(abs(K - K.T).max() / abs(K).max())
 
 
 def names(variant: Variant, policy: str) -> str:

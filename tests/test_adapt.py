@@ -9,7 +9,6 @@ import pytest
 import fem_lie as fl
 from benchmarks import effectivity, refined_quadrilaterals
 from demos import adaptive_goals, adaptive_problems, adaptive_shell, deep_arch, goal_problems
-from fem_lie.adaptivity.loop import _calibration
 
 SECTION = fl.Section.from_stiffness([1e7, 5e6, 5e6, 1e6, 2e6, 1e6])
 PLAIN = fl.elements.GeodesicBeam(bending_flexibility=False)
@@ -389,12 +388,23 @@ def test_a_tip_is_as_accurate_as_was_asked_for():
     ],
 )
 def test_estimates_are_multiplied_by_what_was_missed(values, estimates, factor):
-    goal = fl.adaptivity.PointDisplacementGoal("beam.end", (0, 0, 1))
-    before, now = (
-        fl.adaptivity.GoalError(goal, value, (), (), (np.array([estimate]),))
-        for value, estimate in zip(values, estimates, strict=True)
-    )
-    assert _calibration(before, now) == pytest.approx(factor)
+    class Scripted(fl.adaptivity.PointDisplacementGoal):
+        """Its values and estimates on two meshes are given."""
+
+        def found(self, result, bodies, scene):
+            (beam,) = bodies
+            k = len(beam.elements) - 2
+            return values[k], [np.full(len(beam.elements), estimates[k] / len(beam.elements))]
+
+    line = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 2)
+    with pytest.raises(fl.ConvergenceError, match="more than 24 unknowns") as caught:
+        fl.adaptivity.adapt(
+            cantilever, line, tolerance=1e-9, goal=Scripted("beam.end", (0, 0, 1)), most=24
+        )
+    found = caught.value.result
+    np.testing.assert_array_equal(found.values, values)
+    assert found.calibration[1] == pytest.approx(factor)
+    assert found.value == pytest.approx(values[1] + factor * estimates[1])
 
 
 @pytest.mark.parametrize("drilling", [False, True])

@@ -9,13 +9,9 @@ from pathlib import Path
 
 import pytest
 
-import fem_lie
 import fem_lie as fl
-from fem_lie.system.equations.memory import Memory
-from fem_lie.system.equations.prescribed import Prescribed
-from fem_lie.system.equations.report import ConstraintsAt, Report
 
-SOLVE = Path(fem_lie.__file__).parent / "solve"
+SOLVE = Path(fl.__file__).parent / "solve"
 
 RECORDS = {"info", "matrix", "memory", "scene", "start", "supports", "tables", "unknowns"}
 """What stays the same object."""
@@ -29,8 +25,8 @@ VERBS = {
 }
 
 VIEWS = {
-    ConstraintsAt: {"contradiction", "jacobian", "rates", "rigid_motions", "values"},
-    Memory: {
+    "constraints": {"contradiction", "jacobian", "rates", "rigid_motions", "values"},
+    "memory": {
         "accept",
         "carry",
         "check_passage",
@@ -43,7 +39,7 @@ VIEWS = {
         "watch",
         "with_matrix",
     },
-    Prescribed: {
+    "prescribed": {
         "accelerations",
         "act",
         "frames",
@@ -53,7 +49,7 @@ VIEWS = {
         "targets",
         "velocities",
     },
-    Report: {
+    "report": {
         "check_rotations",
         "elastic",
         "frames",
@@ -122,10 +118,22 @@ def test_every_verb_says_what_it_does(verb):
     assert getattr(fl.extend.Equations, verb).__doc__
 
 
-@pytest.mark.parametrize("view", VIEWS, ids=lambda view: view.__name__)
-def test_views_have_these_names_and_no_others(view):
-    assert {name for name in vars(view) if not name.startswith("_")} == VIEWS[view]
-    assert all(getattr(view, name).__doc__ for name in VIEWS[view])
+def view_of(name: str) -> type:
+    """Class of what the equations of a scene return."""
+    scene = fl.Scene()
+    scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0)))
+    equations = fl.extend.Equations(scene, dynamics=True)
+    H = equations.start.frames
+    given = {"constraints": (H,), "prescribed": (0.0,), "report": (H,)}
+    found = getattr(equations, name)
+    return type(found(*given[name]) if name in given else found)
+
+
+@pytest.mark.parametrize("name", VIEWS)
+def test_views_have_these_names_and_no_others(name):
+    view = view_of(name)
+    assert {each for each in vars(view) if not each.startswith("_")} == VIEWS[name]
+    assert all(getattr(view, each).__doc__ for each in VIEWS[name])
 
 
 def test_the_list_does_not_grow_in_silence():

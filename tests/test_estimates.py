@@ -9,7 +9,6 @@ import fem_lie as fl
 from benchmarks import effectivity
 from demos import hemisphere
 from fem_lie import lie
-from fem_lie.adaptivity.estimates.cut import Cut, Patches
 
 SECTION = fl.Section.from_stiffness([1e7, 5e6, 5e6, 1e6, 2e6, 1e6])
 MATERIAL = fl.Material(1e6, 0.3, 1.0)
@@ -254,35 +253,6 @@ def test_cut_cells_of_thin_curved_shells(thickness):
         for e in (fl.adaptivity.RecoveryEstimate(), fl.adaptivity.HierarchicalEstimate())
     )
     assert 0.4 < b / a < 1.3
-
-
-def test_cut_cells_about_one_cell_are_solved_exactly():
-    """Four cells, cut: forces of the found motion are those that were missing, but at the rim."""
-    shell = fl.Shell(
-        fl.mesh.parametric_surface(lambda a, b: (a, b, 0.1 * a * a), (2, 2)),
-        fl.ShellSection.layer(0.1, MATERIAL),
-        name="sheet",
-    )
-    cut = Cut.of(shell)
-    cells, N = cut.fine.own_mesh.cells, len(cut.fine.frames)
-    random = np.random.default_rng(1)
-    A = random.normal(size=(len(cells), 20, 20))
-    stiffness = A @ np.swapaxes(A, 1, 2)
-    rest, free = random.normal(size=(N, 5)), random.random((N, 5)) < 0.8
-    found = Patches.of(cut).solved(cells, stiffness, rest, free)
-    corners = shell.own_mesh.cells[0]
-    K = np.zeros((N, 5, N, 5))
-    for nodes, block in zip(cells, stiffness.reshape(-1, 4, 5, 4, 5), strict=True):
-        K[np.ix_(nodes, range(5), nodes, range(5))] += block
-    own = np.zeros(N, dtype=bool)
-    own[corners] = True
-    edges = len(shell.frames) + np.flatnonzero(np.isin(cut.ends, corners).any(axis=1))
-    own[edges] = own[len(shell.frames) + len(cut.ends) :] = True
-    chosen = np.flatnonzero((own[:, np.newaxis] & free).ravel())
-    moved = np.zeros(5 * N)
-    K = K.reshape(5 * N, 5 * N)
-    moved[chosen] = np.linalg.solve(K[np.ix_(chosen, chosen)], rest.ravel()[chosen])
-    np.testing.assert_allclose(found[:4], moved.reshape(N, 5)[cells[:4]], rtol=1e-8, atol=1e-9)
 
 
 # --- in the loop, and bad input -------------------------------------------------------------------

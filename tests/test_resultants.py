@@ -14,7 +14,7 @@ from shell_models import quartic
 import fem_lie as fl
 from fem_lie import _compat, lie
 from fem_lie.bodies.catalogue import BodyInfo, SceneInfo
-from fem_lie.results.stresses.nodal_values import planes, shared_values
+from fem_lie.results.stresses.nodal_values import shared_values
 from fem_lie.results.stresses.shell_stress import COMPONENTS, ShellStress, mises, principal, turned
 from tests.unit_systems import METRES, OTHER_SYSTEMS, UnitSystem
 
@@ -309,17 +309,6 @@ def test_axes_that_jump_are_refused_at_nodes_only():
     np.testing.assert_allclose(found.smooth("mises top"), mises(np.array(stress)), rtol=1e-9)
     along = fl.post.resultants(result, shell, along=(1, 0, 0))
     np.testing.assert_allclose(along.nodal, np.broadcast_to(N, along.nodal.shape), atol=1e-9)
-
-
-def test_values_at_edges_are_those_of_planes():
-    """Exact for what is linear; along a line, or with one point, flat across."""
-    rng = np.random.default_rng(2)
-    places, slope = rng.normal(size=(9, 2)), np.array([[2.0, -1.0], [0.5, 3.0]])
-    places[5:8] = np.outer([1.0, 2.0, 4.0], [1.0, 0.0])
-    which = np.array([0, 0, 0, 0, 0, 1, 1, 1, 2])
-    values = places @ slope.T + [1.0, 7.0]
-    found = planes(which, places, values, 3)
-    np.testing.assert_allclose(found, [[1, 7], [1, 7], values[8]], atol=1e-12)
 
 
 def test_edges_are_where_the_mesh_ends():

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie import _compat
-from fem_lie.mesh.shapes import turn, turned_round
-from fem_lie.system import System
+from tests.own_meshes import mesh_of, own_mesh
 from tests.test_mesh import _circle, _circle_centre
 from tests.test_shells import square
 
@@ -22,17 +20,24 @@ COMMUNICATORS = pytest.mark.parametrize(
 
 
 def plate(comm: MPI.Intracomm, cell: str) -> dolfinx.mesh.Mesh:
-    """A strip in space, bowed."""
-    kind = dolfinx.mesh.CellType[cell]
-    flat = dolfinx.mesh.create_rectangle(comm, [(0.0, 0.0), (2.0, 0.5)], (8, 2), cell_type=kind)
-    x = np.column_stack([flat.geometry.x[:, :2], 0.05 * flat.geometry.x[:, 0] ** 2])
-    return _compat.create_surface_mesh(x, _compat.geometry_dofmap(flat).astype(np.int64), cell, 1)
+    """A strip in space, bowed; its triangles look to both sides."""
+    mesh = fl.mesh.parametric_surface(lambda a, b: (2 * a, b / 2, 0.2 * a * a), (8, 2), cell=cell)
+    cells = mesh.cells.copy()
+    if cell == "triangle":
+        cells[::3] = cells[::3][:, [0, 2, 1]]
+    return own_mesh(mesh.points, cells, cell, comm)
 
 
 def line(comm: MPI.Intracomm) -> dolfinx.mesh.Mesh:
     """Straight."""
     points = np.outer(np.linspace(0.0, 1.0, 9), (1.0, 0.2, 0.3))
-    return _compat.create_line_mesh(comm, points, np.column_stack([np.arange(8), np.arange(1, 9)]))
+    cells = np.column_stack([np.arange(8), np.arange(1, 9)])
+    return own_mesh(points, cells, "interval", comm)
+
+
+def bare(mesh: dolfinx.mesh.Mesh) -> fl.mesh.LineMesh:
+    """The same cells, which come from no mesh of DOLFINx."""
+    return fl.mesh.LineMesh.from_cells(mesh.geometry.x, fl.mesh.lines_from_dolfinx(mesh).cells)
 
 
 def tip(body: fl.Beam | fl.Cable | fl.Shell) -> np.ndarray:
@@ -51,24 +56,13 @@ def tip(body: fl.Beam | fl.Cable | fl.Shell) -> np.ndarray:
     return frames[:, 0]
 
 
-def mesh_of(body: fl.Beam | fl.Cable | fl.Shell) -> dolfinx.mesh.Mesh:
-    """On which its forms are."""
-    scene = fl.Scene()
-    scene.add(body)
-    ((_, assembly),) = System(scene, dynamics=False).numbering.assemblies
-    return assembly.forms.increment.function_space.mesh
-
-
 @COMMUNICATORS
 @pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
 def test_a_shell_is_on_the_mesh_that_it_was_given(comm, cell):
     mesh = plate(comm, cell)
     shell = fl.Shell(mesh, LAYER)
-    cells = _compat.geometry_dofmap(mesh)
-    turned = turned_round(cells, cell)
-    # DOLFINx's triangles of a rectangle look to both sides
-    assert turned.any() == (cell == "triangle")
-    assert (mesh_of(shell) is mesh) == (not turned.any())
+    # triangles have been turned round
+    assert (mesh_of(shell) is mesh) == (cell == "quadrilateral")
     other = fl.Shell(fl.mesh.SurfaceMesh.from_cells(mesh.geometry.x, shell.mesh.cells, cell), LAYER)
     assert mesh_of(other) is not mesh
     np.testing.assert_allclose(tip(shell), tip(other), atol=1e-9)
@@ -89,11 +83,9 @@ def test_a_beam_is_on_the_mesh_that_it_was_given(comm, formulation):
     mesh = line(comm)
     beam = fl.Beam(mesh, SECTION, formulation=formulation)
     # where cells follow each other none has to be turned round
-    assert (np.diff(_compat.geometry_dofmap(mesh)) == 1).all() and mesh_of(beam) is mesh
-    bare = fl.mesh.LineMesh.from_cells(mesh.geometry.x, _compat.geometry_dofmap(mesh))
-    np.testing.assert_allclose(
-        tip(beam), tip(fl.Beam(bare, SECTION, formulation=formulation)), atol=1e-9
-    )
+    assert (np.diff(bare(mesh).cells) == 1).all() and mesh_of(beam) is mesh
+    other = fl.Beam(bare(mesh), SECTION, formulation=formulation)
+    np.testing.assert_allclose(tip(beam), tip(other), atol=1e-9)
 
 
 @COMMUNICATORS
@@ -104,17 +96,15 @@ def test_a_cable_is_on_the_mesh_that_it_was_given(comm, formulation):
     mesh = line(comm)
     cable = fl.Cable(mesh, SECTION, formulation=formulation)
     assert mesh_of(cable) is mesh
-    bare = fl.mesh.LineMesh.from_cells(mesh.geometry.x, _compat.geometry_dofmap(mesh))
-    other = fl.Cable(bare, SECTION, formulation=formulation)
+    other = fl.Cable(bare(mesh), SECTION, formulation=formulation)
     assert mesh_of(other) is not mesh
     np.testing.assert_allclose(tip(cable), tip(other), atol=1e-9)
 
 
 def test_an_ancf_beam_goes_along_a_mesh_that_it_was_given():
     mesh = line(MPI.COMM_SELF)
-    bare = fl.mesh.LineMesh.from_cells(mesh.geometry.x, _compat.geometry_dofmap(mesh))
     np.testing.assert_array_equal(
-        fl.AncfBeam(mesh, SECTION).frames, fl.AncfBeam(bare, SECTION).frames
+        fl.AncfBeam(mesh, SECTION).frames, fl.AncfBeam(bare(mesh), SECTION).frames
     )
 
 
@@ -127,11 +117,10 @@ def test_a_line_along_a_mesh_of_another_dimension_is_refused(kind):
 
 
 def test_two_bodies_of_a_kind_are_assembled_on_one_mesh_of_their_own():
-    scene = fl.Scene()
-    for _ in range(2):
-        scene.add(fl.Shell(plate(MPI.COMM_SELF, "triangle"), LAYER))
-    ((_, assembly),) = System(scene, dynamics=False).numbering.assemblies
-    assert assembly.mesh not in [body.source for body in scene.bodies]
+    bodies = [fl.Shell(plate(MPI.COMM_SELF, "quadrilateral"), LAYER) for _ in range(2)]
+    assert [mesh_of(body) for body in bodies] == [body.source for body in bodies]
+    mesh = fl.Shell.assemble(bodies).forms.increment.function_space.mesh
+    assert mesh not in [body.source for body in bodies]
 
 
 def test_a_body_that_was_moved_from_its_mesh_is_not_on_it():
@@ -141,25 +130,11 @@ def test_a_body_that_was_moved_from_its_mesh_is_not_on_it():
     assert mesh_of(shell) is not mesh
 
 
-def test_cells_with_two_common_edges_are_turned_once():
-    """Two quadrilaterals around the corner 4 that they share with both neighbours of it."""
-    cells = np.array([[0, 1, 3, 4], [5, 3, 1, 4]])
-    for second in ([5, 3, 1, 4], [5, 1, 3, 4]):
-        cells[1] = second
-        turned = turned_round(cells, "quadrilateral")
-        ways = []  # along the edge from 1 to 4 one goes on, and the other comes back
-        for cell in turn(cells, "quadrilateral", turned):
-            around = [cell[k] for k in (0, 1, 3, 2)]
-            at = around.index(1)
-            ways.append(around[(at + 1) % 4] == 4)
-        assert sorted(ways) == [False, True] and not turned[0]
-
-
 def test_a_dolfinx_mesh_keeps_its_numbers_and_tags():
     point, _ = _circle(2.0)
     s = np.linspace(0, 1, 7)
     cells = np.column_stack([np.arange(6), np.arange(1, 7)]).astype(np.int64)
-    mesh = _compat.create_line_mesh(MPI.COMM_SELF, np.array([point(si) for si in s]), cells)
+    mesh = own_mesh([point(si) for si in s], cells, "interval")
     middle = dolfinx.mesh.compute_midpoints(mesh, 1, np.arange(6, dtype=np.int32))
     tags = dolfinx.mesh.meshtags(mesh, 1, np.array([4, 5], np.int32), np.array([3, 3], np.int32))
     tip = dolfinx.mesh.locate_entities(
@@ -188,7 +163,7 @@ def test_dolfinx_mesh_with_tags_is_the_same_mesh():
     with pytest.raises(ValueError, match="gdim 2"):
         fl.mesh.surface_from_dolfinx(plane)
     given = fl.mesh.parametric_surface(square, (3, 2))
-    mesh = _compat.create_surface_mesh(given.points, given.cells, "quadrilateral", 1)
+    mesh = own_mesh(given.points, given.cells, "quadrilateral")
     mesh.topology.create_connectivity(1, 2)
     facets = dolfinx.mesh.locate_entities_boundary(mesh, 1, lambda x: x[0] < 1e-9)
     tags = dolfinx.mesh.meshtags(mesh, 1, facets, np.full(len(facets), 7, dtype=np.int32))

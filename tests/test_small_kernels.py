@@ -1,0 +1,81 @@
+"""Small numerical kernels, whose degenerate cases no input of users reaches one by one."""
+
+import numpy as np
+
+import fem_lie as fl
+from fem_lie.adaptivity.estimates.cut import Cut, Patches
+from fem_lie.mesh.shapes import turn, turned_round
+from fem_lie.results.stresses.nodal_values import planes
+from fem_lie.sections.warping import WarpingFields
+
+STEEL = fl.Material(2.1e11, 0.3, 7850.0)
+
+
+def test_cells_with_two_common_edges_are_turned_once():
+    """Two quadrilaterals around the corner 4 that they share with both neighbours of it.
+
+    DOLFINx 0.9 cannot make a mesh of them.
+    """
+    cells = np.array([[0, 1, 3, 4], [5, 3, 1, 4]])
+    for second in ([5, 3, 1, 4], [5, 1, 3, 4]):
+        cells[1] = second
+        turned = turned_round(cells, "quadrilateral")
+        ways = []  # along the edge from 1 to 4 one goes on, and the other comes back
+        for cell in turn(cells, "quadrilateral", turned):
+            around = [cell[k] for k in (0, 1, 3, 2)]
+            at = around.index(1)
+            ways.append(around[(at + 1) % 4] == 4)
+        assert sorted(ways) == [False, True] and not turned[0]
+
+
+def test_motion_by_poissons_ratio_is_no_shear():
+    """What Love's solution leaves open, a rigid motion of the section, does not change Γ."""
+    mesh = fl.SectionShape.l_section(0.1, 0.15, 0.012).mesh
+    size = np.ptp(mesh.points)
+    fields = WarpingFields(mesh, mesh.points / size, [STEEL], 3)
+    torsion = fields.torsion()
+    y, z = fields.r
+    a = np.array([y * y, y * z])
+    strain = fields.shear_strain(y, a, torsion)
+    moved = a + np.array([0.3 - 0.7 * z, -0.2 + 0.7 * y])
+    np.testing.assert_allclose(fields.shear_strain(y, moved, torsion), strain, rtol=1e-9)
+
+
+def test_cut_cells_about_one_cell_are_solved_exactly():
+    """Four cells, cut: forces of the found motion are those that were missing, but at the rim."""
+    shell = fl.Shell(
+        fl.mesh.parametric_surface(lambda a, b: (a, b, 0.1 * a * a), (2, 2)),
+        fl.ShellSection.layer(0.1, STEEL),
+        name="sheet",
+    )
+    cut = Cut.of(shell)
+    cells, N = cut.fine.own_mesh.cells, len(cut.fine.frames)
+    random = np.random.default_rng(1)
+    A = random.normal(size=(len(cells), 20, 20))
+    stiffness = A @ np.swapaxes(A, 1, 2)
+    rest, free = random.normal(size=(N, 5)), random.random((N, 5)) < 0.8
+    found = Patches.of(cut).solved(cells, stiffness, rest, free)
+    corners = shell.own_mesh.cells[0]
+    K = np.zeros((N, 5, N, 5))
+    for nodes, block in zip(cells, stiffness.reshape(-1, 4, 5, 4, 5), strict=True):
+        K[np.ix_(nodes, range(5), nodes, range(5))] += block
+    own = np.zeros(N, dtype=bool)
+    own[corners] = True
+    edges = len(shell.frames) + np.flatnonzero(np.isin(cut.ends, corners).any(axis=1))
+    own[edges] = own[len(shell.frames) + len(cut.ends) :] = True
+    chosen = np.flatnonzero((own[:, np.newaxis] & free).ravel())
+    moved = np.zeros(5 * N)
+    K = K.reshape(5 * N, 5 * N)
+    moved[chosen] = np.linalg.solve(K[np.ix_(chosen, chosen)], rest.ravel()[chosen])
+    np.testing.assert_allclose(found[:4], moved.reshape(N, 5)[cells[:4]], rtol=1e-8, atol=1e-9)
+
+
+def test_values_at_edges_are_those_of_planes():
+    """Exact for what is linear; along a line, or with one point, flat across."""
+    rng = np.random.default_rng(2)
+    places, slope = rng.normal(size=(9, 2)), np.array([[2.0, -1.0], [0.5, 3.0]])
+    places[5:8] = np.outer([1.0, 2.0, 4.0], [1.0, 0.0])
+    which = np.array([0, 0, 0, 0, 0, 1, 1, 1, 2])
+    values = places @ slope.T + [1.0, 7.0]
+    found = planes(which, places, values, 3)
+    np.testing.assert_allclose(found, [[1, 7], [1, 7], values[8]], atol=1e-12)
