@@ -1,8 +1,8 @@
 """State of a run by the names of its attributes: copying, restoring and writing.
 
 A class names in ``STATE`` the attributes that determine the next steps; those of its base classes
-are included. An attribute is an array, a number, a tuple or list of arrays, or an object with a
-state of its own, whose names follow after a dot; ``None`` has no state.
+are included. An attribute is an array, a number, a record, a tuple or list of arrays, or an object
+with a state of its own, whose names follow after a dot; ``None`` has no state.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._jit.records import fields_of
 
 
 class HasState(Protocol):
@@ -68,10 +69,10 @@ def saved(owner: object, names: Iterable[str]) -> dict[str, Array]:
 
 
 def arrays_of(owner: object, names: Iterable[str]) -> dict[str, Array]:
-    """Arrays that :func:`saved` copies, by the same names, if the state consists of arrays only.
+    """Arrays that :func:`saved` copies, by the same names, if it has arrays and records only.
 
     A state that is copied in every step is copied faster with these; the arrays must stay the same
-    objects.
+    objects. A record is one array.
     """
     found: dict[str, Array] = {}
     for name in names:
@@ -80,10 +81,15 @@ def arrays_of(owner: object, names: Iterable[str]) -> dict[str, Array]:
             own = arrays_of(value, value._of_all)
             found |= {f"{name}.{part}": array for part, array in own.items()}
         elif isinstance(value, tuple | list):
-            found |= {f"{name}.{part}": array for part, array in _items(value)}
+            found |= {f"{name}.{part}": _block(array) for part, array in _items(value)}
         else:
-            found[name] = value
+            found[name] = _block(value)
     return found
+
+
+def _block(value: Any) -> Array:
+    """An array, or the memory of a record, all fields at once."""
+    return np.asarray(value.base) if isinstance(value, np.record) else value
 
 
 def put_back(owner: object, names: Iterable[str], kept: Mapping[str, Array]) -> None:
@@ -108,7 +114,9 @@ def _place(owner: object, name: str) -> tuple[object, str]:
 
 
 def _add(found: dict[str, Array], name: str, value: Any) -> None:
-    if isinstance(value, np.ndarray):
+    if isinstance(value, np.record):
+        found |= {f"{name}.{part}": array.copy() for part, array in fields_of(value).items()}
+    elif isinstance(value, np.ndarray):
         found[name] = value.copy()
     elif isinstance(value, tuple | list):
         for part, item in _items(value):
@@ -121,6 +129,10 @@ def _add(found: dict[str, Array], name: str, value: Any) -> None:
 
 def _in_place(name: str, value: Any, kept: Mapping[str, Array]) -> bool:
     """Restore a value in place, if possible; return whether it was."""
+    if isinstance(value, np.record):
+        return all(
+            [_in_place(f"{name}.{part}", own, kept) for part, own in fields_of(value).items()]
+        )
     if isinstance(value, np.ndarray):
         if value.shape != kept[name].shape:
             return False

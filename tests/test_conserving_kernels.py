@@ -12,6 +12,7 @@ import pytest
 import fem_lie as fl
 from demos.double_pendulum import pendulum
 from fem_lie import lie
+from fem_lie._jit.records import new_record
 from fem_lie.solve.conserving import model
 from fem_lie.solve.conserving.midpoint import mean_forces
 from fem_lie.solve.conserving.midpoint.cayley import span
@@ -87,10 +88,10 @@ def test_increments_that_fall_slowly_are_not_round_off():
     """Forces left over do work: taken for noise they raised the energy by 1e-12 in one step."""
 
     def ends(increments: list[float], window: int) -> list[bool]:
-        numbers, found = np.zeros(corrections.NUMBERS), []
-        numbers[corrections.RECENT :] = np.inf
+        progress, found = new_record(corrections.PROGRESS), []
+        corrections.forget(progress)
         for increment in increments:
-            found.append(bool(corrections.stalls(numbers, increment, window)))
+            found.append(bool(corrections.stalls(progress, increment, window)))
         return found
 
     for window in (corrections.WINDOW, corrections.LEARNING):

@@ -5,7 +5,6 @@ import pytest
 
 import fem_lie as fl
 from benchmarks.hamel import rolling
-from fem_lie.solve.composed import momentum_parts
 from fem_lie.solve.composed.momentum_parts import MomentumPart
 from fem_lie.solve.composed.run import ComposedRun
 from tests.test_composed import driven, rigid_pendulum
@@ -21,7 +20,7 @@ def fail_in_full(monkeypatch, h: float) -> None:
     one_part, make = ComposedRun._one_part, MomentumPart.make
 
     def fails(self: ComposedRun) -> bool:
-        middle = self._place[momentum_parts.PART] == len(self._order) // 2
+        middle = self._position.part == len(self._order) // 2
         whole = self.division.level == 0 and self.index > 0
         return not (whole and middle) and one_part(self)
 

@@ -14,15 +14,16 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined
-from fem_lie.forms.kernels.addresses import integer_pointer, pointer
+from fem_lie._jit.records import Records
+from fem_lie.forms.kernels.addresses import integer_pointer, pointer, void_pointer
 
 _MOST = 4  # dimensions
 
 
 class FixedArrays:
-    """Table of arrays of doubles and 64-bit integers, which it keeps alive.
+    """Table of arrays of doubles and 64-bit integers, and of records, which it keeps alive.
 
-    The arrays must not be replaced.
+    None of them may be replaced.
 
     Attributes:
         table: Address and shape of each array, for compiled functions, shape (k, 5).
@@ -32,8 +33,11 @@ class FixedArrays:
         """Store the arrays in the order in which compiled functions index them."""
         self._arrays = tuple(arrays)
         self.table = np.ones((len(self._arrays), 1 + _MOST), dtype=np.int64)
-        for row, array in zip(self.table, self._arrays, strict=True):
-            if not array.flags.c_contiguous or array.dtype not in (np.float64, np.int64):
+        for row, given in zip(self.table, self._arrays, strict=True):
+            record = isinstance(given, np.record)
+            array = np.asarray(given.base) if record else given
+            plain = record or array.dtype in (np.float64, np.int64)
+            if not array.flags.c_contiguous or not plain:
                 raise TypeError(f"contiguous doubles or integers, got {array.dtype}")
             row[0] = array.ctypes.data
             row[1 : 1 + array.ndim] = array.shape
@@ -74,6 +78,12 @@ def integers1(table: Indices, k: int) -> Indices:
 def integers2(table: Indices, k: int) -> Indices:
     """Array ``k`` of integers, two dimensions."""
     return numba.carray(integer_pointer(table[k, 0]), (table[k, 1], table[k, 2]))
+
+
+@inlined
+def records(table: Indices, k: int, kind: np.dtype[np.void]) -> Records:
+    """Array ``k``, of one record of a type, see :mod:`fem_lie._jit.records`."""
+    return numba.carray(void_pointer(table[k, 0]), (1,), kind)
 
 
 @inlined

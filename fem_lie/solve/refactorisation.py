@@ -8,8 +8,8 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import NamedTuple, TypeAlias
 
-from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
+from fem_lie._jit.records import Record, record_type
 
 
 class Refactorisation(IntEnum):
@@ -53,9 +53,9 @@ class Rule(NamedTuple):
 PlainRule: TypeAlias = tuple[int, float, float, int, bool, bool]
 """Plain tuple of a :class:`Rule`."""
 
-BEST, BASE, EXCESS, LOST, SIZE = 0, 1, 2, 3, 4
-"""Recorded numbers: fewest iterations of a step since the last update, and since the whole matrix
-was refactorised (0: unknown); excess iterations, and those in spite of an updated constraint
+KNOWN = record_type(fewest=float, fewest_since_all=float, excess=float, lost=float)
+"""What the rule records: the fewest iterations of a step since the last update, and since the whole
+matrix was refactorised (0: unknown); excess iterations, and those in spite of an updated constraint
 Jacobian."""
 
 _NONE, _CONSTRAINTS, _ALL = (int(update) for update in Refactorisation)
@@ -72,28 +72,28 @@ def is_due(iteration: int, patience: int, lost: float, cost: float) -> bool:
 
 
 @compiled
-def due(rule: PlainRule, known: Array, iteration: int) -> int:
+def due(rule: PlainRule, known: Record, iteration: int) -> int:
     """What to refactorise before an iteration of a step, counted from 1.
 
-    ``known`` (4,) is updated.
+    ``known``, of type :data:`KNOWN`, is updated.
     """
     patience, cost, refresh, most, bound, _ = rule
-    if is_due(iteration, patience, known[LOST if bound else EXCESS], cost):
+    if is_due(iteration, patience, known.lost if bound else known.excess, cost):
         # within a step the constraint Jacobian is updated first
         update = _CONSTRAINTS if bound and iteration - 1 == patience else _ALL
     else:
-        refreshed = iteration == 1 and bound and known[EXCESS] >= refresh
+        refreshed = iteration == 1 and bound and known.excess >= refresh
         update = _CONSTRAINTS if refreshed else _NONE
     update = min(update, most)
     if update != _NONE:
-        known[BEST] = known[EXCESS] = 0.0
+        known.fewest = known.excess = 0.0
     if update == _ALL:
-        known[BASE] = known[LOST] = 0.0
+        known.fewest_since_all = known.lost = 0.0
     return update
 
 
 @compiled
-def learn(rule: PlainRule, known: Array, iterations: int) -> bool:
+def learn(rule: PlainRule, known: Record, iterations: int) -> bool:
     """Record the cost of the frozen matrix in a step; return whether to measure its staleness.
 
     That is so (:attr:`Rule.asks`) if all would be refactorised at the next step and updating the
@@ -101,9 +101,10 @@ def learn(rule: PlainRule, known: Array, iterations: int) -> bool:
     """
     # a single iteration is due to a good prediction and says nothing about the matrix
     counted = max(float(iterations), 2.0)
-    known[BEST] = counted if known[BEST] == 0.0 else min(known[BEST], counted)
-    known[BASE] = known[BEST] if known[BASE] == 0.0 else min(known[BASE], known[BEST])
-    known[EXCESS] += counted - known[BEST]
-    known[LOST] += known[BEST] - known[BASE]
+    known.fewest = counted if known.fewest == 0.0 else min(known.fewest, counted)
+    before = known.fewest_since_all
+    known.fewest_since_all = known.fewest if before == 0.0 else min(before, known.fewest)
+    known.excess += counted - known.fewest
+    known.lost += known.fewest - known.fewest_since_all
     _, cost, _, _, bound, asks = rule
-    return asks and bound and known[LOST] >= cost
+    return asks and bound and known.lost >= cost

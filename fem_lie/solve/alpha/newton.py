@@ -12,15 +12,7 @@ import numpy as np
 
 from fem_lie.lie.node_types import twists
 from fem_lie.solve.alpha.run_state import RunState
-from fem_lie.solve.alpha.step.loop import (
-    INCREMENT,
-    ITERATION,
-    MOTION,
-    NOW,
-    RATIO,
-    allowed,
-    starting_ratio,
-)
+from fem_lie.solve.alpha.step.loop import allowed, starting_ratio
 from fem_lie.solve.alpha.step.nodes import accept, change_velocities, correct, predict
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.impacts.impulses import project
@@ -42,12 +34,12 @@ class Newton(RunState, Iterated):
 
     def _iterate(self, decisions: PolicyState, *, carried: bool) -> int:
         """Predict, and correct until convergence; return the number of iterations, 0 on failure."""
-        numbers, self._carried = self.numbers, carried
-        numbers[MOTION] = max(predict(*self._plain), numbers[MOTION])
+        progress, self._carried = self.progress, carried
+        progress.motion = max(predict(*self._plain), progress.motion)
         tolerance, round_off_level = self._tolerance(), _STAGNATION if carried else 0.0
-        self._rate = LinearRate(lambda _: tolerance, float(numbers[RATIO]), round_off_level)
+        self._rate = LinearRate(lambda _: tolerance, float(progress.ratio), round_off_level)
         ended = iterate(self, self.options.max_iterations, decisions)
-        numbers[INCREMENT] = ended.size
+        progress.increment = ended.size
         if not ended.converged:
             return 0
         self._accept(decisions, ended.iterations)
@@ -57,7 +49,7 @@ class Newton(RunState, Iterated):
 
     def evaluate(self, iteration: int) -> bool:
         """Evaluate the residual, which alone does not end the iteration."""
-        self.counters[ITERATION] = iteration
+        self.progress.iteration = iteration
         self._find(self._end_instant, carried=self._carried)
         return False
 
@@ -84,7 +76,7 @@ class Newton(RunState, Iterated):
     def judge(self, size: float) -> Verdict:
         """Verdict by the linear convergence rate."""
         verdict = self._rate.judge(size)
-        self.numbers[INCREMENT], self.numbers[NOW] = size, self._rate.ratio
+        self.progress.increment, self.progress.now = size, self._rate.ratio
         return verdict
 
     def admits(self, verdict: Verdict) -> bool:
@@ -94,8 +86,8 @@ class Newton(RunState, Iterated):
 
     def _accept(self, decisions: PolicyState, iterations: int) -> None:
         """Make the end of the converged step the start of the next one."""
-        equations, ratio = self.equations, float(self.numbers[NOW])
-        self.numbers[RATIO] = starting_ratio(ratio, iterations)
+        equations, ratio = self.equations, float(self.progress.now)
+        self.progress.ratio = starting_ratio(ratio, iterations)
         if decisions.asks and not self._turned:
             decisions.answer(iterations, ratio, self._staleness())
         if self._projects:
@@ -106,5 +98,5 @@ class Newton(RunState, Iterated):
 
     def _tolerance(self) -> float:
         """Allowed iteration error of a step, see :data:`~.convergence.ROTATION`."""
-        motion = float(self.numbers[MOTION])
+        motion = float(self.progress.motion)
         return allowed(motion, self.options.tolerance, self._finest)

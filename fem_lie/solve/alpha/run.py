@@ -23,22 +23,7 @@ from fem_lie.results.record import with_others
 from fem_lie.solve.alpha.newton import Newton
 from fem_lie.solve.alpha.options import DAMPED, Options
 from fem_lie.solve.alpha.step import loop
-from fem_lie.solve.alpha.step.loop import (
-    BETWEEN,
-    INCREMENT,
-    ITERATION,
-    NEAR,
-    PHASE,
-    RATIO,
-    ROW,
-    STEP,
-    TOTAL,
-    UPDATE,
-    WANTED,
-    Packed,
-    PlainSteps,
-    Steps,
-)
+from fem_lie.solve.alpha.step.loop import BETWEEN, Packed, PlainSteps, Steps
 from fem_lie.solve.alpha.step.nodes import WRITTEN
 from fem_lie.solve.convergence import failure
 from fem_lie.solve.impacts.contacts import CoupledContacts
@@ -121,8 +106,7 @@ class Run(Newton):
             (known.joints, known.probes),
             stored,
             known.around,
-            self.counters,
-            self.numbers,
+            self.progress,
             self.decisions.known,
         )
         return FixedArrays(packed.arrays)
@@ -166,7 +150,7 @@ class Run(Newton):
 
     def attempt(self, start: float, end: float) -> bool:
         """Make a step, see :class:`~fem_lie.solve.division.Divisible`."""
-        self.counters[STEP], self._end = self.begun, end
+        self.progress.step, self._end = self.begun, end
         before, motion = self.s.H.copy(), None
         if self._contacts is not None:
             motion = self.s.motion.copy()
@@ -211,19 +195,19 @@ class Run(Newton):
 
     def _make_in_loop(self, history: Recorder) -> bool:
         """Make as many steps as the loop can make and record by itself, at least one."""
-        counters, index, most = self.counters, self.index, 1 if self._changing else self._most
+        progress, index, most = self.progress, self.index, 1 if self._changing else self._most
         self.reason = ""
         if history.whole and self._fills:
             last, wanted = history.steps_in_loop(index, most)
         else:
             last, wanted = min(history.next_stop(index), index + most), _NOTHING
         self._go_to_time((index + 1) * self.h)
-        counters[[ROW, WANTED, TOTAL]] = history.row, 0, history.count
+        progress.row, progress.wanted, progress.total = history.row, 0, history.count
         made = self._go(last, wanted, (history.scene, history.arrays.table), ends=True)
-        filled = counters[WANTED]
+        filled = progress.wanted
         self._filled = int(wanted[filled - 1]) if filled else -1
-        history.row, history.count = int(counters[ROW]), int(counters[TOTAL])
-        history.turns_far = bool(counters[NEAR])
+        history.row, history.count = int(progress.row), int(progress.total)
+        history.turns_far = bool(progress.near)
         self._end = self.index * self.h
         if not made:
             iterations = self._fallback_converged()
@@ -233,7 +217,7 @@ class Run(Newton):
                 return self._close(self._end)
             if not self.divides:
                 return False
-            self.counters[STEP] -= 1
+            self.progress.step -= 1
             self.multipliers[:] = self._first
             self.division.halve(self, self.index * self.h, self.h)
             return self._in_parts(history)
@@ -276,22 +260,22 @@ class Run(Newton):
 
     def _served(self, code: int) -> bool:
         """Serve a request of the loop; return whether the step may continue."""
-        counters, numbers = self.counters, self.numbers
+        progress = self.progress
         if code == loop.RESIDUAL:
             self._find(self._end_instant)
             return True
         if code == loop.QUESTION:
-            iterations, ratio = int(counters[ITERATION]), float(numbers[RATIO])
+            iterations, ratio = int(progress.iteration), float(progress.ratio)
             self.decisions.answer(iterations, ratio, self._staleness())
             return True
         if code == loop.CHECK:
             return not self._contradicts(self._tolerance(), stagnant=False)
         try:
             if code == loop.MATRIX:
-                self._refactorise(Refactorisation(counters[UPDATE]), self.s.H1)
+                self._refactorise(Refactorisation(progress.update), self.s.H1)
             self._solve()
         except SingularMatrixError:
-            numbers[INCREMENT], counters[PHASE] = np.inf, BETWEEN
+            progress.increment, progress.phase = np.inf, BETWEEN
             return False
         return True
 
@@ -299,14 +283,14 @@ class Run(Newton):
         """Make one step; return its iterations, failed ones included; 0 if all attempts failed."""
         self.reason = ""
         if self._rule is None:
-            self.counters[STEP] += 1
+            self.progress.step += 1
             self._first[:] = self.multipliers
             count = self._iterate(self.decisions, carried=False)
         else:
-            self.counters[TOTAL] = 0
+            self.progress.total = 0
             none = _NOTHING, (_NOWHERE, _NOWHERE)
             made = self._go(self.index + 1, *none, ends=False)
-            count = int(self.counters[TOTAL]) if made else 0
+            count = int(self.progress.total) if made else 0
         return count or self._fallback_converged()
 
     def _turn(self) -> None:
@@ -319,7 +303,7 @@ class Run(Newton):
         """
         if not self._may_fall_back:
             return 0
-        in_vain = int(self.counters[ITERATION])
+        in_vain = int(self.progress.iteration)
         _log.info("step %d: frozen matrix diverges, full Newton iteration", self.index)
         self.multipliers[:] = self._first
         # the predicted end of the step may be far off: its stress is not a good initial guess
@@ -376,7 +360,7 @@ class Run(Newton):
         if reason := self.reason or wedged:
             text = f"step {self.index} of {steps} (time {self._end:g}) failed: {reason}"
             return self._nor_in_parts(text)
-        after_fallback, reached = self._may_fall_back, float(self.numbers[INCREMENT])
+        after_fallback, reached = self._may_fall_back, float(self.progress.increment)
         of_step = self.index, steps, self.h, limit, reached, residual, tolerance, after_fallback
         text = failure(*of_step, *_damping(self.options.radius))
         return self._nor_in_parts(text)

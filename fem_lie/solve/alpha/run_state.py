@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._jit.records import new_record
 from fem_lie._state import attributes
 from fem_lie.lie.node_types import all_to_global_components, all_to_nodal_components, retract_all
 from fem_lie.linear.direct import DirectSolver
@@ -16,7 +17,7 @@ from fem_lie.linear.low_rank import MOST
 from fem_lie.solve.alpha.options import DAMPED, ConstraintIndex, MatrixFrame, Options
 from fem_lie.solve.alpha.staleness import back_to_local, staleness
 from fem_lie.solve.alpha.start import set_start
-from fem_lie.solve.alpha.step.loop import COUNTERS, INCREMENT, ITERATION, NUMBERS, RATIO, STEP
+from fem_lie.solve.alpha.step.loop import PROGRESS
 from fem_lie.solve.alpha.step.node import parameters
 from fem_lie.solve.alpha.step.nodes import State, accept, correct, extrapolate, predict
 from fem_lie.solve.convergence import (
@@ -44,8 +45,7 @@ class RunState(DividedIntegration[Recorder]):
         p: Parameters of the scheme.
         s: Start and end of a step.
         multipliers: Lagrange multipliers.
-        counters: See :mod:`fem_lie.solve.alpha.step.loop`.
-        numbers: See :mod:`fem_lie.solve.alpha.step.loop`.
+        progress: See :data:`fem_lie.solve.alpha.step.loop.PROGRESS`.
         solver: Linear solver of the iteration.
         balance: Energy balance: work and impulses of loads, drives and supports.
         forces: Forces of the last residual.
@@ -58,8 +58,7 @@ class RunState(DividedIntegration[Recorder]):
         "multipliers",
         "scale",
         "spread",
-        "numbers",
-        "counters",
+        "progress",
         "balance",
         "_born",
         "_apart",
@@ -108,8 +107,8 @@ class RunState(DividedIntegration[Recorder]):
         self.solver.take_low_rank()
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self.forces = equations.residual(self._accepted, self.scale, self.r)
-        self.counters, self.numbers = np.zeros(COUNTERS, dtype=np.int64), np.zeros(NUMBERS)
-        self.numbers[RATIO] = 1.0
+        self.progress = new_record(PROGRESS)
+        self.progress.ratio = 1.0
         self._born, self._end = 0, 0.0
         whole = self._projects or self._turned or self._guided or self.decisions.rule is None
         # matrices of rigid bodies cost less than iterations without the derivative of contact
@@ -212,7 +211,7 @@ class RunState(DividedIntegration[Recorder]):
     @property
     def index(self) -> int:
         """Number of steps made, including the current one."""
-        return int(self.counters[STEP])
+        return int(self.progress.step)
 
     def _go_to_time(self, time: float) -> None:
         """Evaluate loads, targets and prescribed frames at the end of the step."""
@@ -255,7 +254,7 @@ class RunState(DividedIntegration[Recorder]):
         """Whether the remaining constraint violation is not due to unfinished iteration."""
         values = self.r[6 * self._moving :] / self.scale
         # increments of a stagnant iteration explain no violation
-        allowed = tolerance if stagnant else max(tolerance, float(self.numbers[INCREMENT]))
+        allowed = tolerance if stagnant else max(tolerance, float(self.progress.increment))
         bound = explained(allowed)
         if float((np.abs(values) * self.measure).max(initial=0.0)) <= bound:
             return False
@@ -286,7 +285,7 @@ class RunState(DividedIntegration[Recorder]):
             nodes = self.dx[: 6 * self._moving].reshape(-1, 6)
             self.equations.supports.rotate_back(H1, nodes)
         if self._secants is not None:
-            if self.counters[ITERATION] == 1:
+            if self.progress.iteration == 1:
                 self._secants.forget()
             self._secants.improve(self.dx)
 

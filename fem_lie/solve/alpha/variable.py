@@ -55,7 +55,6 @@ from fem_lie.linear.levels import StoredFactors
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.start import set_start
-from fem_lie.solve.alpha.step.loop import INCREMENT, MOTION, STEP
 from fem_lie.solve.convergence import ROTATION
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.growing import GrowingRecorder
@@ -174,7 +173,7 @@ class AlphaSteps(Run):
     @property
     def increment(self) -> float:
         """Size of the last increment of the iteration."""
-        return float(self.numbers[INCREMENT])
+        return float(self.progress.increment)
 
     @property
     def factorisations(self) -> int:
@@ -253,14 +252,14 @@ class AlphaSteps(Run):
 
     def step_to(self, start: float, end: float, index: int, lands: bool) -> int:
         """Make step ``index``; return its iterations, 0 if it failed."""
-        self.counters[STEP], self._end = index - 1, end
+        self.progress.step, self._end = index - 1, end
         seen = end - side(end, self.h) if lands else end
         self._go_to_time(seen)
-        self.numbers[MOTION] = self._speed * self.h
+        self.progress.motion = self._speed * self.h
         iterations = self._take_step()
         if iterations:
             self._turn()
-            self._speed = max(self._speed, float(self.numbers[MOTION]) / self.h)
+            self._speed = max(self._speed, float(self.progress.motion) / self.h)
             self.balance.add(self.h, seen, *self._accepted)
         return iterations
 
@@ -276,7 +275,7 @@ class AlphaSteps(Run):
     def follow(self, other: AlphaSteps, state: Mapping[str, Array]) -> None:
         """Take the state that another stepper has saved."""
         self.take_back(state)
-        self.h, self._speed, self.counters[STEP] = other.h, other._speed, other.index
+        self.h, self._speed, self.progress.step = other.h, other._speed, other.index
 
     def estimate(self, before: Mapping[str, Array], start: float, end: float) -> StepError:
         """Error of the step that was made from the state ``before``."""

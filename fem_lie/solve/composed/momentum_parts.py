@@ -13,11 +13,13 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, linked
+from fem_lie._jit.records import Record, record_type
 from fem_lie._state import attributes, put_back, saved
+from fem_lie.forms.fixed_arrays import records
 from fem_lie.linear.factors import PlainFactors
 from fem_lie.results import Result
 from fem_lie.solve.conserving.step import loop
-from fem_lie.solve.conserving.step.corrections import STEPS
+from fem_lie.solve.conserving.step.corrections import PROGRESS
 from fem_lie.solve.conserving.step.packing import PackedModel, state_of
 from fem_lie.solve.convergence import failure
 from fem_lie.solve.motion.integration import DividedIntegration
@@ -29,9 +31,9 @@ from fem_lie.solve.variational.run import VariationalRun
 from fem_lie.solve.variational.run_state import Options
 from fem_lie.system.equations import Equations
 
-MADE, PART, SIZE = 0, 1, 2
-"""Indices into ``place``: whole steps made, sub-steps of the current one, and the size of the
-state."""
+POSITION = record_type(made=int, part=int, chosen=int)
+"""Position of a run: whole steps made, sub-steps of the current one, and the size of the frozen
+state, 0 or 1."""
 
 
 @compiled
@@ -50,10 +52,9 @@ def run(
     steps: Indices,
     factors: tuple[PlainFactors, PlainFactors],
     options: tuple[float, int, int, float, float],
-    counters: Indices,
-    numbers: Array,
+    progresses: tuple[Indices, Indices],
     sizes: tuple[Array, Indices],
-    place: Indices,
+    position: Record,
     last: int,
 ) -> int:
     """Advance to step ``last``, or until a sub-step needs a new matrix or fails.
@@ -65,27 +66,27 @@ def run(
         steps: The current sub-step.
         factors: Factors of the matrix of each size.
         options: See :func:`fem_lie.solve.conserving.step.loop.run`.
-        counters: Counters of each size, (2, 8), updated.
-        numbers: Numbers of each size, (2, 11), updated.
+        progresses: Address of the progress for each size, see
+            :data:`~fem_lie.solve.conserving.step.corrections.PROGRESS`; updated.
         sizes: Both sizes, and the index of the size of each sub-step, (2,) and (parts,).
-        place: Position of the run, (3,), see :data:`MADE`; updated.
+        position: Position of the run, see :data:`POSITION`; updated.
         last: Number of whole steps to be made.
     """
     h, order = sizes
-    while place[MADE] < last:
-        while place[PART] < order.shape[0]:
-            k = order[place[PART]]
-            if place[SIZE] != k:
-                resize(state_of(starts).carry, h[place[SIZE]], h[k])
-                place[SIZE] = k
-            to = counters[k, STEPS] + 1
+    while position.made < last:
+        while position.part < order.shape[0]:
+            k = order[position.part]
+            if position.chosen != k:
+                resize(state_of(starts).carry, h[position.chosen], h[k])
+                position.chosen = k
+            to = records(progresses[k], 0, PROGRESS)[0].steps + 1
             given = starts, steps, factors[k], options
-            code = loop.run(models[k], *given, counters[k], numbers[k], to)
+            code = loop.run(models[k], *given, progresses[k], to)
             if code != loop.DONE:
                 return code
-            place[PART] += 1
-        place[PART] = 0
-        place[MADE] += 1
+            position.part += 1
+        position.part = 0
+        position.made += 1
     return loop.DONE
 
 

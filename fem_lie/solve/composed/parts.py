@@ -27,7 +27,7 @@ from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Factors, PlainFactors
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import Options
-from fem_lie.solve.conserving.step import corrections, loop
+from fem_lie.solve.conserving.step import loop
 from fem_lie.solve.conserving.step.packing import PackedModel
 from fem_lie.system.equations import Equations
 
@@ -127,7 +127,7 @@ class Part(Run):
         """Take the initial state of another run."""
         self.model.scale[:] = other.model.scale
         self._set_loads(0.0)
-        self.numbers[corrections.EXCESS] = np.inf
+        self.progress.excess = np.inf
 
     @property
     def factors(self) -> PlainFactors | None:
@@ -143,6 +143,11 @@ class Part(Run):
     def compiled_state(self) -> tuple[Indices, Indices]:
         """Packed state and step, the same for all sizes."""
         return self._packed.state, self._packed.step
+
+    @property
+    def progress_at(self) -> Indices:
+        """Address of the progress of sub-steps of this size."""
+        return self._progress_at
 
     @property
     def compiled_options(self) -> tuple[float, int, int, float, float]:
@@ -168,8 +173,8 @@ class Part(Run):
         """
         h, ratio = self.share * whole, self.share * whole / self.size
         if shared:
-            self.numbers[corrections.MOTION] *= ratio
-            self.numbers[corrections.FLOOR] = 0.0
+            self.progress.motion *= ratio
+            self.progress.floor = 0.0
             self._set_size(h)
         else:
             self._resize(h)
@@ -190,7 +195,7 @@ class Part(Run):
         try:
             self._factorise()
         except SingularMatrixError:
-            self.numbers[corrections.INCREMENT] = np.inf
+            self.progress.increment = np.inf
             return self._may_fall_back and self._fallback_converged()
         return self.make(start, end)
 

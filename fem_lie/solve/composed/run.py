@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._jit.records import new_record
 from fem_lie._state import attributes, put_back, saved
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.results import Result
@@ -12,7 +13,7 @@ from fem_lie.results.record import Record
 from fem_lie.solve.composed import momentum_parts
 from fem_lie.solve.composed.parts import Part
 from fem_lie.solve.conserving.run_state import PREFIX, Options
-from fem_lie.solve.conserving.step import corrections, loop
+from fem_lie.solve.conserving.step import loop
 from fem_lie.solve.convergence import failure
 from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.motion.integration import DividedIntegration
@@ -22,14 +23,14 @@ from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.system.equations import Equations, TimeState
 
-_COUNTED = "_counters", "_numbers", "_place"
+_COUNTED = "_position", "_progresses"
 """State that a step changes in addition to that of its sub-steps."""
 
 
 class ComposedRun(DividedIntegration[History]):
     """Run of composed steps of a conserving scheme."""
 
-    STATE = attributes("_place", "_parts")
+    STATE = attributes("_position", "_parts")
 
     def __init__(
         self, options: Options, equations: Equations, step: float, halves: tuple[float, ...]
@@ -48,14 +49,10 @@ class ComposedRun(DividedIntegration[History]):
         first = Part(options, equations, step, shares[0], halves.count(shares[0]), None)
         other = Part(options, equations, step, shares[1], halves.count(shares[1]), first)
         self._parts = first, other
-        # rows of one array each, for the compiled loop
-        self._counters = np.stack([part.counters for part in self._parts])
-        self._numbers = np.stack([part.numbers for part in self._parts])
-        for k, part in enumerate(self._parts):
-            part.counters, part.numbers = self._counters[k], self._numbers[k]
         self._order = np.array([shares.index(half) for half in halves], dtype=np.int64)
         self._ends = np.cumsum([0.0, *halves])
-        self._place = np.zeros(3, dtype=np.int64)
+        self._progresses = tuple(part.progress for part in self._parts)
+        self._position = new_record(momentum_parts.POSITION)
         self._start, self._left = 0.0, (0, np.inf, np.inf)
         self._filled, self._r = ResultRow(equations), np.empty(equations.unknowns.size)
         self._solver: DirectSolver | None = None
@@ -80,7 +77,7 @@ class ComposedRun(DividedIntegration[History]):
     @property
     def index(self) -> int:
         """Number of steps made, including the current one."""
-        return int(self._place[momentum_parts.MADE])
+        return int(self._position.made)
 
     # --- steps ---
 
@@ -120,13 +117,13 @@ class ComposedRun(DividedIntegration[History]):
 
     def _failed_sub_step(self) -> tuple[int, float, float]:
         """Number of the failed sub-step, from 1, its last increment and largest residual."""
-        part = self._parts[self._place[momentum_parts.SIZE]]
-        increment, left = part.numbers[corrections.INCREMENT], np.abs(part.this.r[0]).max()
-        return int(self._place[momentum_parts.PART]) + 1, float(increment), float(left)
+        part = self._parts[self._position.chosen]
+        increment, left = part.progress.increment, np.abs(part.this.r[0]).max()
+        return int(self._position.part) + 1, float(increment), float(left)
 
     def attempt(self, start: float, end: float) -> bool:
         """Make a whole step; return whether it converged."""
-        self._place[momentum_parts.MADE], self._start = self.begun, start
+        self._position.made, self._start = self.begun, start
         return self._failed_at(self.begun + 1) is None
 
     def resize(self, time: float, size: float) -> None:
@@ -152,39 +149,38 @@ class ComposedRun(DividedIntegration[History]):
             *first.compiled_state,
             (first.factors, other.factors),
             first.compiled_options,
-            self._counters,
-            self._numbers,
+            (first.progress_at, other.progress_at),
             (np.array([first.h, other.h]), self._order),
-            self._place,
+            self._position,
             last,
         )
         if code == loop.DONE:
             return True
-        part = self._parts[self._order[self._place[momentum_parts.PART]]]
+        part = self._parts[self._order[self._position.part]]
         return self._passed(part.go_on(code, *self._span()))
 
     def _one_part(self) -> bool:
         """Make the next sub-step; return whether it converged."""
-        place = self._place
-        k = int(self._order[place[momentum_parts.PART]])
-        part, before = self._parts[k], self._parts[place[momentum_parts.SIZE]]
-        if place[momentum_parts.SIZE] != k:
+        position = self._position
+        k = int(self._order[position.part])
+        part, before = self._parts[k], self._parts[position.chosen]
+        if position.chosen != k:
             momentum_parts.resize(part.s.carry, before.h, part.h)
-            place[momentum_parts.SIZE] = k
+            position.chosen = k
         return self._passed(part.make(*self._span()))
 
     def _passed(self, made: bool) -> bool:
-        place = self._place
+        position = self._position
         if made:
-            place[momentum_parts.PART] += 1
-            if place[momentum_parts.PART] == len(self._order):
-                place[momentum_parts.PART] = 0
-                place[momentum_parts.MADE] += 1
+            position.part += 1
+            if position.part == len(self._order):
+                position.part = 0
+                position.made += 1
         return made
 
     def _span(self) -> tuple[float, float]:
         """Start and end of the current sub-step."""
-        k = int(self._place[momentum_parts.PART])
+        k = int(self._position.part)
         ends = self._ends[k : k + 2]
         if self.division.level:
             start, end = self._start + ends * self.part_size
@@ -203,7 +199,7 @@ class ComposedRun(DividedIntegration[History]):
 
     @property
     def _iterations(self) -> int:
-        return int(self._counters[:, corrections.TOTAL].sum())
+        return sum(int(part.progress.total) for part in self._parts)
 
     def _record(self, history: History) -> bool:
         wanted = history.wants(self.index)

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._jit.records import new_record
 from fem_lie.bodies.balances import TOTAL
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.cell_forms import FormTable, each_cell, joined
@@ -18,6 +19,7 @@ from fem_lie.solve.conserving.midpoint.products import inertia_with_products, pr
 from fem_lie.solve.conserving.midpoint.reduced_bodies import packed_bodies
 from fem_lie.solve.conserving.step.records import (
     ADDRESSES,
+    FILTER,
     IncidencePositions,
     Incidences,
     Masters,
@@ -58,7 +60,7 @@ def start_state(
         account=z(count),
         w=z((n + p, 4, 3)),
         w_F=z((cells.places, 6)),
-        filter_state=z(13),
+        filter_state=new_record(FILTER),
         carry=z((n, 6)),
         balance=z(TOTAL),
         trend=z((n, 6)),

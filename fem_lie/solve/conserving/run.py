@@ -17,8 +17,7 @@ from fem_lie.solve.conserving import steps
 from fem_lie.solve.conserving.midpoint.any_node import twists
 from fem_lie.solve.conserving.midpoint.end_forces import at_end, rates_at_end
 from fem_lie.solve.conserving.run_state import PREFIX
-from fem_lie.solve.conserving.step import corrections, loop
-from fem_lie.solve.conserving.step.dissipation import ENERGY
+from fem_lie.solve.conserving.step import loop
 from fem_lie.solve.conserving.step.records import Solution
 from fem_lie.solve.conserving.steps import Steps
 from fem_lie.solve.convergence import failure
@@ -89,20 +88,21 @@ class Run(Steps):
         last, wanted = history.steps_in_loop(self.index, most)
         results = self._filled.scene, history.arrays.table, wanted
         supports = self._supports(history)
-        place, packed = np.array([history.row, 0, 0]), self._packed
+        progress, packed = self.progress, self._packed
+        progress.row, progress.wanted, progress.near = history.row, 0, 0
         given = self._given(self.rule, self.options.max_iterations)
         code = loop.MATRIX
         while code == loop.MATRIX:
             assert self._factors is not None
-            kept = self._factors.plain, given, self.counters, self.numbers
-            how = *kept, results, supports, place, last
+            kept = self._factors.plain, given, self._progress_at
+            how = *kept, results, supports, last
             code = steps.run(packed.model, packed.state, packed.step, *how)
             self._python_forces.check()
             if code == loop.MATRIX and not self._refactorised():
                 code = loop.FAILED
-        filled = int(place[steps.WANTED])
+        filled = int(progress.wanted)
         self._kept = int(wanted[filled - 1]) if filled else -1
-        history.row, history.turns_far = int(place[steps.ROW]), bool(place[steps.NEAR])
+        history.row, history.turns_far = int(progress.row), bool(progress.near)
         if code == loop.LOST:
             code = self._restart_step()
         if code == loop.DONE or (self._may_fall_back and self._fallback_converged()):
@@ -125,7 +125,7 @@ class Run(Steps):
         return self._found.table if self.equations.tables.in_one_sum else None
 
     def _failure(self, steps: int) -> str:
-        increment = float(self.numbers[corrections.INCREMENT])
+        increment = float(self.progress.increment)
         largest = float(np.abs(Solution(*self.this.r).residual).max())
         limit, tolerance = self.options.max_iterations, self.options.tolerance
         after_fallback = self._may_fall_back
@@ -143,7 +143,7 @@ class Run(Steps):
         if wanted and not filled:
             self.keep(history)
         if index:
-            history.update_if_due(index, int(self.counters[corrections.TOTAL]))
+            history.update_if_due(index, int(self.progress.total))
         return wanted
 
     def _result(self, history: History) -> Result:
@@ -154,7 +154,7 @@ class Run(Steps):
 
     def _warn_of_cancellation(self) -> None:
         """Warn of constitutive laws that lose the digits of small strains, if energies show it."""
-        cancels, most = self.row_cells.cancels, float(self.s.filter_state[ENERGY])
+        cancels, most = self.row_cells.cancels, float(self.s.filter_state.energy)
         error = float(np.linalg.norm(cancels))
         if error > _CANCELLED * most:
             _log.warning(
@@ -181,9 +181,7 @@ class Run(Steps):
             if self._python_forces.joints is not None:
                 history.elastic[row] = self._python_forces.joints.energy(s.H)
             history.elastic[row] += s.W.sum() + self._end_forces.energy + self._end_forces.held
-        history.keep(
-            np.array([self.index]), self.counters[corrections.TOTAL : corrections.TOTAL + 1]
-        )
+        history.keep(np.array([self.index]), np.array([self.progress.total]))
 
     def _end_multipliers(self) -> Array:
         """Multipliers at the end of the last step, see :mod:`.midpoint.end_forces`.
@@ -226,5 +224,5 @@ class Run(Steps):
 
     def _frozen_factors(self, kept: Mapping[str, Array]) -> Factors | None:
         """Factors with which a restarted run continues, if there are any."""
-        stale = np.isinf(self.numbers[corrections.EXCESS])
+        stale = np.isinf(self.progress.excess)
         return None if stale else self._with_inverse(factorise(self.equations.matrix))

@@ -11,9 +11,11 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
+from fem_lie._jit.records import new_record
 from fem_lie._state import arrays_of, attributes, put_back, saved
 from fem_lie.bodies.balances import WORK
 from fem_lie.forms.cells import Cells, evaluate
+from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.lie.node_types import POSITION_GRADIENT, push_all_forward, retract_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
@@ -35,7 +37,6 @@ from fem_lie.solve.conserving.python_forces.forces import PythonForces
 from fem_lie.solve.conserving.python_forces.joints import Joints
 from fem_lie.solve.conserving.step import corrections
 from fem_lie.solve.conserving.step.balance import packed_residual
-from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
 from fem_lie.solve.conserving.step.joints import border_at
 from fem_lie.solve.conserving.step.packing import Packed
 from fem_lie.solve.conserving.step.records import Scheme, Span, State, Step
@@ -73,8 +74,8 @@ class Options:
     filter_gain: float = 1.0
 
 
-_ARRAYS = ("s", "counters", "numbers")
-"""Arrays that a step changes."""
+_ARRAYS = ("s", "progress")
+"""Arrays and records that a step changes."""
 
 _PARTS = ("cells", "_python_forces.joints")
 """Further objects whose state a step changes."""
@@ -158,8 +159,8 @@ class RunState(DividedIntegration[History]):
         if options.policy.secants > 0:
             self._python_forces.learn(Secants(options.policy.secants, self._node_measure))
         self._packed = Packed(self.model, self.s, self.this)
-        self.counters = np.zeros(corrections.COUNTERS, dtype=np.int64)
-        self.numbers = np.zeros(corrections.NUMBERS)
+        self.progress = new_record(corrections.PROGRESS)
+        self._progress_at = FixedArrays((self.progress,)).table
         self.counts, self.unpredicted = np.zeros(2, dtype=np.int64), 0
         self._factors: Factors | None = None
         self._kept = -1  # last step whose row the compiled loop has filled in
@@ -185,7 +186,7 @@ class RunState(DividedIntegration[History]):
     @property
     def index(self) -> int:
         """Number of steps made, including the current one."""
-        return int(self.counters[corrections.STEPS])
+        return int(self.progress.steps)
 
     def local(self, V: Any, H: Array) -> Array:
         """Velocities (n, 6) along the axes of nodes ``H`` from coordinate rates (n, 4, 3).
@@ -235,7 +236,7 @@ class RunState(DividedIntegration[History]):
         equations.residual(now, np.ones(len(s.multipliers)), self._r, self._found)
         s.gap[:] = self._r[6 * n :]
         self.model.scale[:] = self._fill(s.H, v[:n], vdot, scale=None)
-        self.numbers[corrections.EXCESS] = np.inf
+        self.progress.excess = np.inf
 
     def _push_products(self, H: Array, V: Array) -> None:
         """Set the rates of products, which come last in ``V`` (n + p, 4, 3)."""
@@ -280,10 +281,10 @@ class RunState(DividedIntegration[History]):
         s, r = self.s, h / self.size
         s.w[:], s.w_F[:], s.carry[:] = r * s.w, r * s.w_F, s.carry / r
         s.cell_forces[1, :], s.within[:] = r * s.cell_forces[1], r * s.within
-        s.filter_state[LENGTH] *= r * r
-        self.numbers[corrections.MOTION] *= r
+        s.filter_state.length *= r * r
+        self.progress.motion *= r
         # round-off of a larger step is not that of a smaller one
-        self.numbers[corrections.FLOOR] = 0.0
+        self.progress.floor = 0.0
         self._set_size(h)
 
     def _set_size(self, h: float) -> None:
@@ -331,9 +332,9 @@ class RunState(DividedIntegration[History]):
         self._fill_here(self.model.scale)
         self._factors = self._with_inverse(factorise(self.equations.matrix))
         self.counts[:] = self.counts[0] + 1, self.index
-        within = self.counters[corrections.ITERATION] > 1
-        self.counters[corrections.BEST] = corrections.NEW if within else corrections.UNKNOWN
-        self.numbers[corrections.EXCESS] = 0.0
+        within = self.progress.iteration > 1
+        self.progress.fewest = corrections.NEW if within else corrections.UNKNOWN
+        self.progress.excess = 0.0
 
     def _with_inverse(self, factors: Factors) -> Factors:
         """The factors, with the columns of the inverse for :mod:`.step.series`."""
@@ -354,7 +355,7 @@ class RunState(DividedIntegration[History]):
             The scale of the constraints in the matrix.
         """
         s, this, n = self.s, self.this, self.moving
-        if self.counters[corrections.ITERATION] > 1:
+        if self.progress.iteration > 1:
             packed, end, ahead = self._packed, Span(*this.rows).end, 0.0
             packed_residual(packed.model, packed.state, packed.step)
             H = at = self._midpoint_frames(end)
@@ -433,11 +434,11 @@ class RunState(DividedIntegration[History]):
         equations.residual(now, self.model.scale, self._r, self._found)
         # the first step conserves, see filtered forces
         h, still = (
-            (1.0 + self.options.dissipation * self.s.filter_state[REMEMBERS]) * self.size,
+            (1.0 + self.options.dissipation * self.s.filter_state.remembers) * self.size,
             np.zeros((n, 6)),
         )
         plan = Plan(still, scale, 4.0 / h**2, 2.0 / h, joints_at, forces_at)
-        if self._python_forces.touching and self.counters[corrections.ITERATION] > 1:
+        if self._python_forces.touching and self.progress.iteration > 1:
             plan = plan._replace(ends=self._end_forces.ends)
         # unknowns are along midpoint axes, elements and constraints are differentiated at the end
         lag = 0.5 * self.size * v[:, 3:]

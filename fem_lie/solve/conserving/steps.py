@@ -16,13 +16,15 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, linked
+from fem_lie._jit.records import Record
+from fem_lie.forms.fixed_arrays import records
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import PlainFactors
 from fem_lie.solve.conserving.midpoint.any_node import twists
 from fem_lie.solve.conserving.midpoint.end_forces import at_end, rates_at_end
 from fem_lie.solve.conserving.run_state import RunState
 from fem_lie.solve.conserving.step import corrections, joints, loop
-from fem_lie.solve.conserving.step.corrections import STEPS, TOTAL
+from fem_lie.solve.conserving.step.corrections import PROGRESS
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of
 from fem_lie.solve.recording.result_row import close_row, fill_by_both
 from fem_lie.solve.secants import Secants
@@ -31,10 +33,6 @@ from fem_lie.system.nodes.sums import residual
 
 PlainSupports: TypeAlias = tuple[Indices, Array, Flags, Indices, Array, Array]
 """Plain tuple of :class:`Supports`, with which compiled functions are called faster."""
-
-ROW, WANTED, NEAR = 0, 1, 2
-"""Indices into ``place``: next row of results, number of requested rows filled in, and whether an
-element is near its rotation limit in the last one."""
 
 
 class Supports(NamedTuple):
@@ -66,11 +64,9 @@ def run(
     steps: Indices,
     factors: PlainFactors,
     options: tuple[float, int, int, float, float],
-    counters: Indices,
-    numbers: Array,
+    progress_at: Indices,
     results: tuple[Indices, Indices, Indices],
     supports: PlainSupports,
-    place: Indices,
     last: int,
 ) -> int:
     """Advance to step ``last`` as :func:`fem_lie.solve.conserving.step.loop.run`, filling in rows.
@@ -81,28 +77,26 @@ def run(
         steps: As in that function.
         factors: As in that function.
         options: As in that function.
-        counters: As in that function.
-        numbers: As in that function.
+        progress_at: As in that function.
         results: Constant arrays of the scene and arrays of all rows, see
             :mod:`~fem_lie.solve.recording.result_row`, and the numbers of the recorded steps.
         supports: Supports whose reactions are recorded, see :class:`Supports`.
-        place: Position in the rows, see :data:`ROW`, (3,), updated.
         last: Last step; the loop returns earlier if an element exceeds its rotation limit.
     """
-    wanted = results[2]
-    while counters[STEPS] < last:
-        at = place[WANTED]
+    wanted, progress = results[2], records(progress_at, 0, PROGRESS)[0]
+    while progress.steps < last:
+        at = progress.wanted
         to = wanted[at] if at < wanted.shape[0] else last
-        code = loop.run(model, starts, steps, factors, options, counters, numbers, to)
+        code = loop.run(model, starts, steps, factors, options, progress_at, to)
         if code != loop.DONE:
             return code
         if at < wanted.shape[0]:
-            place[NEAR] = _fill(model, starts, results[:2], supports[1], place[ROW], counters)
+            progress.near = _fill(model, starts, results[:2], supports[1], progress)
             if supports[4].shape[0] > 0:
-                _fill_reactions(model, starts, supports, place[ROW])
-            place[ROW] += 1
-            place[WANTED] += 1
-            if place[NEAR]:
+                _fill_reactions(model, starts, supports, progress.row)
+            progress.row += 1
+            progress.wanted += 1
+            if progress.near:
                 return loop.DONE
     return loop.DONE
 
@@ -113,15 +107,14 @@ def _fill(
     starts: Indices,
     results: tuple[Indices, Indices],
     turning: Array,
-    row: int,
-    counters: Indices,
+    progress: Record,
 ) -> bool:
     """Fill in a row with the current state.
 
     Returns whether an element is near its rotation limit.
     """
     s, (scene, rows), (_, _, (h, _, _)) = state_of(starts), results, packed
-    kinds = model_of(packed).kinds
+    kinds, row = model_of(packed).kinds, progress.row
     multipliers, n = s.multipliers, kinds.shape[0]
     room = np.zeros((3, n, 6))
     v, unused, still = room[0], room[1], room[2]
@@ -129,7 +122,7 @@ def _fill(
     if multipliers.shape[0] > 0:
         multipliers = at_end(s.multipliers, s.earlier, s.sizes)
     potential, springs, near = fill_by_both(s.H, v, s.V, multipliers, s.balance, scene, rows, row)
-    close_row(rows, row, potential, springs + np.sum(s.W), counters[STEPS] * h, counters[TOTAL])
+    close_row(rows, row, potential, springs + np.sum(s.W), progress.steps * h, progress.total)
     return near
 
 
@@ -216,7 +209,7 @@ class Steps(RunState):
 
     def attempt(self, start: float, end: float) -> bool:
         """Make a step, see :class:`~fem_lie.solve.division.Divisible`."""
-        self.counters[corrections.STEPS] = self.begun
+        self.progress.steps = self.begun
         self._set_end(start, end)
         return self._goes(self.begun + 1) or self._fallback_converged()
 
@@ -227,8 +220,8 @@ class Steps(RunState):
 
     def _forget_iteration(self) -> None:
         """Reset the iteration history, so that the next step refactorises for its own size."""
-        self._factors, self.numbers[corrections.EXCESS] = None, np.inf
-        self.counters[corrections.ITERATION] = self.counters[corrections.ASKED] = 0
+        self._factors, self.progress.excess = None, np.inf
+        self.progress.iteration = self.progress.asked = 0
 
     def _set_end(self, start: float, end: float) -> None:
         self._end = end
@@ -248,11 +241,11 @@ class Steps(RunState):
         """Repeat the failed step with the fallback methods; return whether it converged."""
         _log.info("step %d: the iteration matrix is too old, new matrices", self.index + 1)
         self.s.multipliers[:] = self.this.multipliers
-        numbers = self.numbers
-        stalled = self.counters[corrections.STALLS] >= _LONG and not len(self._vectors)
+        progress = self.progress
+        stalled = self.progress.stalls >= _LONG and not len(self._vectors)
         # cells on nodes with vector coordinates also prevent convergence with an old matrix
-        if stalled and numbers[corrections.LEAST] <= _SETTLED:
-            numbers[corrections.FLOOR] = numbers[corrections.LEAST]
+        if stalled and progress.least <= _SETTLED:
+            progress.floor = progress.least
         # a step in which surfaces pass through each other would repeat it
         return not self.reason and self._retry()
 
@@ -263,7 +256,7 @@ class Steps(RunState):
         # without a prediction contacts are those at the start of the step
         predicted_first = self._python_forces.touching and not len(self._vectors)
         for still in (False, True) if predicted_first else (True, False):
-            self.numbers[corrections.EXCESS] = np.inf
+            self.progress.excess = np.inf
             if self._make(_FALLBACK, still=still, always=True):
                 self.unpredicted = _UNPREDICTED if still else 0
                 return True
@@ -280,7 +273,7 @@ class Steps(RunState):
         """
         kept = self._python_forces.learns
         self._python_forces.learn(Secants(_LEARNT, self._node_measure, growth=_SPIRALS))
-        self.numbers[corrections.EXCESS] = np.inf
+        self.progress.excess = np.inf
         each, self._each = self._each, True
         made = self._make((self.options.max_iterations + 1, np.inf), still=False)
         self._python_forces.learn(kept)
@@ -307,14 +300,14 @@ class Steps(RunState):
 
     def _begin(self) -> None:
         """Predict the next step, before its matrix is assembled."""
-        counters, numbers, packed = self.counters, self.numbers, self._packed
-        counters[corrections.ITERATION], counters[corrections.ASKED] = 1, 0
-        counters[corrections.STALLS] = counters[corrections.GROWTHS] = 0
+        progress, packed = self.progress, self._packed
+        progress.iteration, progress.asked = 1, 0
+        progress.stalls = progress.growths = 0
         motion = joints.packed_begin(packed.model, packed.state, packed.step)
-        numbers[corrections.MOTION] = max(motion, numbers[corrections.MOTION])
-        numbers[corrections.PREVIOUS] = numbers[corrections.LEAST] = np.inf
-        numbers[corrections.RECENT :] = np.inf
-        numbers[corrections.FELT] = 0.0
+        progress.motion = max(motion, progress.motion)
+        progress.previous = progress.least = np.inf
+        corrections.forget(progress)
+        progress.felt = 0.0
 
     def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:
         """Make steps up to ``last``."""
@@ -349,7 +342,7 @@ class Steps(RunState):
         if self._end_forces.act_always:
             python_forces.touch(True)
         else:
-            if self.counters[corrections.ITERATION] == 0:
+            if self.progress.iteration == 0:
                 self._begin()
             python_forces.look_ahead()
         code = self._go_free(last, rule, limit, always=always)
@@ -376,18 +369,18 @@ class Steps(RunState):
     def _go_free(
         self, last: int, rule: tuple[int, float], limit: int, *, always: bool = False
     ) -> int:
-        counters, given = self.counters, self._given(rule, limit)
+        progress, given = self.progress, self._given(rule, limit)
         while True:
             packed = self._packed
             tables = packed.model, packed.state, packed.step
             if self._factors is None:
                 code = loop.MATRIX
-                if counters[corrections.ITERATION] == 0:
+                if progress.iteration == 0:
                     self._begin()
-                counters[corrections.ASKED] = counters[corrections.ITERATION]
+                progress.asked = progress.iteration
             else:
                 factors = self._factors.plain
-                code = loop.run(*tables, factors, given, counters, self.numbers, last)
+                code = loop.run(*tables, factors, given, self._progress_at, last)
                 self._python_forces.check()
             if code == loop.LOST:
                 code = self._restart_step()
@@ -395,10 +388,10 @@ class Steps(RunState):
                     continue
                 return code
             if code == loop.DONE and self.rule is None:
-                self.decisions.after_step(int(counters[corrections.LAST]))
+                self.decisions.after_step(int(progress.last))
             if code != loop.MATRIX:
                 return code
-            iteration = int(counters[corrections.ITERATION])
+            iteration = int(progress.iteration)
             asked = always or self.rule is not None or self._factors is None
             wanted = asked or self.decisions.before_iteration(iteration)
             if wanted and not self._refactorised():
@@ -409,13 +402,13 @@ class Steps(RunState):
         try:
             self._factorise()
         except SingularMatrixError:
-            self.numbers[corrections.INCREMENT] = np.inf
+            self.progress.increment = np.inf
             return False
         return True
 
     def _restart_step(self) -> int:
         """Repeat the current step by full Newton: the frozen Jacobian would mislead it."""
-        self.counters[corrections.ASKED], self._lost = 0, True
+        self.progress.asked, self._lost = 0, True
         rule = 1, 0.0
         if self._each:
             limit = self.options.max_iterations * _SLOW

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._state import saved
+from fem_lie._state import put_back, saved
 from fem_lie.bodies.balances import BY_REACTIONS, WORK
 from fem_lie.lie.node_types import inertia, push_all_forward
 from fem_lie.linear.direct import DirectSolver
@@ -26,8 +26,6 @@ from fem_lie.solve.conserving.mean_error import End, MeanError
 from fem_lie.solve.conserving.midpoint.products import products_at
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import PREFIX, Options
-from fem_lie.solve.conserving.step import corrections
-from fem_lie.solve.conserving.step.dissipation import LENGTH, REMEMBERS
 from fem_lie.solve.motion.consistent import accelerations, allowed_velocities
 from fem_lie.solve.motion.growing import GrowingHistory
 from fem_lie.solve.motion.step_log import StepError
@@ -65,7 +63,7 @@ class ConservingSteps(Run):
     @property
     def increment(self) -> float:
         """Size of the last increment of the iteration."""
-        return float(self.numbers[corrections.INCREMENT])
+        return float(self.progress.increment)
 
     @property
     def factorisations(self) -> int:
@@ -85,7 +83,7 @@ class ConservingSteps(Run):
         if abs(r - 1.0) > 1e-12:
             self._resize(h)
         self.levels.use(
-            4.0 / ((1.0 + self.options.dissipation * s.filter_state[REMEMBERS]) * h) ** 2
+            4.0 / ((1.0 + self.options.dissipation * s.filter_state.remembers) * h) ** 2
         )
         self._factors = self.levels.present
         if self._factors is not None:
@@ -100,14 +98,14 @@ class ConservingSteps(Run):
         self.model.scale[:] = self._scales[level]
         self.levels.make_room()
         super()._factorise()
-        self.counters[corrections.BEST] = _USUAL
+        self.progress.fewest = _USUAL
         assert self._factors is not None
         self.levels.keep(self._factors, self.model.scale)
 
     def pass_event(self, time: float) -> None:
         """Reset the filter state; driven unknowns get their new velocity by an impulse."""
         s = self.s
-        s.filter_state[REMEMBERS], s.filter_state[LENGTH], s.w[:], s.w_F[:], s.sizes[:] = (
+        s.filter_state.remembers, s.filter_state.length, s.w[:], s.w_F[:], s.sizes[:] = (
             0.0,
             0.0,
             0.0,
@@ -168,7 +166,7 @@ class ConservingSteps(Run):
     def step_to(self, start: float, end: float, index: int, lands: bool) -> int:
         """Make step ``index``; return its iterations, 0 if it failed."""
         done = self._go_to(self.index + 1, start, end)
-        return int(self.counters[corrections.LAST]) if done else 0
+        return int(self.progress.last) if done else 0
 
     def saved(self) -> dict[str, Array]:
         """A copy of the state that a step changes."""
@@ -176,13 +174,12 @@ class ConservingSteps(Run):
 
     def take_back(self, state: Mapping[str, Array]) -> None:
         """Restore a saved state; the iteration history stays."""
-        counters, numbers = self.counters.copy(), self.numbers.copy()
+        progress, kept = self.progress, saved(self, ["progress"])
         super().take_back(state)
-        for counter in (corrections.STEPS, corrections.TOTAL):
-            counters[counter] = state["counters"][counter]
-        counters[corrections.ITERATION] = counters[corrections.ASKED] = 0
-        numbers[corrections.MOTION] = state["numbers"][corrections.MOTION]
-        self.counters[:], self.numbers[:] = counters, numbers
+        restored = progress.steps, progress.total, progress.motion
+        put_back(self, ["progress"], kept)
+        progress.steps, progress.total, progress.motion = restored
+        progress.iteration = progress.asked = 0
         self.unpredicted = int(state["unpredicted"])
 
     def follow(self, other: ConservingSteps, state: Mapping[str, Array]) -> None:

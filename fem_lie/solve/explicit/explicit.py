@@ -27,6 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._jit.records import new_record
 from fem_lie._state import attributes
 from fem_lie.forms.cell_forms import NO_ROWS
 from fem_lie.forms.fixed_arrays import FixedArrays
@@ -73,7 +74,7 @@ class ExplicitRun(Integration[Recorder]):
     The state between steps is frames and momenta at the same time, and the forces there.
     """
 
-    STATE = attributes("H", "p", "v", "r", "reaction", "counters", "_joints", "balance")
+    STATE = attributes("H", "p", "v", "r", "reaction", "progress", "_joints", "balance")
 
     def __init__(
         self, equations: Equations, step: float, masses: nodes.Masses, limit: StableStep
@@ -107,7 +108,7 @@ class ExplicitRun(Integration[Recorder]):
         # points with convected axes of their surroundings; cables have those of the tangent
         self._follows = bool(np.isin(masses.kinds, (SURFACE_GRADIENT, MIXED_DERIVATIVE)).any())
         self._remembers = any(term.passage or term.path for term in known.terms)
-        self.counters = np.zeros(2, dtype=np.int64)
+        self.progress = new_record(loop.PROGRESS)
         others = _NOWHERE if table is None else table.copy()
         # the loop itself sums the cells
         others[_CELLS, 1] = 0
@@ -125,7 +126,7 @@ class ExplicitRun(Integration[Recorder]):
             others,
             balance.table,
             balance.total,
-            self.counters,
+            self.progress,
             self._decay,
             NO_ROWS,
             NO_ROWS[:, 0].copy(),
@@ -176,7 +177,7 @@ class ExplicitRun(Integration[Recorder]):
     @property
     def index(self) -> int:
         """Number of steps made."""
-        return int(self.counters[loop.STEP])
+        return int(self.progress.step)
 
     def start(self) -> None:
         """Compute the initial momenta and forces."""
@@ -227,7 +228,7 @@ class ExplicitRun(Integration[Recorder]):
 
     def _joined(self, joints: Joints) -> bool:
         """Make the next step with joints; return whether it was made."""
-        self.counters[loop.STEP] += 1
+        self.progress.step += 1
         start = self.H.copy()
         if not joints.step(self.h, self.H, self.p, self.r) or not self._remembered(start):
             return False

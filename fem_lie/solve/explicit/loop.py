@@ -9,10 +9,11 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
+from fem_lie._jit.records import Records, record_type
 from fem_lie._jit.stack import stack
 from fem_lie.bodies.balances import BY_REACTIONS
 from fem_lie.forms.cell_forms import APART, CELLS, EXTENT, FIRST, KERNEL, NODES, WIDTH, C, W, X
-from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3
+from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3, records
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
 from fem_lie.lie.node_types import wrench
 from fem_lie.lie.tuples import add_wrench, load_row
@@ -96,8 +97,8 @@ def add_all(H: Array, rows: Indices, nodes: Indices, r: Array) -> None:
 DONE, RESIDUAL = range(2)
 """Why the loop returns: the last step is made; a residual is needed."""
 
-STEP, PHASE = range(2)
-"""Indices of counters: number of steps made, and phase within a step."""
+PROGRESS = record_type(step=int, phase=int)
+"""Progress of a run: number of steps made, and phase within a step."""
 BETWEEN, MOVED, WEIGHED = range(3)
 """Phases: between steps; forces are needed; forces are known."""
 
@@ -142,7 +143,7 @@ class Packed(NamedTuple):
         forces: Packed residual without cells, see :func:`~fem_lie.system.nodes.sums.residual`.
         balance_table: See :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
         balance: Energy balance and impulses so far.
-        counters: See :data:`STEP`.
+        progress: See :data:`PROGRESS`.
         decay: Decay of momenta over half a step, see :func:`~fem_lie.solve.explicit.nodes.decay`.
         rows: Packed forms of cells, see :class:`~fem_lie.forms.cell_forms.FormTable`.
         nodes: Nodes of these cells.
@@ -161,7 +162,7 @@ class Packed(NamedTuple):
     forces: Indices
     balance_table: Indices
     balance: Array
-    counters: Indices
+    progress: Records
     decay: Array
     rows: Indices
     nodes: Indices
@@ -203,7 +204,7 @@ def _packed(table: Indices) -> Packed:
         integers2(table, 18),
         integers2(table, 19),
         numbers1(table, 20),
-        integers1(table, 21),
+        records(table, 21, PROGRESS),
         numbers2(table, 22),
         integers2(table, 23),
         integers1(table, 24),
@@ -275,19 +276,19 @@ def run(table: Indices, steps: PlainSteps, last: int) -> int:
         last: Last step.
     """
     this, how = _packed(table), Steps(*steps)
-    counters, masses = this.counters, _masses(table)
+    progress, masses = this.progress[0], _masses(table)
     while True:
-        if counters[PHASE] == BETWEEN:
-            if counters[STEP] >= last:
+        if progress.phase == BETWEEN:
+            if progress.step >= last:
                 return DONE
-            counters[STEP] += 1
+            progress.step += 1
             kick(masses, this.H, this.r, 0.5 * how.h, this.p)
             decay(this.decay, this.p)
             drift(masses, this.p, how.h, this.H)
             decay(this.decay, this.p)
-            counters[PHASE] = MOVED
-        if counters[PHASE] == MOVED:
-            counters[PHASE] = WEIGHED
+            progress.phase = MOVED
+        if progress.phase == MOVED:
+            progress.phase = WEIGHED
             if not how.summed:
                 return RESIDUAL
             held = how.accounts and how.held
@@ -297,4 +298,4 @@ def run(table: Indices, steps: PlainSteps, last: int) -> int:
             if held:
                 _add_reaction(this.balance, this.reaction, how.h)
         _close(table, steps)
-        counters[PHASE] = BETWEEN
+        progress.phase = BETWEEN

@@ -17,8 +17,9 @@ from typing import ClassVar, final
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._jit.records import Record, new_record
 from fem_lie._state import put_back, saved
-from fem_lie.solve.refactorisation import BASE, LOST, SIZE, Refactorisation, Rule, due, learn
+from fem_lie.solve.refactorisation import KNOWN, Refactorisation, Rule, due, learn
 
 NEVER = 2**31
 """More iterations than any step makes."""
@@ -33,7 +34,7 @@ GAIN = 1.0
 class PolicyState(ABC):
     """Decisions of a policy in one run, with their state.
 
-    Numbers and arrays among the attributes are the state, which is written to checkpoints.
+    Numbers, arrays and records among the attributes are the state, which is written to checkpoints.
 
     Attributes:
         rule: Rule, with the state ``known``, by which compiled loops decide; ``None``: every
@@ -42,7 +43,7 @@ class PolicyState(ABC):
     """
 
     rule: Rule | None = None
-    known: Array
+    known: Record
 
     @abstractmethod
     def before_iteration(self, iteration: int) -> Refactorisation | bool:
@@ -79,9 +80,8 @@ class PolicyState(ABC):
         """
 
     def memory(self) -> dict[str, Array]:
-        """Copies of all numbers and arrays among the attributes, by name."""
-        kinds = bool, int, float, np.ndarray
-        return saved(self, [name for name, x in vars(self).items() if isinstance(x, kinds)])
+        """Copies of all numbers, arrays and records among the attributes, by name."""
+        return saved(self, self._state)
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Restore the state that :meth:`memory` returned.
@@ -89,7 +89,13 @@ class PolicyState(ABC):
         Args:
             kept: State that was copied before.
         """
-        put_back(self, self.memory(), kept)
+        put_back(self, self._state, kept)
+
+    @property
+    def _state(self) -> list[str]:
+        """Names of the attributes that are numbers, arrays or records."""
+        kinds = bool, int, float, np.ndarray, np.record
+        return [name for name, x in vars(self).items() if isinstance(x, kinds)]
 
 
 class RefactorisationPolicy(ABC):
@@ -128,7 +134,7 @@ class Ruled(PolicyState):
 
     def __init__(self, rule: Rule) -> None:
         """Start without recorded iterations."""
-        self.rule, self.known = rule, np.zeros(SIZE)
+        self.rule, self.known = rule, new_record(KNOWN)
         self._plain, self._asks = rule.plain, False
 
     def before_iteration(self, iteration: int) -> Refactorisation:
@@ -154,7 +160,7 @@ class Ruled(PolicyState):
         fresh = max(rate - staleness, rate**2)
         saved = (iterations - 1) * (1.0 - log(rate) / log(fresh)) if 0.0 < rate < 1.0 else 0.0
         if saved <= GAIN:
-            self.known[BASE] = self.known[LOST] = 0.0
+            self.known.fewest_since_all = self.known.lost = 0.0
 
 
 @dataclass(frozen=True)

@@ -182,7 +182,7 @@ class Coupling(Stateful):
         H[len(self._at) :] = self._ground
         whole = np.empty_like(self._moved)
         for domain in self._domains:
-            whole[domain.rows] = domain.before.H[: domain.moving]
+            whole[domain.rows] = domain.frames_before[: domain.moving]
         H[: len(self._at)] = whole[self._at]
         out, forces = (self._change, np.empty_like(self._forces)), self._forces
         joined(self._kinds, H, self._moved[self._at], self._joints, λ, (out[0], out[1]))

@@ -21,7 +21,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie._state import attributes
+from fem_lie._state import attributes, put_back, saved
 from fem_lie.bodies.body import Body
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.joints.joint import Joint
@@ -31,7 +31,6 @@ from fem_lie.linear.factors import Factors
 from fem_lie.scene import Scene
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import Options
-from fem_lie.solve.conserving.step import corrections
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.step.records import State
 from fem_lie.system.equations import Equations
@@ -198,20 +197,24 @@ class Domain(Run):
 
     def begin(self) -> None:
         """Save the current state: whole steps start from it until the next call."""
-        self.before = State(*(array.copy() for array in self.s))
+        self._before = saved(self, ["s"])
         self._own, self._V1, self._first = self.cells.memory(), self.this.V1.copy(), self.index
         self._end_forces_before = self._end_forces.memory()
 
+    @property
+    def frames_before(self) -> Array:
+        """Frames of the saved state."""
+        return self._before["s.H"]
+
     def go_back(self) -> None:
         """Restore the saved state."""
-        for array, value in zip(self.s, self.before, strict=True):
-            array[:] = value
+        put_back(self, ["s"], self._before)
         self.this.V1[:] = self._V1
         self.cells.restore(self._own)
         self._end_forces.restore(self._end_forces_before)
-        counters = self.counters
-        counters[corrections.STEPS] = self._first
-        counters[corrections.ITERATION] = counters[corrections.ASKED] = 0
+        progress = self.progress
+        progress.steps = self._first
+        progress.iteration = progress.asked = 0
         # no matrix is newer than the state
         self.counts[1] = min(int(self.counts[1]), self._first)
 
@@ -251,7 +254,7 @@ class Domain(Run):
     @property
     def moved(self) -> Array:
         """Increments of (x, d₁, d₂, d₃) over a whole step, (n, 4, 3)."""
-        return np.asarray(self.s.H[: self.moving] - self.before.H[: self.moving])
+        return np.asarray(self.s.H[: self.moving] - self.frames_before[: self.moving])
 
     # --- checkpoints ---
 

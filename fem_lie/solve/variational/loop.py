@@ -8,15 +8,28 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
-from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3
+from fem_lie._jit.records import Records, record_type
+from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3, records
 from fem_lie.lie.node_types import inertia
 from fem_lie.linear.factors import PlainFactors, solve
 from fem_lie.solve.conserving.midpoint.cayley import advance
 from fem_lie.solve.convergence import DIVERGES, GOES_ON, STAGNANT, estimate, judged
-from fem_lie.solve.refactorisation import PlainRule, due, learn
+from fem_lie.solve.refactorisation import KNOWN, PlainRule, due, learn
 from fem_lie.solve.variational import momenta
 from fem_lie.system.nodes.sums import residual
 from fem_lie.system.outer_forces import look_and_sum_up
+
+PROGRESS = record_type(
+    made=int,
+    iteration=int,
+    total=int,
+    motion=float,
+    previous=float,
+    ratio=float,
+    increment=float,
+)
+"""Progress of a run: steps made, the current iteration (0 before the first), all iterations;
+largest motion of the step, previous increment, ratio of increments, current increment."""
 
 
 class Packed(NamedTuple):
@@ -54,8 +67,7 @@ class Packed(NamedTuple):
         mass: Inertia.
         joints: Packed arrays of the joints.
         known: Iteration counts recorded by the rule.
-        counters: See :data:`MADE`.
-        numbers: See :data:`MOTION`.
+        progress: See :data:`PROGRESS`.
         table: Packed arrays of :func:`~fem_lie.system.nodes.sums.residual`.
         balance_table: Packed arrays of :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
         reported: Twists for the energy balance, in global components, (n, 6).
@@ -96,9 +108,8 @@ class Packed(NamedTuple):
     held: Indices
     mass: inertia.PlainInertia
     joints: tuple[Array, Indices]
-    known: Array
-    counters: Indices
-    numbers: Array
+    known: Records
+    progress: Records
     table: Indices
     balance_table: Indices
     reported: Array
@@ -149,34 +160,27 @@ def packed(t: Indices) -> Packed:
         integers2(t, 27),
         (integers1(t, 28), integers1(t, 29), numbers3(t, 30)),
         (numbers1(t, 31), integers1(t, 32)),
-        numbers1(t, 33),
-        integers1(t, 34),
-        numbers1(t, 35),
+        records(t, 33, KNOWN),
+        records(t, 34, PROGRESS),
+        integers2(t, 35),
         integers2(t, 36),
-        integers2(t, 37),
+        numbers2(t, 37),
         numbers2(t, 38),
-        numbers2(t, 39),
+        numbers1(t, 39),
         numbers1(t, 40),
-        numbers1(t, 41),
-        integers1(t, 42),
+        integers1(t, 41),
         (
-            (integers1(t, 43), numbers1(t, 44)),
-            numbers3(t, 45),
-            numbers2(t, 46),
+            (integers1(t, 42), numbers1(t, 43)),
+            numbers3(t, 44),
+            numbers2(t, 45),
+            numbers3(t, 46),
             numbers3(t, 47),
-            numbers3(t, 48),
         ),
     )
 
 
 DONE, MATRIX, FAILED = range(3)
 """Why the loop returns: all steps are made, a refactorisation is due, a step does not converge."""
-
-MADE, ITERATION, TOTAL = range(3)
-"""Indices of counters: steps made, the current iteration (0 before the first), all iterations."""
-MOTION, PREVIOUS, RATIO, INCREMENT = range(4)
-"""Indices of numbers: largest motion of the step, previous increment, ratio of increments, current
-increment."""
 
 ROUND_OFF_LEVEL = 1e3 * float(np.finfo(np.float64).eps)
 """Increments below this level, over the length of the model, that do not decrease are round-off."""
@@ -217,15 +221,15 @@ def weigh(table: Indices, h: float) -> None:
 def _begin(table: Indices) -> None:
     """Predict the step by extrapolating the last change."""
     this = packed(table)
-    numbers, n = this.numbers, this.step.shape[0]
+    progress, n = this.progress[0], this.step.shape[0]
     for i in range(n):
         for k in range(6):
             this.step[i, k] = 2.0 * this.last[i, k] - this.earlier_step[i, k]
     momenta.hold(this.kinds, this.H, this.held, this.step)
-    if this.counters[MADE] < 2:
+    if this.progress[0].made < 2:
         this.multipliers[:] = this.earlier
-    numbers[MOTION] = _largest(this.step.reshape(6 * n), this.measure)
-    numbers[PREVIOUS], numbers[RATIO] = np.inf, 1.0
+    progress.motion = _largest(this.step.reshape(6 * n), this.measure)
+    progress.previous, progress.ratio = np.inf, 1.0
 
 
 @linked
@@ -242,18 +246,18 @@ def _correct(table: Indices) -> None:
 def _improve(table: Indices, factors: PlainFactors, h: float, tolerance: float) -> int:
     """One iteration with a known residual; returns whether the step is made, continues or fails."""
     this = packed(table)
-    numbers = this.numbers
+    progress = this.progress[0]
     solve(factors, this.r, this.y, this.x)
-    increment, previous = _largest(this.x, this.measure), numbers[PREVIOUS]
-    ratio, remaining = estimate(increment, previous, numbers[RATIO])
-    numbers[RATIO], numbers[INCREMENT] = ratio, increment
-    numbers[MOTION] = max(numbers[MOTION], increment)
-    verdict = judged(increment, previous, remaining, tolerance * numbers[MOTION], ROUND_OFF_LEVEL)
+    increment, previous = _largest(this.x, this.measure), progress.previous
+    ratio, remaining = estimate(increment, previous, progress.ratio)
+    progress.ratio, progress.increment = ratio, increment
+    progress.motion = max(progress.motion, increment)
+    verdict = judged(increment, previous, remaining, tolerance * progress.motion, ROUND_OFF_LEVEL)
     if verdict == DIVERGES:
         return FAILED
     if verdict != STAGNANT:
         _correct(table)
-    numbers[PREVIOUS] = increment
+    progress.previous = increment
     if verdict == GOES_ON:
         return MATRIX
     if verdict != STAGNANT:
@@ -271,7 +275,7 @@ def _accept(table: Indices) -> None:
     this.gap[:] += this.change
     this.before[:], this.earlier_step[:] = this.after, this.last
     this.last[:], this.earlier[:] = this.step, this.multipliers
-    this.counters[MADE] += 1
+    this.progress[0].made += 1
 
 
 @linked
@@ -312,18 +316,18 @@ def run(
         asked: Whether the loop had returned for a matrix, which is now factorised.
     """
     (h, tolerance, most), this = given, packed(table)
-    counters = this.counters
-    while counters[MADE] < last:
-        if counters[ITERATION] == 0:
+    progress = this.progress[0]
+    while progress.made < last:
+        if progress.iteration == 0:
             _begin(table)
         while True:
             if not asked:
-                if counters[ITERATION] == most:
+                if progress.iteration == most:
                     return FAILED
-                counters[ITERATION] += 1
-                counters[TOTAL] += 1
+                progress.iteration += 1
+                progress.total += 1
                 weigh(table, h)
-                if due(rule, this.known, counters[ITERATION]) != 0:
+                if due(rule, this.known[0], progress.iteration) != 0:
                     return MATRIX
             asked = False
             code = _improve(table, factors, h, tolerance)
@@ -331,8 +335,8 @@ def run(
                 return FAILED
             if code == DONE:
                 break
-        learn(rule, this.known, counters[ITERATION])
-        counters[ITERATION] = 0
+        learn(rule, this.known[0], progress.iteration)
+        progress.iteration = 0
         _accept(table)
         if accounts[0]:
             _add_to_balance(table, h, accounts[1], accounts[2])

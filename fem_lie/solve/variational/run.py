@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._jit.records import new_record
 from fem_lie._state import put_back, saved
 from fem_lie.contact.impact.records import FRICTION, IMPACT
 from fem_lie.forms.fixed_arrays import FixedArrays
@@ -178,18 +179,18 @@ class VariationalRun(Newton):
         """Make steps in the compiled loop up to ``stop``; return whether all are made."""
         rule, packed, balance = self.decisions.rule, self._packed, self.balance
         assert rule is not None
-        counters, first = packed.counters, self.index
+        progress, first = packed.progress, self.index
         last = min(stop, first + max(1, _AT_A_TIME // len(self._r)))
         given = self.h, self.options.tolerance, self.options.max_iterations
         accounts = self._balance_in_loop and not balance.empty, *balance.looks
-        counters[:] = first, 0, self._iterations
+        progress.made, progress.iteration, progress.total = first, 0, self._iterations
         code, asked = loop.MATRIX, False
         while code == loop.MATRIX:
             assert self._factors is not None
             how = self._factors.plain, rule.plain, given, accounts, last, asked
             code = loop.run(self._fixed.table, *how)
-            self._made, self._iterations = int(counters[loop.MADE]), int(counters[loop.TOTAL])
-            self._increment, asked = float(packed.numbers[loop.INCREMENT]), True
+            self._made, self._iterations = int(progress.made), int(progress.total)
+            self._increment, asked = float(packed.progress.increment), True
             if code == loop.MATRIX and not self._refactorised():
                 code = loop.FAILED
         if code == loop.DONE:
@@ -243,8 +244,7 @@ class VariationalRun(Newton):
             self._mass,
             self.equations.tables.joints,
             self.decisions.known,
-            np.zeros(3, dtype=np.int64),
-            np.zeros(4),
+            new_record(loop.PROGRESS),
             table,
             self.balance.table,
             np.zeros((n, 6)),

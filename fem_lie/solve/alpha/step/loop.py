@@ -7,14 +7,15 @@ and after the last requested step. The next call continues where it returned.
 
 from __future__ import annotations
 
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined, linked
 from fem_lie._jit.copies import copy_vector
-from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3
+from fem_lie._jit.records import Records, record_type
+from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3, records
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.joints.equations.terms import unwrap_both
 from fem_lie.lie.polar import PlainSurroundings, convect_axes
@@ -23,7 +24,7 @@ from fem_lie.solve.alpha.step.node import PlainScheme
 from fem_lie.solve.alpha.step.nodes import TWISTS, PlainState, accept, correct, predict
 from fem_lie.solve.convergence import CONVERGED, GOES_ON, ROUND_OFF, UNMEASURED, estimate, judged
 from fem_lie.solve.recording.result_row import fill_whole
-from fem_lie.solve.refactorisation import PlainRule, due, learn
+from fem_lie.solve.refactorisation import KNOWN, PlainRule, due, learn
 from fem_lie.system.nodes.sums import residual
 from fem_lie.system.outer_forces import look_and_sum_up
 
@@ -31,15 +32,26 @@ BETWEEN, OPEN, WEIGHED, SOLVED, CHECKED, LEARNED = range(6)
 """Phases: between steps; the residual is needed; it is known; the correction is known; the step has
 converged; the policy has recorded its iterations."""
 
-STEP, ITERATION, PHASE, UPDATE, TOTAL, ROW, WANTED, NEAR, COUNTERS = range(9)
-"""Indices of counters: current or last step, its iteration, the phase; what is to be refactorised,
+PROGRESS = record_type(
+    step=int,
+    iteration=int,
+    phase=int,
+    update=int,
+    total=int,
+    row=int,
+    wanted=int,
+    near=int,
+    ratio=float,
+    now=float,
+    previous=float,
+    increment=float,
+    motion=float,
+)
+"""Progress of a run: current or last step, its iteration, the phase; what is to be refactorised,
 see :class:`~fem_lie.solve.refactorisation.Refactorisation`; all iterations; the next row of
 results, how many requested rows are filled in, and whether an element is near its rotation limit in
-the last one (1)."""
-
-RATIO, NOW, PREVIOUS, INCREMENT, MOTION, NUMBERS = range(6)
-"""Indices of numbers: ratio of increments at the start of steps and in the current one, the
-previous increment and the current one, and the largest motion in a step."""
+the last one (1); ratio of increments at the start of steps and in the current one, the previous
+increment and the current one, and the largest motion in a step."""
 
 
 class Packed(NamedTuple):
@@ -67,8 +79,7 @@ class Packed(NamedTuple):
         joints: Packed numbers and integers of joints and of reported coordinates.
         cells: Packed arrays of cells with energy, two arrays.
         around: Surroundings of nodes with convected axes.
-        counters: See :data:`STEP`.
-        numbers: See :data:`RATIO`.
+        progress: See :data:`PROGRESS`.
         known: Iteration counts recorded by the policy.
     """
 
@@ -92,14 +103,13 @@ class Packed(NamedTuple):
     joints: tuple[PackedJoints, PackedJoints]
     cells: tuple[Indices, Indices]
     around: PlainSurroundings
-    counters: Indices
-    numbers: Array
-    known: Array
+    progress: Records
+    known: Records
 
     @property
-    def arrays(self) -> list[Array | Indices]:
+    def arrays(self) -> list[Any]:
         """The arrays, in order."""
-        found: list[Array | Indices] = []
+        found: list[Any] = []
         for part in self:
             for inner in part if isinstance(part, tuple) else (part,):
                 found.extend(inner if isinstance(inner, tuple) else (inner,))
@@ -139,9 +149,8 @@ def packed(table: Indices) -> Packed:
             numbers2(table, 26),
             numbers3(table, 27),
         ),
-        integers1(table, 28),
-        numbers1(table, 29),
-        numbers1(table, 30),
+        records(table, 28, PROGRESS),
+        records(table, 29, KNOWN),
     )
 
 
@@ -198,12 +207,12 @@ failed."""
 def _begin(table: Indices, scheme: PlainScheme, state: PlainState) -> None:
     """Predict the next step."""
     this = packed(table)
-    counters, numbers = this.counters, this.numbers
-    counters[STEP] += 1
-    counters[ITERATION] = 1
+    progress = this.progress[0]
+    progress.step += 1
+    progress.iteration = 1
     copy_vector(this.multipliers, this.first)
-    numbers[MOTION] = max(predict(scheme, state), numbers[MOTION])
-    numbers[PREVIOUS], numbers[NOW] = np.inf, numbers[RATIO]
+    progress.motion = max(predict(scheme, state), progress.motion)
+    progress.previous, progress.now = np.inf, progress.ratio
 
 
 @linked
@@ -220,10 +229,10 @@ def _weigh(table: Indices) -> None:
 def _solve(table: Indices, solution: PlainSolution, steps: PlainSteps, rule: PlainRule) -> int:
     """Correction for the residual, or the code of a request."""
     this, how = packed(table), Steps(*steps)
-    counters = this.counters
-    update = due(rule, this.known, counters[ITERATION])
+    progress = this.progress[0]
+    update = due(rule, this.known[0], progress.iteration)
     if update != 0 or how.missing:
-        counters[UPDATE] = update
+        progress.update = update
         return MATRIX
     if not solve_by_call(solution, this.r, this.dx):
         return SOLUTION
@@ -237,19 +246,19 @@ def _solve(table: Indices, solution: PlainSolution, steps: PlainSteps, rule: Pla
 def _correct(table: Indices, scheme: PlainScheme, state: PlainState, steps: PlainSteps) -> int:
     """Apply the correction; returns the next phase, or that before the first one on failure."""
     this, how = packed(table), Steps(*steps)
-    counters, numbers = this.counters, this.numbers
+    progress = this.progress[0]
     scale, spread = this.scale, this.spread
     increment = correct(scheme, state, this.dx, scale, spread, this.joined, this.multipliers)
-    ratio, remaining = estimate(increment, numbers[PREVIOUS], numbers[NOW])
-    numbers[INCREMENT], numbers[NOW] = increment, ratio
-    bound = allowed(numbers[MOTION], how.tolerance, how.finest)
-    verdict = judged(increment, numbers[PREVIOUS], remaining, bound, 0.0)
+    ratio, remaining = estimate(increment, progress.previous, progress.now)
+    progress.increment, progress.now = increment, ratio
+    bound = allowed(progress.motion, how.tolerance, how.finest)
+    verdict = judged(increment, progress.previous, remaining, bound, 0.0)
     if verdict == CONVERGED:
         return CHECKED
-    if verdict != GOES_ON or counters[ITERATION] == how.limit:
+    if verdict != GOES_ON or progress.iteration == how.limit:
         return BETWEEN
-    numbers[PREVIOUS] = increment
-    counters[ITERATION] += 1
+    progress.previous = increment
+    progress.iteration += 1
     return OPEN
 
 
@@ -282,7 +291,7 @@ def _end(table: Indices, h: float, steps: PlainSteps) -> None:
 def _record(table: Indices, h: float, results: tuple[Indices, Indices]) -> bool:
     """Fill in the next row of results; returns whether an element is near its rotation limit."""
     this = packed(table)
-    counters = this.counters
+    progress = this.progress[0]
     scene, rows = results
     near = fill_whole(
         this.H,
@@ -292,13 +301,13 @@ def _record(table: Indices, h: float, results: tuple[Indices, Indices]) -> bool:
         scene,
         rows,
         this.cells,
-        counters[ROW],
-        counters[TOTAL],
-        counters[STEP] * h,
+        progress.row,
+        progress.total,
+        progress.step * h,
     )
-    counters[NEAR] = int(near)
-    counters[ROW] += 1
-    counters[WANTED] += 1
+    progress.near = int(near)
+    progress.row += 1
+    progress.wanted += 1
     return near
 
 
@@ -327,43 +336,43 @@ def run(
         last: Last step.
     """
     this, h = packed(table), scheme[0]
-    counters, numbers = this.counters, this.numbers
+    progress = this.progress[0]
     state = this.H, this.H1, this.motion, this.kinds, this.scaling
     ended = Steps(*steps).ended
     while True:
-        if counters[PHASE] == BETWEEN:
-            if counters[STEP] >= last:
+        if progress.phase == BETWEEN:
+            if progress.step >= last:
                 return DONE
             _begin(table, scheme, state)
-            counters[PHASE] = OPEN
-        if counters[PHASE] == OPEN:
-            counters[PHASE] = WEIGHED
+            progress.phase = OPEN
+        if progress.phase == OPEN:
+            progress.phase = WEIGHED
             if not Steps(*steps).summed:
                 return RESIDUAL
             _weigh(table)
-        if counters[PHASE] == WEIGHED:
+        if progress.phase == WEIGHED:
             code = _solve(table, solution, steps, rule)
-            counters[PHASE] = SOLVED
+            progress.phase = SOLVED
             if code != DONE:
                 return code
-        if counters[PHASE] == SOLVED:
-            counters[PHASE] = _correct(table, scheme, state, steps)
-            if counters[PHASE] == BETWEEN:
+        if progress.phase == SOLVED:
+            progress.phase = _correct(table, scheme, state, steps)
+            if progress.phase == BETWEEN:
                 return FAILED
-            if counters[PHASE] == OPEN:
+            if progress.phase == OPEN:
                 continue
             if Steps(*steps).checked:
                 return CHECK
-        if counters[PHASE] == CHECKED:
-            numbers[RATIO] = starting_ratio(numbers[NOW], counters[ITERATION])
-            counters[PHASE] = LEARNED
-            if learn(rule, this.known, counters[ITERATION]):
+        if progress.phase == CHECKED:
+            progress.ratio = starting_ratio(progress.now, progress.iteration)
+            progress.phase = LEARNED
+            if learn(rule, this.known[0], progress.iteration):
                 return QUESTION
         accept(scheme, state)
-        counters[TOTAL] += counters[ITERATION]
-        counters[PHASE] = BETWEEN
+        progress.total += progress.iteration
+        progress.phase = BETWEEN
         if ended:
             _end(table, h, steps)
-            at = counters[WANTED]
-            if at < wanted.shape[0] and wanted[at] == counters[STEP] and _record(table, h, results):
+            at = progress.wanted
+            if at < wanted.shape[0] and wanted[at] == progress.step and _record(table, h, results):
                 return DONE

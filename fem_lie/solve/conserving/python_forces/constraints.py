@@ -46,7 +46,6 @@ from fem_lie.lie.tuples import (
 from fem_lie.solve.conserving.midpoint.any_node import twists
 from fem_lie.solve.conserving.midpoint.discrete_gradient import KNOWN, ROUND_OFF, beyond, factor_of
 from fem_lie.solve.conserving.midpoint.mean_forces import add_resistance, solve_symmetric
-from fem_lie.solve.conserving.step.dissipation import REMEMBERS
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.step.records import Model, Span, State, Step
 from fem_lie.system.equations import Equations
@@ -237,7 +236,7 @@ class OtherConstraints(Stateful):
         rolling = self._rolling
         gains[rolling] = 0.0
         if rolling.start < rolling.stop:
-            size = 0.5 * (1.0 + model.scheme.dissipation * state.filter_state[REMEMBERS]) * h
+            size = 0.5 * (1.0 + model.scheme.dissipation * state.filter_state.remembers) * h
             change[rolling] = size * self._rates(along.end, this.V1)[rolling] - state.gap[rolling]
         B = middle.jacobian
         B.sort_indices()

@@ -36,7 +36,6 @@ from fem_lie.solve.conserving.midpoint.any_node import span_from_python
 from fem_lie.solve.conserving.midpoint.end_forces import BESIDE, LOSS, ON_GROUND, EndForces
 from fem_lie.solve.conserving.python_forces.constraints import OtherConstraints
 from fem_lie.solve.conserving.python_forces.joints import Joints
-from fem_lie.solve.conserving.step.dissipation import LEAK
 from fem_lie.solve.conserving.step.records import (
     ERROR,
     FORCES,
@@ -146,7 +145,7 @@ class PythonForces:
         assert self.contacts is not None
         s, along = self._run.s, Span(*self._run.this.rows)
         # cells themselves correct the energy that round-off has added
-        leak = 0.0 if len(s.W) else float(s.filter_state[LEAK])
+        leak = 0.0 if len(s.W) else float(s.filter_state.leak)
         ends = Ends(s.H, along.end, along.mean, along.delta)
         self.contacts.set(ends, leak, self._contact_forces)
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined, linked, uncounted
+from fem_lie._jit.records import Record
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
 from fem_lie.joints.equations.table import joint_table
@@ -39,15 +40,7 @@ from fem_lie.solve.conserving.midpoint.any_node import (
 )
 from fem_lie.solve.conserving.midpoint.cayley import advance, left_moment, spin
 from fem_lie.solve.conserving.midpoint.reduced_bodies import STRESS
-from fem_lie.solve.conserving.step.dissipation import (
-    ENERGY,
-    LEAK,
-    LIMIT,
-    REMEMBERS,
-    REPAID,
-    ROW_REPAID,
-    remember,
-)
+from fem_lie.solve.conserving.step.dissipation import remember
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
 from fem_lie.solve.conserving.step.records import Model, State, Step, solution_of, span_of
 from fem_lie.system.nodes.masses import Loads
@@ -66,20 +59,20 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     H, V, filter_state, balance, account = (
         state.H,
         state.V,
-        state.filter_state,
+        state.filter_state[0],
         state.balance,
         state.account,
     )
     step, V1, F1, losses, scheme = this.step, this.V1, this.F1, this.losses, model.scheme
     end, _, middle, delta = span_of(this.rows)
     n, (h, χ, μ) = step.shape[0], scheme
-    share = 0.5 * (1.0 + χ * filter_state[REMEMBERS])
+    share = 0.5 * (1.0 + χ * filter_state.remembers)
     given = model.kinds, model.arms, middle, step, solution_of(this.r).residual
     _store_residual(*given, share, filter_state, state.carry)
     if χ > 0.0:
         # in the first step there is no earlier change
-        μ = μ if filter_state[REMEMBERS] > 0.0 else 1.0
-        filter_state[REMEMBERS] = 1.0
+        μ = μ if filter_state.remembers > 0.0 else 1.0
+        filter_state.remembers = 1.0
         remember(filter_state, μ)
         _learn(μ, V, V1, state.w)
         for place in range(F1.shape[0]):
@@ -108,7 +101,7 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
             store_row(V[i], k, load_row(V1[i], k))
     mass, momenta = model.inertia, this.q[1]
     inertia.multiply(mass.indptr, mass.indices, mass.blocks, V, momenta)
-    filter_state[ENERGY] = max(filter_state[ENERGY], 0.5 * _product(V, momenta) + np.sum(this.W1))
+    filter_state.energy = max(filter_state.energy, 0.5 * _product(V, momenta) + np.sum(this.W1))
     _set_massless_rates(model.light, H, step, h, V)
     _keep_trend(model.kinds, H, V, h, step, state)
     for place in range(F1.shape[0]):
@@ -215,7 +208,7 @@ def _store_residual(
     step: Array,
     r: Array,
     factor: float,
-    filter_state: Array,
+    filter_state: Record,
     carry: Array,
 ) -> None:
     """Residual forces ``r`` and energy that the next step corrects."""
@@ -236,8 +229,8 @@ def _store_residual(
             square += dot(moment, moment) / arms[i, 1] ** 2
         store(carry[i], 0, f)
         store(carry[i], 3, minus(moment, cross(scaled(0.5, u), f)) if frame else moment)
-    filter_state[LEAK] += gain - filter_state[REPAID] - filter_state[ROW_REPAID]
-    filter_state[LIMIT] = sqrt(square)
+    filter_state.leak += gain - filter_state.repaid - filter_state.row_repaid
+    filter_state.limit = sqrt(square)
 
 
 @uncounted

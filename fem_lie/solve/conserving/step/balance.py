@@ -30,13 +30,7 @@ from fem_lie.solve.conserving.midpoint.any_node import span_all
 from fem_lie.solve.conserving.midpoint.cayley import left_moment
 from fem_lie.solve.conserving.midpoint.reduced_bodies import add_inertia, span_products
 from fem_lie.solve.conserving.step.cells import add_filtered_forces, add_from_nodes
-from fem_lie.solve.conserving.step.dissipation import (
-    MEMORY,
-    REMEMBERS,
-    choose_memory,
-    set_velocities,
-    velocity_loss,
-)
+from fem_lie.solve.conserving.step.dissipation import choose_memory, set_velocities, velocity_loss
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
 from fem_lie.solve.conserving.step.products import set_products
@@ -65,7 +59,7 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, reevaluate: b
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     held, scheme, losses, forces = model.held, model.scheme, this.losses, this.forces
     kinds, addresses = model.kinds, model.addresses
-    n, χ = this.step.shape[0], scheme.dissipation * state.filter_state[REMEMBERS]
+    n, χ = this.step.shape[0], scheme.dissipation * state.filter_state[0].remembers
     along, r = span_of(this.rows), solution_of(this.r).residual
     span_all(kinds, state.H, this.step, (along.delta, along.mean, along.end, along.middle))
     if this.products.shape[0] > 0:
@@ -161,13 +155,13 @@ def _choose_memory(packed: PackedModel, starts: Indices, steps: Indices) -> None
     V, w, filter_state, products, χ = (
         state.V,
         state.w,
-        state.filter_state,
+        state.filter_state[0],
         products_of(this),
         model.scheme.dissipation,
     )
     set_products(model.inertia, V, w, this.moved, model.scheme.h, products)
     ψ = choose_memory(products.sums, χ, filter_state)
-    set_velocities(V, w, products.δ, χ, filter_state[MEMORY], ψ, this.V1)
+    set_velocities(V, w, products.δ, χ, filter_state.memory, ψ, this.V1)
 
 
 @uncounted
@@ -181,7 +175,7 @@ def _add_momenta(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     n, moved, dissipates = (
         forces.shape[0],
         this.moved,
-        scheme.dissipation * state.filter_state[REMEMBERS] > 0.0,
+        scheme.dissipation * state.filter_state[0].remembers > 0.0,
     )
     if not dissipates:
         for i in range(V.shape[0]):

@@ -9,6 +9,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined, uncounted
+from fem_lie._jit.records import Record
+from fem_lie._jit.stack import stack, vector_at
 from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
 from fem_lie.forms import cells as elements
 from fem_lie.forms.cells import CellTable
@@ -31,19 +33,6 @@ from fem_lie.solve.conserving.midpoint.cayley import follow
 from fem_lie.solve.conserving.midpoint.discrete_gradient import Energies, Filtered, add_elastic
 from fem_lie.solve.conserving.midpoint.mean_forces import Ends, Path
 from fem_lie.solve.conserving.midpoint.reduced_bodies import add_elastic as add_of_bodies
-from fem_lie.solve.conserving.step.dissipation import (
-    ELASTIC,
-    ENERGY,
-    LEAK,
-    LIMIT,
-    MEMORY,
-    REMEMBERS,
-    REPAID,
-    ROW_REPAID,
-    ROW_SQUARES,
-    SQUARES,
-    WORKS,
-)
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
 from fem_lie.solve.conserving.step.records import Masters, Segments, Step, span_of
 from fem_lie.solve.conserving.vector_cells.cells import Energies as RowEnergies
@@ -83,8 +72,8 @@ def add_from_nodes(packed: PackedModel, starts: Indices, steps: Indices, reevalu
     """
     model, state = model_of(packed), state_of(starts)
     known = (
-        _repayment(state.filter_state),
-        state.filter_state[SQUARES] + state.filter_state[ROW_SQUARES],
+        _repayment(state.filter_state[0]),
+        state.filter_state[0].squares + state.filter_state[0].row_squares,
     )
     rows, bodies = model.rows.sees.shape[0], step_of(steps).products.shape[0]
     if rows + bodies == 0:
@@ -93,7 +82,7 @@ def add_from_nodes(packed: PackedModel, starts: Indices, steps: Indices, reevalu
     changes = step_of(steps).changes
     if model.scheme.dissipation > 0.0:
         reevaluate = True
-        state.filter_state[WORKS] = state.filter_state[WORKS + 1] = 0.0
+        state.filter_state[0].change_work = state.filter_state[0].filter_work = 0.0
         for i in range(changes.shape[1]):
             for k in range(6):
                 changes[0, i, k] = changes[1, i, k] = 0.0
@@ -111,8 +100,11 @@ def _add_from_bodies(packed: PackedModel, starts: Indices, steps: Indices) -> No
     along, first = span_of(this.rows), state.W.shape[0] - model.bodies[0][0]
     nodes, motion = (state.H, state.rest), (along.mean, along.delta)
     energies, out = (this.W1[first:], this.work[first:]), (this.forces, this.changes)
-    own, works = (this.within, state.within), state.filter_state[WORKS : WORKS + 2]
+    own, works = (this.within, state.within), vector_at(stack(2), 2)
+    works[0] = works[1] = 0.0
     add_of_bodies(model.bodies, model.kinds, nodes, motion, *own, energies, out, works)
+    state.filter_state[0].change_work += works[0]
+    state.filter_state[0].filter_work += works[1]
 
 
 @uncounted
@@ -131,17 +123,17 @@ def _add_from_rows(
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     cells, filter_state, M, count = (
         model.rows,
-        state.filter_state,
+        state.filter_state[0],
         this.gains.shape[0],
         state.W.shape[0],
     )
     repay, squares = known
-    factors = repay, squares / count, ULP * filter_state[ENERGY] / count
+    factors = repay, squares / count, ULP * filter_state.energy / count
     nodes = Nodes(state.H, state.rest, this.step)
     energies = RowEnergies(state.W[M:], state.account[M:], this.W1[M:], this.work[M:])
     found = add_of_rows(cells, nodes, energies, factors, this.forces)
     found += add_position_cells(cells, nodes, energies, factors, this.forces)
-    filter_state[ROW_SQUARES], filter_state[ROW_REPAID] = found, repay * found
+    filter_state.row_squares, filter_state.row_repaid = found, repay * found
     if model.scheme.dissipation == 0.0:
         return
     cell_forces, changes = this.cell_forces, this.changes
@@ -149,8 +141,8 @@ def _add_from_rows(
         state.cell_forces[0], state.cell_forces[1], cell_forces[0], cell_forces[1], cell_forces[2]
     )
     by_change, by_memory = add_changes(cells, nodes, forces, changes)
-    filter_state[WORKS] += by_change
-    filter_state[WORKS + 1] += by_memory
+    filter_state.change_work += by_change
+    filter_state.filter_work += by_memory
 
 
 @uncounted
@@ -226,7 +218,7 @@ def _move_cells(
         cells.first,
         cells.nodes,
         this.F1,
-        state.filter_state,
+        state.filter_state[0],
         this.filtered,
     )
     gains, expected, sizes, done = this.gains, 0.0, 0.0, 0.0
@@ -242,8 +234,8 @@ def _move_cells(
     for i in range(further.shape[0]):
         for k in range(6):
             done += this.on_nodes[i, k] * further[i, k]
-            filter_state[WORKS] += filtered[0, i, k] * further[i, k]
-            filter_state[WORKS + 1] += filtered[1, i, k] * further[i, k]
+            filter_state.change_work += filtered[0, i, k] * further[i, k]
+            filter_state.filter_work += filtered[1, i, k] * further[i, k]
     rest = (done - expected) / sizes if sizes > 0.0 else 0.0
     for e in range(gains.shape[0]):
         gain = gains[e] + rest * abs(gains[e])
@@ -268,7 +260,7 @@ def _add_cells(
     cells, h, filter_state, dissipates = (
         model.cells,
         model.scheme.h,
-        state.filter_state,
+        state.filter_state[0],
         model.scheme.dissipation > 0.0,
     )
     H, end, mean, middle, delta, more, step = motion
@@ -278,12 +270,12 @@ def _add_cells(
     path = Path(mean, delta, step)
     energies = Energies(state.W[:M], this.W1[:M], state.account[:M])
     repay, squares = before
-    typical, unknown = squares / count, ULP * filter_state[ENERGY] / count
+    typical, unknown = squares / count, ULP * filter_state.energy / count
     known = repay, typical, unknown
     other = Filtered(dissipates, state.w_F, this.filtered)
     found = add_elastic(cells, ends, path, energies, this.work[:M], known, other, out)
-    filter_state[SQUARES], filter_state[WORKS], filter_state[WORKS + 1] = found
-    filter_state[REPAID] = repay * filter_state[SQUARES]
+    filter_state.squares, filter_state.change_work, filter_state.filter_work = found
+    filter_state.repaid = repay * filter_state.squares
     if model.viscous:
         twists = this.twists
         for i in range(step.shape[0]):
@@ -300,12 +292,12 @@ def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) ->
     """Add forces of the changes of elastic forces minus their filter state, to the master nodes."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     masters, scheme = model.masters, model.scheme
-    filter_state, given, losses = state.filter_state, this.filtered, this.losses
-    a = 0.5 * scheme.dissipation * filter_state[REMEMBERS] * filter_state[ELASTIC]
-    b = a * filter_state[MEMORY]
+    filter_state, given, losses = state.filter_state[0], this.filtered, this.losses
+    a = 0.5 * scheme.dissipation * filter_state.remembers * filter_state.elastic
+    b = a * filter_state.memory
     others = model.rows.sees.shape[0] + this.products.shape[0]
     if model.cells.x.shape[0] > 0 or others > 0:
-        losses[NUMERICAL] += a * filter_state[WORKS] - b * filter_state[WORKS + 1]
+        losses[NUMERICAL] += a * filter_state.change_work - b * filter_state.filter_work
     if others > 0:
         for i in range(this.forces.shape[0]):
             for k in range(6):
@@ -327,13 +319,13 @@ def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) ->
 
 
 @inlined
-def _repayment(filter_state: Array) -> float:
+def _repayment(filter_state: Record) -> float:
     """Factor of forces that remove the energy added by round-off, as small as round-off."""
-    leak, squares = filter_state[LEAK], filter_state[SQUARES] + filter_state[ROW_SQUARES]
+    leak, squares = filter_state.leak, filter_state.squares + filter_state.row_squares
     if squares == 0.0:
         return 0.0
     # a force of full size would change its sign with a round-off deformation, and maintain it
-    most = 0.1 * filter_state[LIMIT] / sqrt(squares)
+    most = 0.1 * filter_state.limit / sqrt(squares)
     return max(-most, min(most, leak / squares))
 
 

@@ -14,25 +14,13 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
+from fem_lie._jit.records import Record, record_type
 from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
 from fem_lie.solve.convergence import DIVERGED, contraction, to_come
 
 _ALIKE, _SHARE = 0.2, 0.5
 """Largest relative difference of corrections in one direction, and the largest part that one
 leaves."""
-STEPS, ITERATION, TOTAL, BEST, ASKED, STALLS, LAST, NEEDED = 0, 1, 2, 3, 4, 5, 6, 7
-GROWTHS, COUNTERS = 8, 9
-"""Indices of counters: steps made, iterations of the current one and of all, fewest, iteration of
-the last test, iterations since the increment fell to its least, iterations of the last step,
-iterations of the current one that a better matrix might have saved, and successive growing
-increments at the end; shape (9,)."""
-PREVIOUS, RATIO, MOTION, EXCESS, INCREMENT, LEAST, FLOOR, MARK, FELT = 0, 1, 2, 3, 4, 5, 6, 7, 8
-ASIDE, RECENT, HISTORY = 9, 10, 18
-"""Indices of numbers: last increment, ratio, largest motion, excess iterations, increment, the
-least of the current step, the round-off level reached by earlier steps, the increment ``patience``
-iterations before, the measured effect of round-off in this step, the reduction per term of the
-series for changes of the matrix, the last :data:`LEARNING` increments of nodes other than frames,
-the newest first, and the last :data:`LOST` increments in a ring; shape (:data:`NUMBERS`,)."""
 WINDOW, LEARNING, HALVED = 3, 8, 0.5
 """Small increments are round-off if this many iterations did not bring them below that fraction;
 for nodes with vector coordinates. Corrections with secants do not decrease monotonically and are
@@ -40,7 +28,41 @@ given more iterations."""
 LOST = 25
 """Iterations without halving an increment above round-off after which a step has failed, if there
 are such nodes."""
-NUMBERS = HISTORY + LOST
+PROGRESS = record_type(
+    steps=int,
+    iteration=int,
+    total=int,
+    fewest=int,
+    asked=int,
+    stalls=int,
+    last=int,
+    needed=int,
+    growths=int,
+    row=int,
+    wanted=int,
+    near=int,
+    previous=float,
+    ratio=float,
+    motion=float,
+    excess=float,
+    increment=float,
+    least=float,
+    floor=float,
+    mark=float,
+    felt=float,
+    aside=float,
+    recent=(float, LEARNING),
+    history=(float, LOST),
+)
+"""Progress of a run: steps made, iterations of the current one and of all, fewest, iteration of the
+last test, iterations since the increment fell to its least, iterations of the last step, iterations
+of the current one that a better matrix might have saved, successive growing increments at the end;
+next row of results, how many requested rows are filled in, and whether an element is near its
+rotation limit in the last one (1); last increment, ratio, largest motion, excess iterations,
+increment, the least of the current step, the round-off level reached by earlier steps, the
+increment ``patience`` iterations before, the measured effect of round-off in this step, the
+reduction per term of the series for changes of the matrix, the last increments of nodes other than
+frames, the newest first, and the last increments in a ring."""
 _GROWING = 7
 """Successive growing increments after which it has failed."""
 UNKNOWN, NEW = 0, -1
@@ -59,6 +81,15 @@ _STAGNANT = 6
 """Iterations of a step without progress."""
 STALLED = 0.8
 """Ratio of increments above which there is no progress."""
+
+
+@inlined
+def forget(progress: Record) -> None:
+    """Forget the increments of earlier steps."""
+    for k in range(LEARNING):
+        progress.recent[k] = np.inf
+    for k in range(LOST):
+        progress.history[k] = np.inf
 
 
 @compiled
@@ -126,14 +157,14 @@ def size_of(measure: Array, x: Array) -> float:
 
 
 @inlined
-def lags(numbers: Array, tolerance: float, patience: int, spare: float, round_off: float) -> bool:
+def lags(progress: Record, tolerance: float, patience: int, spare: float, round_off: float) -> bool:
     """Whether the iteration would need more than ``spare`` further iterations at its current rate.
 
     Increments below ``round_off`` are round-off.
     """
-    increment, before = numbers[INCREMENT], numbers[MARK]
-    numbers[MARK] = increment
-    target = max(tolerance * numbers[MOTION], numbers[FLOOR], round_off)
+    increment, before = progress.increment, progress.mark
+    progress.mark = increment
+    target = max(tolerance * progress.motion, progress.floor, round_off)
     if increment <= ULPS or increment <= target:
         return False
     rate = log(increment / before) / patience
@@ -141,44 +172,44 @@ def lags(numbers: Array, tolerance: float, patience: int, spare: float, round_of
 
 
 @inlined
-def count(counters: Indices, numbers: Array) -> None:
+def count(progress: Record) -> None:
     """Record the excess over the fewest iterations with the current matrix.
 
     A matrix that was refactorised within this step has no record yet.
     """
-    counted = max(counters[NEEDED], 2)
-    counters[LAST] = counters[ITERATION]
-    if counters[BEST] == NEW:
-        counters[BEST] = UNKNOWN
+    counted = max(progress.needed, 2)
+    progress.last = progress.iteration
+    if progress.fewest == NEW:
+        progress.fewest = UNKNOWN
         return
-    if counters[BEST] == UNKNOWN or counted < counters[BEST]:
-        counters[BEST] = counted
-    numbers[EXCESS] += counted - counters[BEST]
+    if progress.fewest == UNKNOWN or counted < progress.fewest:
+        progress.fewest = counted
+    progress.excess += counted - progress.fewest
 
 
 @inlined
-def is_round_off(counters: Indices, numbers: Array, steadily: bool) -> bool:
+def is_round_off(progress: Record, steadily: bool) -> bool:
     """Whether only round-off is left: no decrease, or as small as the last stagnant increment.
 
     With ``steadily`` increments are compared with the last one that decreased: a slow, but steady
     decrease is no round-off.
     """
-    increment, least = numbers[INCREMENT], numbers[LEAST]
+    increment, least = progress.increment, progress.least
     if increment > STALLED * least:
-        counters[STALLS] += 1
+        progress.stalls += 1
         if steadily:
             increment = least
     else:
-        counters[STALLS] = 0
-    numbers[LEAST] = min(increment, least)
-    increment = numbers[INCREMENT]
-    if increment <= 2.0 * numbers[FLOOR]:
+        progress.stalls = 0
+    progress.least = min(increment, least)
+    increment = progress.increment
+    if increment <= 2.0 * progress.floor:
         # an accidental zero must not make the next steps wait for another
-        numbers[FLOOR] = max(min(increment, numbers[FLOOR]), 0.9 * numbers[FLOOR])
+        progress.floor = max(min(increment, progress.floor), 0.9 * progress.floor)
         return True
-    if increment > ULPS or counters[STALLS] < (2 if increment < FINE else _STAGNANT):
+    if increment > ULPS or progress.stalls < (2 if increment < FINE else _STAGNANT):
         return False
-    numbers[FLOOR] = numbers[LEAST]
+    progress.floor = progress.least
     return True
 
 
@@ -218,60 +249,60 @@ def size_of_vectors(kinds: Indices, measure: Array, x: Array) -> float:
 
 
 @inlined
-def stalls(numbers: Array, increment: float, window: int) -> bool:
+def stalls(progress: Record, increment: float, window: int) -> bool:
     """Whether an increment is more than half of that ``window`` iterations before; records it.
 
     In stiff cells even the smallest increments change forces. So nodes with vector coordinates are
     corrected while increments decrease, and the level that an earlier step reached is no measure of
     round-off.
     """
-    before = numbers[RECENT + window - 1]
+    recent = progress.recent
+    before = recent[window - 1]
     for k in range(LEARNING - 1, 0, -1):
-        numbers[RECENT + k] = numbers[RECENT + k - 1]
-    numbers[RECENT] = increment
+        recent[k] = recent[k - 1]
+    recent[0] = increment
     return increment > HALVED * before
 
 
 @inlined
-def is_lost(counters: Indices, numbers: Array, before: float) -> bool:
+def is_lost(progress: Record, before: float) -> bool:
     """Whether the iteration has failed, if nodes have vector coordinates.
 
     Its increments have not been halved for long, grow steadily, or exceed the length of the model.
 
     Args:
-        counters: Counters, updated.
-        numbers: Numbers, updated.
+        progress: Progress of the run, updated.
         before: The previous increment.
     """
-    increment, at = numbers[INCREMENT], HISTORY + counters[ITERATION] % LOST
-    counters[GROWTHS] = counters[GROWTHS] + 1 if increment > before else 0
-    long_ago, numbers[at] = numbers[at], increment
-    grows = counters[GROWTHS] >= _GROWING or not increment < DIVERGED
+    increment, at, history = progress.increment, progress.iteration % LOST, progress.history
+    progress.growths = progress.growths + 1 if increment > before else 0
+    long_ago, history[at] = history[at], increment
+    grows = progress.growths >= _GROWING or not increment < DIVERGED
     return grows or increment > HALVED * long_ago
 
 
 @inlined
-def stagnates(counters: Indices, numbers: Array) -> bool:
+def stagnates(progress: Record) -> bool:
     """Whether increments have ceased to decrease, and it is unknown whether this is round-off."""
-    increment = numbers[INCREMENT]
-    return counters[STALLS] >= _STAGNANT and increment > ULPS
+    increment = progress.increment
+    return progress.stalls >= _STAGNANT and increment > ULPS
 
 
 @inlined
-def converged(numbers: Array, tolerance: float, iteration: int, known: bool) -> bool:
+def converged(progress: Record, tolerance: float, iteration: int, known: bool) -> bool:
     """Whether the estimated further increments are below the tolerance, or round-off.
 
     Round-off is recognised by the rate if the matrix is ``known`` to be good. Near configurations
     in which constraints lose rank it is not: increments are small there, but the error is not.
     """
-    increment = numbers[INCREMENT]
-    if iteration > 1 and (tolerance > 0.0 or (known and numbers[FLOOR] > 0.0)):
-        ratio = contraction(increment, numbers[PREVIOUS], numbers[RATIO])
-        numbers[RATIO] = ratio
+    increment = progress.increment
+    if iteration > 1 and (tolerance > 0.0 or (known and progress.floor > 0.0)):
+        ratio = contraction(increment, progress.previous, progress.ratio)
+        progress.ratio = ratio
         if tolerance == 0.0:
             # the last digits converge most slowly
             ratio = max(ratio, SURE)
-        allowed = max(tolerance * numbers[MOTION], 2.0 * numbers[FLOOR])
+        allowed = max(tolerance * progress.motion, 2.0 * progress.floor)
         if to_come(increment, ratio) <= allowed:
             return True
     return increment == 0.0

@@ -40,6 +40,7 @@ from math import sqrt
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined, uncounted
+from fem_lie._jit.records import Record
 from fem_lie._jit.stack import blocks_at, matrix_at, stack, vector_at
 from fem_lie.lie.node_types.forces import add_along_increments
 from fem_lie.lie.node_types.node_type import axes
@@ -72,16 +73,6 @@ from fem_lie.solve.conserving.step.products import (
 )
 from fem_lie.solve.conserving.step.records import Products
 
-MEMORY, ELASTIC, REMEMBERS, WORKS, LENGTH = 0, 1, 2, 3, 9
-"""Indices of the filter state: β, the fraction of elastic forces that is filtered, whether there is
-an earlier change (0 or 1; without it there is no dissipation), works of the changes of elastic
-forces and of their filter state, and ``|w|²`` of the latter."""
-LEAK, SQUARES, LIMIT, REPAID, ENERGY = 5, 6, 7, 8, 10
-"""Further indices: energy added by round-off, squares of the deformations of all elements, level of
-round-off forces, energy removed again, and the largest energy so far."""
-ROW_SQUARES, ROW_REPAID = 11, 12
-"""Further indices: squares, and energy removed again, of cells of nodes other than frames; shape
-(13,)."""
 _EXACT = 1e-14
 
 
@@ -148,27 +139,27 @@ def set_turnings(
 
 
 @uncounted
-def choose_memory(sums: Array, χ: float, filter_state: Array) -> Vector:
+def choose_memory(sums: Array, χ: float, filter_state: Record) -> Vector:
     """β and the filtered fraction of elastic forces, consistent with the velocities.
 
     Returns their ψ.
     """
     ψ = (0.0, 0.0, 0.0)
     for _ in range(TURNS):
-        β, share = filter_state[MEMORY], filter_state[ELASTIC]
+        β, share = filter_state.memory, filter_state.elastic
         ψ = turning(sums, χ, β, ψ)
         _choose_once(sums, χ, ψ, filter_state)
-        if abs(filter_state[MEMORY] - β) <= _EXACT and abs(filter_state[ELASTIC] - share) <= _EXACT:
+        if abs(filter_state.memory - β) <= _EXACT and abs(filter_state.elastic - share) <= _EXACT:
             break
-    return turning(sums, χ, filter_state[MEMORY], ψ)
+    return turning(sums, χ, filter_state.memory, ψ)
 
 
 @uncounted
-def _choose_once(sums: Array, χ: float, ψ: Vector, filter_state: Array) -> None:
+def _choose_once(sums: Array, χ: float, ψ: Vector, filter_state: Record) -> None:
     """The same for velocities with the previous β, and their ψ."""
     work = blocks_at(stack(36), 4, 3, 3)
     W, A, shifted, X = work[0], work[1], work[2], work[3]
-    a, p, _ = changes(χ, filter_state[MEMORY])
+    a, p, _ = changes(χ, filter_state.memory)
     w = (0.0, 0.0, 1.0)
     product(sums, p, p, W)
     make_squares(ψ, W)
@@ -188,12 +179,12 @@ def _choose_once(sums: Array, χ: float, ψ: Vector, filter_state: Array) -> Non
     change = max(square - dot(nearest(A, shifted, by_change), by_change), 0.0)
     common -= dot(by_nearest, by_change)
     memory = max(trace(sums[2, 2]) - dot(by_nearest, by_w), 0.0)
-    elastic = filter_state[WORKS]
+    elastic = filter_state.change_work
     share = change / -elastic if -elastic > change else 1.0
-    change, common = change + share * elastic, common + share * filter_state[WORKS + 1]
-    filter_state[ELASTIC] = share
-    filter_state[MEMORY] = _remembered(
-        max(change, 0.0), common, memory + share * filter_state[LENGTH]
+    change, common = change + share * elastic, common + share * filter_state.filter_work
+    filter_state.elastic = share
+    filter_state.memory = _remembered(
+        max(change, 0.0), common, memory + share * filter_state.length
     )
 
 
@@ -208,13 +199,13 @@ def _remembered(change: float, common: float, memory: float) -> float:
 
 
 @inlined
-def remember(filter_state: Array, μ: float) -> None:
+def remember(filter_state: Record, μ: float) -> None:
     """``|w|²`` of elastic forces after the step."""
     keep = 1.0 - μ
-    square = keep * keep * filter_state[LENGTH] + μ * (
-        2.0 * keep * filter_state[WORKS + 1] + μ * filter_state[WORKS]
+    square = keep * keep * filter_state.length + μ * (
+        2.0 * keep * filter_state.filter_work + μ * filter_state.change_work
     )
-    filter_state[LENGTH] = max(square, 0.0)
+    filter_state.length = max(square, 0.0)
 
 
 @uncounted

@@ -10,40 +10,25 @@ from math import sqrt
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Indices
 from fem_lie._jit import linked
 from fem_lie._jit.call_back import call_back
-from fem_lie.forms.fixed_arrays import put
+from fem_lie.forms.fixed_arrays import put, records
 from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
 from fem_lie.lie.tuples import dot, load, load_row
 from fem_lie.linear.factors import PlainFactors
 from fem_lie.solve.conserving.step.acceptance import accept
 from fem_lie.solve.conserving.step.balance import residual
 from fem_lie.solve.conserving.step.corrections import (
-    ASIDE,
-    ASKED,
-    EXCESS,
-    FELT,
     FINE,
-    FLOOR,
-    GROWTHS,
-    INCREMENT,
-    ITERATION,
     LEARNING,
-    LEAST,
-    MARK,
-    MOTION,
-    NEEDED,
-    PREVIOUS,
-    RECENT,
-    STALLS,
-    STEPS,
-    TOTAL,
+    PROGRESS,
     ULPS,
     WINDOW,
     accelerate,
     converged,
     count,
+    forget,
     is_lost,
     is_round_off,
     lags,
@@ -54,7 +39,6 @@ from fem_lie.solve.conserving.step.corrections import (
     stagnates,
     stalls,
 )
-from fem_lie.solve.conserving.step.dissipation import MEMORY
 from fem_lie.solve.conserving.step.joints import begin, compare, correct, hold
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
 from fem_lie.solve.conserving.step.records import ERROR, LEARN, TOUCHES, solution_of
@@ -92,8 +76,7 @@ def run(
     steps: Indices,
     factors: PlainFactors,
     options: tuple[float, int, int, float, float],
-    counters: Indices,
-    numbers: Array,
+    progress_at: Indices,
     last: int,
 ) -> int:
     """Advance to step ``last``, or until a matrix is needed, or a step fails or would fail.
@@ -109,11 +92,12 @@ def run(
             as in :class:`~fem_lie.solve.motion.policies.Automatic`, and number of further
             iterations allowed where this was not enough; with 0 a step is made with the existing
             matrix.
-        counters: Counters, shape (9,), updated.
-        numbers: Numbers, shape (:data:`.corrections.NUMBERS`,), updated.
+        progress_at: Address of the progress, a :data:`.corrections.PROGRESS`; updated.
         last: Last step.
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
+    progress = records(progress_at, 0, PROGRESS)[0]
+    recent = progress.recent
     tolerance, limit, patience, cost, spare = options
     measure, scale, addresses, supported = model.measure, model.scale, model.addresses, False
     for i in range(model.supported.shape[0]):
@@ -129,22 +113,21 @@ def run(
     kinds, vectors, round_off_level = model.kinds, False, _round_off_level(packed, starts)
     for i in range(kinds.shape[0]):
         vectors = vectors or kinds[i] >= POSITION_GRADIENT
-    while counters[STEPS] < last:
-        if counters[ITERATION] == 0:
-            numbers[MOTION] = max(begin(packed, starts, steps), numbers[MOTION])
-            numbers[PREVIOUS], numbers[LEAST], numbers[FELT] = np.inf, np.inf, 0.0
-            counters[ITERATION], counters[STALLS], compared = 1, 0, False
-            counters[GROWTHS] = 0
+    while progress.steps < last:
+        if progress.iteration == 0:
+            progress.motion = max(begin(packed, starts, steps), progress.motion)
+            progress.previous, progress.least, progress.felt = np.inf, np.inf, 0.0
+            progress.iteration, progress.stalls, compared = 1, 0, False
+            progress.growths = 0
             round_off_level = _round_off_level(packed, starts)
-            for k in range(RECENT, numbers.shape[0]):
-                numbers[k] = np.inf
-        iteration = counters[ITERATION]
-        if counters[ASKED] != iteration:
-            counters[ASKED] = iteration
-            due = is_due(iteration, patience, numbers[EXCESS], cost)
+            forget(progress)
+        iteration = progress.iteration
+        if progress.asked != iteration:
+            progress.asked = iteration
+            due = is_due(iteration, patience, progress.excess, cost)
             if due and iteration > 1 and spare > 0.0:
                 due = lags(
-                    numbers, tolerance, patience, spare, round_off_level if vectors else FINE
+                    progress, tolerance, patience, spare, round_off_level if vectors else FINE
                 )
             if due:
                 return MATRIX
@@ -158,10 +141,10 @@ def run(
                 border, probe = this.border, state.probe
                 if growth(measure, scale, this.r, factors, incidences, ends, border, probe) > FALLS:
                     return LOST
-        fine = numbers[FLOOR]
+        fine = progress.floor
         noticed = round_off_level if vectors else 16.0 * fine
         close = CLOSE if iteration == 1 else NEARLY
-        numbers[INCREMENT], terms, numbers[ASIDE] = correction(
+        progress.increment, terms, progress.aside = correction(
             measure,
             scale,
             this.r,
@@ -169,25 +152,25 @@ def run(
             incidences,
             ends,
             aside,
-            (close, fine, 1.0 if iteration == 1 else numbers[ASIDE]),
+            (close, fine, 1.0 if iteration == 1 else progress.aside),
         )
         if addresses[LEARN] != 0:
             call_back(addresses[LEARN])
         if ends.inverse.shape[0] == 0:
-            numbers[EXCESS] += _OF_ONE * max(terms - _USUAL, 0)
+            progress.excess += _OF_ONE * max(terms - _USUAL, 0)
         # secants handle the directions of their own corrections
         if state.slow.shape[0] > 0 and addresses[LEARN] == 0:
-            x, cut = solution_of(this.r).x, state.filter_state[MEMORY] < 1.0
+            x, cut = solution_of(this.r).x, state.filter_state[0].memory < 1.0
             accelerate(measure, x, state.slow, state.share, (cut, iteration == 1), noticed)
-        counters[TOTAL] += 1
+        progress.total += 1
         x, moved, rests, stalled = solution_of(this.r).x, 0.0, True, False
-        own, before = numbers[INCREMENT], larger(numbers[PREVIOUS], numbers[RECENT])
+        own, before = progress.increment, larger(progress.previous, recent[0])
         if vectors or touches:
             moved = own
             if vectors:
                 own, moved = size(model.of_frames, x), size_of_vectors(kinds, measure, x)
             window = WINDOW if addresses[LEARN] == 0 else LEARNING
-            stalled = stalls(numbers, moved, window) and moved <= round_off_level
+            stalled = stalls(progress, moved, window) and moved <= round_off_level
             rests = moved <= ROUND_OFF or stalled
             if not vectors:
                 # the effect of round-off on contacts may be larger than this level
@@ -196,46 +179,46 @@ def run(
                 own, rests = larger(own, moved), True
         # no matrix helps at the last digits of cells without frames: policies do not count them
         if not vectors or before > round_off_level or moved <= own:
-            counters[NEEDED] = iteration
+            progress.needed = iteration
         done = at_round_off = False
-        numbers[INCREMENT] = own
+        progress.increment = own
         if rests:
-            at_round_off = is_round_off(counters, numbers, touches)
+            at_round_off = is_round_off(progress, touches)
             compares = moved <= round_off_level and addresses[LEARN] == 0
-            if not at_round_off and compares and stagnates(counters, numbers):
+            if not at_round_off and compares and stagnates(progress):
                 # a single sample of round-off may be small by chance
-                numbers[FELT] = max(_round_off(packed, starts, steps, factors), numbers[FELT])
-                at_round_off = numbers[INCREMENT] <= min(_FELT * numbers[FELT], _ASTRAY)
+                progress.felt = max(_round_off(packed, starts, steps, factors), progress.felt)
+                at_round_off = progress.increment <= min(_FELT * progress.felt, _ASTRAY)
             # matrices do not contain the contacts of the end of the step
-            known = incidences.nodes.shape[0] == 0 or numbers[ASIDE] < _SMALL
+            known = incidences.nodes.shape[0] == 0 or progress.aside < _SMALL
             known = known and not touches
-            done = at_round_off or converged(numbers, tolerance, iteration, known)
+            done = at_round_off or converged(progress, tolerance, iteration, known)
             at_round_off = at_round_off and (stalled or moved <= own)
-        numbers[INCREMENT] = larger(own, moved)
+        progress.increment = larger(own, moved)
         if iteration == 1:
-            numbers[MARK] = numbers[INCREMENT]
+            progress.mark = progress.increment
         # with a matrix in each iteration, changing contacts may need more iterations
         watched = vectors or (touches and patience > 1)
-        lost = watched and is_lost(counters, numbers, before) and moved > round_off_level
+        lost = watched and is_lost(progress, before) and moved > round_off_level
         if done:
             # a correction at round-off is not applied: the accepted state must be consistent
             if not at_round_off:
                 correct(packed, starts, steps)
                 # moving cells by less than the digits of their positions does not change forces,
                 # except for supported nodes
-                residual(packed, starts, steps, supported or numbers[INCREMENT] > FINE)
+                residual(packed, starts, steps, supported or progress.increment > FINE)
             accept(packed, starts, steps)
-            count(counters, numbers)
-            counters[STEPS] += 1
-            counters[ITERATION] = counters[ASKED] = 0
-        elif lost or iteration == limit or not numbers[INCREMENT] < 1e3:
+            count(progress)
+            progress.steps += 1
+            progress.iteration = progress.asked = 0
+        elif lost or iteration == limit or not progress.increment < 1e3:
             return FAILED
         else:
             if touches:
-                shorten(x, numbers[INCREMENT], counters[STALLS])
+                shorten(x, progress.increment, progress.stalls)
             correct(packed, starts, steps)
-            numbers[PREVIOUS] = own
-            counters[ITERATION] += 1
+            progress.previous = own
+            progress.iteration += 1
     return DONE
 
 

@@ -25,11 +25,13 @@ from fem_lie.forms.fixed_arrays import (
     numbers2,
     numbers3,
     numbers4,
+    records,
     sixes,
 )
 from fem_lie.forms.kernels.addresses import integer_pointer
 from fem_lie.lie.node_types.inertia import Inertia
 from fem_lie.solve.conserving.step.records import (
+    FILTER,
     IncidencePositions,
     Incidences,
     Masters,
@@ -177,7 +179,7 @@ def state_of(table: Indices) -> State:
         numbers1(table, 7),
         frames(table, 8),
         sixes(table, 9),
-        numbers1(table, 10),
+        records(table, 10, FILTER),
         sixes(table, 11),
         numbers1(table, 12),
         sixes(table, 13),

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined
+from fem_lie._jit.records import Records, record_type
 from fem_lie.forms.cells import CellTable
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.lie.node_types.inertia import Inertia
@@ -21,6 +22,29 @@ FORCES, LEARN, JOINTS, ERROR, TOUCHES, ADDRESSES = 0, 1, 2, 3, 4, 5
 """Indices into :attr:`Model.addresses`: address of the callback that adds forces of Python, and of
 the one that improves corrections; whether joints are among these forces, 0 or 1; whether a callback
 has failed; whether contacts may act in the step, in a scene of frames only; and the length."""
+
+
+FILTER = record_type(
+    memory=float,
+    elastic=float,
+    remembers=float,
+    change_work=float,
+    filter_work=float,
+    length=float,
+    leak=float,
+    squares=float,
+    limit=float,
+    repaid=float,
+    energy=float,
+    row_squares=float,
+    row_repaid=float,
+)
+"""Numbers of the filters and of round-off: β; the fraction of elastic forces that is filtered;
+whether there is an earlier change (0 or 1; without it there is no dissipation); works of the
+changes of elastic forces and of their filter state, and ``|w|²`` of the latter; energy added by
+round-off; squares of the deformations of all elements; level of round-off forces; energy removed
+again; the largest energy so far; squares, and energy removed again, of cells of nodes other than
+frames."""
 
 
 class Scheme(NamedTuple):
@@ -172,8 +196,7 @@ class State(NamedTuple):
         account: Work done on each cell, (M,).
         w: Filter state of changes of velocity, (n + p, 4, 3).
         w_F: Filter state of changes of forces, (cell nodes, 6).
-        filter_state: Numbers of the filters and of round-off, see
-            :mod:`fem_lie.solve.conserving.step.dissipation`, (13,).
+        filter_state: Numbers of the filters and of round-off, see :data:`FILTER`.
         carry: Residual forces of the last step, and moments about the current positions of nodes,
             global components, (n, 6).
         balance: Work of non-conservative loads and drives, of damping, numerical dissipation, and
@@ -204,7 +227,7 @@ class State(NamedTuple):
     account: Array
     w: Array
     w_F: Array
-    filter_state: Array
+    filter_state: Records
     carry: Array
     balance: Array
     trend: Array
