@@ -60,7 +60,7 @@ def hemisphere_in_colours() -> fl.post.Page:
     result = fl.statics(scene, load_steps=60)
     shell = scene.bodies[0]
     assert isinstance(shell, fl.Shell)
-    colours = fl.post.resultant_colours(fl.post.resultant_series(result, shell), "mises top")
+    colours = fl.post.resultant_colours(fl.post.resultant_series(result, shell), "von Mises top")
     trace = ["hemisphere.00", "hemisphere.10"]
     return result.page(colours=[colours], trace=trace, title="Pinched hemisphere")
 

@@ -109,7 +109,7 @@ def solve(
     }
     if isinstance(beam, fl.AncfBeam) or not beam.formulation.bends:
         return record, result, None
-    forces = fl.post.section_forces(result, beam, scene, steps=[-1])
+    forces = fl.post.section_forces(result, beam, scene, states=[-1])
     for key, name in (("root_torque", "T"), ("root_moment", "My")):
         record[key] = float(forces.at(beam.point("clamp"), name)[-1])
     record["force_error"] = float(np.abs(forces.cut_forces - (0, 0, FORCE)).max() / FORCE)

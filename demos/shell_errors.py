@@ -20,7 +20,7 @@ def stress_errors(
 
 def carried(result: fl.Result, shell: fl.Shell, steps: np.ndarray) -> tuple[np.ndarray, ...]:
     """Membrane forces and moments at all points, axes 11, 22, 12 first."""
-    series = fl.post.resultant_series(result, shell, steps=list(steps))
+    series = fl.post.resultant_series(result, shell, states=list(steps))
     return tuple(
         np.array([[each.raw(kind + axes) for each in series] for axes in ("11", "22", "12")])
         for kind in "NM"

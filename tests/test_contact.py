@@ -356,7 +356,7 @@ def test_pictures_show_forces_as_arrows(tmp_path):
     np.testing.assert_array_equal(arrows.at, found.positions[found.states == last])
     np.testing.assert_array_equal(arrows.along.sum(axis=0), found.total[last])
     assert not len(found.arrows(0).at)
-    with pytest.raises(ValueError, match="got step 99"):
+    with pytest.raises(ValueError, match="got state 99"):
         found.arrows(99)
 
     def orange(name: str, forces) -> int:

@@ -15,7 +15,13 @@ import fem_lie as fl
 from fem_lie import _compat, lie
 from fem_lie.bodies.catalogue import BodyInfo, SceneInfo
 from fem_lie.results.stresses.nodal_values import shared_values
-from fem_lie.results.stresses.shell_stress import COMPONENTS, ShellStress, mises, principal, turned
+from fem_lie.results.stresses.shell_stress import (
+    COMPONENTS,
+    ShellStress,
+    plane_von_mises,
+    principal,
+    turned,
+)
 from tests.unit_systems import METRES, OTHER_SYSTEMS, UnitSystem
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
@@ -180,7 +186,7 @@ def test_components_rotate_as_tensors(values, angle):
         diagonal = turned(values, np.cos(at), np.sin(at))[k : k + 3]
         np.testing.assert_allclose(diagonal, [large, small, 0], atol=1e-13 * 30)
         np.testing.assert_allclose(
-            mises(found[k : k + 3]), mises(values[k : k + 3]), atol=1e-12 * 30
+            plane_von_mises(found[k : k + 3]), plane_von_mises(values[k : k + 3]), atol=1e-12 * 30
         )
     np.testing.assert_allclose(found[6:], R @ values[6:], atol=1e-13 * 30)
 
@@ -273,7 +279,7 @@ def test_axes_of_the_user():
     own = fl.post.resultants(states(shell, H), shell)
     other = fl.post.resultants(states(shell, H), shell, along=lambda x: [-x[2], 1 + x[0], x[0]])
     assert np.abs(own.at_points - other.at_points).max() > 0.1 * np.abs(own.at_points).max()
-    for name in ("N max", "N min", "M max", "M min", "Q", "mises top", "mises bottom"):
+    for name in ("N max", "N min", "M max", "M min", "Q", "von Mises top", "von Mises bottom"):
         for kind in ("raw", "mean"):
             a, b = (getattr(r, kind)(name) for r in (own, other))
             # means are taken in turning axes: not the same tensor to the last digit
@@ -306,7 +312,9 @@ def test_axes_that_jump_are_refused_at_nodes_only():
     np.testing.assert_allclose(found.smooth("N max"), N[0], rtol=1e-9)
     np.testing.assert_allclose(found.smooth("N min"), N[1], rtol=1e-9)
     stress = [N[0] / 0.1, N[1] / 0.1, 0.0]
-    np.testing.assert_allclose(found.smooth("mises top"), mises(np.array(stress)), rtol=1e-9)
+    np.testing.assert_allclose(
+        found.smooth("von Mises top"), plane_von_mises(np.array(stress)), rtol=1e-9
+    )
     along = fl.post.resultants(result, shell, along=(1, 0, 0))
     np.testing.assert_allclose(along.nodal, np.broadcast_to(N, along.nodal.shape), atol=1e-9)
 
@@ -345,7 +353,7 @@ def test_nothing_is_averaged_across_a_jump():
     middle = np.abs(shell.frames[node, 0, 0] - 1) < 1e-9
     assert sorted(np.round(value[middle] / value[0], 9)) == [1, 1, 1, 2, 2, 2]
     # forces of twice the size on twice the thickness: the stress is everywhere the same
-    np.testing.assert_allclose(found.smooth("mises top"), found.raw("mises top")[0, 0])
+    np.testing.assert_allclose(found.smooth("von Mises top"), found.raw("von Mises top")[0, 0])
     with pytest.raises(ValueError, match=r"jump at 3 nodes.*cell_function"):
         found.function("N22")
     np.testing.assert_allclose(np.unique(np.round(found.cell_function("N22").x.array, 9)).size, 2)
@@ -565,7 +573,7 @@ def test_files_hold_cell_and_point_data(tmp_path):
     found.write_vtk(tmp_path / "plate.vtu")
     grid = pyvista.read(tmp_path / "plate.vtu")
     np.testing.assert_allclose(grid.points, found.frames[:, 0], atol=1e-6)
-    for name in (*COMPONENTS, "M max", "mises bottom"):
+    for name in (*COMPONENTS, "M max", "von Mises bottom"):
         np.testing.assert_array_equal(grid.point_data[name], found.smooth(name))
         np.testing.assert_array_equal(grid.cell_data[name], found.mean(name))
     np.testing.assert_allclose(grid.cell_data["e1"][:, 0], 1.0, atol=1e-4)
@@ -623,7 +631,7 @@ def test_bad_input_is_named():
     other = fl.Shell(shell.mesh, ANGLE_PLY, name="other")
     with pytest.raises(ValueError, match=r"no body 'other'"):
         fl.post.resultants(result, other)
-    with pytest.raises(ValueError, match="has 1 states, got step 1"):
+    with pytest.raises(ValueError, match="has 1 states, got state 1"):
         fl.post.resultants(result, shell, 1)
     with pytest.raises(ValueError, match="must not be zero or normal"):
         fl.post.resultants(result, shell, along=(0, 0, 1))
@@ -633,5 +641,5 @@ def test_bad_input_is_named():
     with pytest.raises(ValueError, match="no resultant 'N13'; there are: N11"):
         found.raw("N13")
     laminate = fl.post.resultants(states(other, other.frames), other)
-    with pytest.raises(ValueError, match="'mises top' is the stress in a homogeneous layer"):
-        laminate.mean("mises top")
+    with pytest.raises(ValueError, match="'von Mises top' is the stress in a homogeneous layer"):
+        laminate.mean("von Mises top")

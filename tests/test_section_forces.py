@@ -158,7 +158,7 @@ def test_what_meets_at_a_node_is_the_residual_of_the_scene(seed):
         frames=np.tile(report.frames, (2, 1, 1, 1)),
         velocities=np.tile(report.twists, (2, 1, 1)),
     )
-    found = fl.post.section_forces(motion, beam, scene, steps=[-1])
+    found = fl.post.section_forces(motion, beam, scene, states=[-1])
     total, numbers = np.zeros((damped.count, 6)), motion.info.body(beam.name).nodes
     for (start, end), (first, second) in zip(numbers[beam.elements], found.ends[0], strict=True):
         for node, wrench in ((start, -first), (end, second)):
@@ -495,7 +495,7 @@ def test_files_hold_the_values(tmp_path):
     data = series.read()[0]
     expected = [np.nan, *np.repeat(found.mean("My")[2], 2)]  # a body, then two lines an element
     np.testing.assert_allclose(data.cell_data["My"], expected)
-    some = fl.post.section_forces(result, beam, scene, steps=[0])
+    some = fl.post.section_forces(result, beam, scene, states=[0])
     with pytest.raises(ValueError, match=r"expected .* at all 3 times, got 1"):
         result.write_vtk(tmp_path / "some.pvd", forces=[some])
 
@@ -507,7 +507,7 @@ def test_diagram(tmp_path):
     scene.add(fl.PointLoad(beam.point(2), force=(1.0, 2.0, 3.0)))
     found = fl.post.section_forces(fl.statics(scene, load_steps=2), beam, scene)
     units = fl.post.Units(length="m", force="kN")
-    figure = found.plot("N", "My", steps=(0, 1), path=tmp_path / "N.png", units=units)
+    figure = found.plot("N", "My", states=(0, 1), path=tmp_path / "N.png", units=units)
     assert (tmp_path / "N.png").stat().st_size > 10_000
     above, below = figure.axes
     assert (above.get_ylabel(), below.get_ylabel()) == ("N [kN]", "My [kN m]")
@@ -527,10 +527,10 @@ def test_bad_input_is_named():
     scene.add(other)
     with pytest.raises(ValueError, match="no body 'other'"):
         fl.post.section_forces(result, other, scene)
-    with pytest.raises(ValueError, match="has 1 states, got step 1"):
-        fl.post.section_forces(result, beam, scene, steps=[1])
+    with pytest.raises(ValueError, match="has 1 states, got state 1"):
+        fl.post.section_forces(result, beam, scene, states=[1])
     with pytest.raises(TypeError, match=r"step must be the number of a state, got 0\.5"):
-        fl.post.section_forces(result, beam, scene, steps=[0.5])
+        fl.post.section_forces(result, beam, scene, states=[0.5])
     found = fl.post.section_forces(result, beam, scene)
     with pytest.raises(ValueError, match="no section force 'Nx'; there are: N, Vy"):
         found.raw("Nx")

@@ -86,7 +86,7 @@ def test_rigid_motions_are_transferred_exactly(mesh):
     spin = np.array([0.4, 0.1, -0.3, 2.0, -1.0, 0.5])
     moved = rigid_motion(beam.frames)
     twists = lie.se3_adjoint(lie.se3_inverse(moved)) @ spin
-    fl.adaptivity.transfer(begun(coarse, moved, twists), coarse, fine, step=0)
+    fl.adaptivity.transfer(begun(coarse, moved, twists), coarse, fine, state=0)
     np.testing.assert_allclose(finer.start_frames, rigid_motion(finer.frames), atol=1e-13)
     wanted = lie.se3_adjoint(lie.se3_inverse(finer.start_frames)) @ spin
     # the inertia of curved lines is that of their meshes, and momenta are kept
@@ -105,7 +105,7 @@ def test_constant_strain_is_transferred_exactly():
 
     beam, finer = coarse.bodies[0], fine.bodies[0]
     still = np.zeros((len(beam.frames), 6))
-    changes = fl.adaptivity.transfer(begun(coarse, screw(beam), still), coarse, fine, step=0)
+    changes = fl.adaptivity.transfer(begun(coarse, screw(beam), still), coarse, fine, state=0)
     np.testing.assert_allclose(finer.start_frames, screw(finer), atol=1e-13)
     assert changes.elastic[1] == pytest.approx(changes.elastic[0], rel=1e-11)
 
@@ -116,7 +116,7 @@ def test_refined_and_made_coarse_again(kind):
     coarse, fine, again = (free(m, None, kind) for m in (ARC, beside(ARC, [0, 2, 3, 5]), ARC))
     result = thrown(coarse)
     fl.adaptivity.transfer(result, coarse, fine)
-    fl.adaptivity.transfer(at_rest(fine), fine, again, step=0)
+    fl.adaptivity.transfer(at_rest(fine), fine, again, state=0)
     body = again.bodies[0]
     np.testing.assert_allclose(body.start_frames, result.frames[-1], atol=1e-13)
     np.testing.assert_allclose(body.velocities, result.velocities[-1], rtol=1e-9, atol=1e-9)
@@ -204,8 +204,8 @@ def test_bodies_that_are_others():
             free(LINE), duration=1e-3, step=1e-3, record=fl.schemes.Record.FRAMES
         )
         fl.adaptivity.transfer(bare, coarse, free(LINE))
-    with pytest.raises(ValueError, match="step 7"):
-        fl.adaptivity.transfer(result, coarse, free(LINE), step=7)
+    with pytest.raises(ValueError, match="got state 7"):
+        fl.adaptivity.transfer(result, coarse, free(LINE), state=7)
     with pytest.raises(TypeError, match="result"):
         fl.adaptivity.transfer("state", coarse, free(LINE))
 

@@ -29,7 +29,7 @@ def moment_jumps(
     result: fl.StaticResult, beam: fl.Beam, scene: fl.Scene, steps: Sequence[int]
 ) -> list[ElementErrors]:
     """Squares of errors and the energy norm of the stress, in each of these states."""
-    found = fl.post.section_forces(result, beam, scene, steps=steps)
+    found = fl.post.section_forces(result, beam, scene, states=steps)
     compliance = np.linalg.inv(beam.stiffness)
     errors = []
     for state in range(len(steps)):

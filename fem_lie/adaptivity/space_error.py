@@ -129,7 +129,7 @@ def space_error(
     result: Result | StaticResult,
     body: Estimated,
     scene: Scene,
-    step: int = -1,
+    state: int = -1,
     *,
     estimate: ErrorEstimate | None = None,
 ) -> SpaceError:
@@ -139,17 +139,17 @@ def space_error(
         result: Result of dynamics, of statics or of a path, of a scene with the body.
         body: The beam or the shell.
         scene: The scene that was solved.
-        step: Index of the state; default: the last.
+        state: Index of the state; default: the last.
         estimate: Error estimate; default:
             :class:`~fem_lie.adaptivity.estimates.recovery.RecoveryEstimate`.
 
     Raises:
         ValueError: The body is not in that scene or result, is not a beam or shell, has elements
-            without stress or others than the estimate supports, or there is no such step.
+            without stress or others than the estimate supports, or there is no such state.
     """
     instance(estimate, ErrorEstimate | None, "estimate", "a Recovery, a Residual or None")
-    (found,) = (estimate or RecoveryEstimate()).errors(result, body, scene, [step])
-    frames = result.frames[step][nodes_in(result.info, body)]
+    (found,) = (estimate or RecoveryEstimate()).errors(result, body, scene, [state])
+    frames = result.frames[state][nodes_in(result.info, body)]
     return SpaceError(body, frames, found.squares, found.energy)
 
 

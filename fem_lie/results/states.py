@@ -234,17 +234,17 @@ def require_states(value: object) -> None:
         raise TypeError(f"expected a result of statics, a path or dynamics, got {shown(value)}")
 
 
-def state_number(step: int, count: int) -> int:
-    """Index of one of ``count`` states, counted from the end if ``step`` is negative.
+def state_number(state: int, count: int) -> int:
+    """Index of one of ``count`` states, counted from the end if ``state`` is negative.
 
     Raises:
         ValueError: There is no such state.
         TypeError: The index is not an integer.
     """
-    instance(step, SupportsIndex, "step", "the number of a state")
-    if not -count <= step < count:
-        raise ValueError(f"the result has {count} states, got step {step}")
-    return int(step) % count
+    instance(state, SupportsIndex, "state", "the number of a state")
+    if not -count <= state < count:
+        raise ValueError(f"the result has {count} states, got state {state}")
+    return int(state) % count
 
 
 def nodes_in(info: SceneInfo, body: Body, where: str = "that result") -> Indices:

@@ -64,7 +64,7 @@ class ErrorEstimate(ABC):
 
         Raises:
             ValueError: The body is not in that scene or result, its kind or its elements are not
-                supported by this estimate, or there is no such step.
+                supported by this estimate, or there is no such state.
         """
         chosen = steps_of(result, body, scene, steps, tuple(self.estimators()))
         for kind, estimator in self.estimators().items():

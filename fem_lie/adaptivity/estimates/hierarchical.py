@@ -48,7 +48,7 @@ def shell_hierarchical(
 
     Raises:
         ValueError: The cells are not of degree 1, or there are so few that a patch has no boundary;
-            the shell is not in that result, or there is no such step.
+            the shell is not in that result, or there is no such state.
     """
     if shell.mesh.degree != 1:
         raise ValueError(
@@ -203,7 +203,7 @@ def _errors(
             f"hierarchical errors need elements of two nodes, those of {beam.label} have "
             f"{beam.elements.shape[1]}: use RecoveryEstimate()"
         )
-    found = section_forces(result, beam, scene, steps=steps)
+    found = section_forces(result, beam, scene, states=steps)
     return [_of_state(found, k) for k in range(len(steps))]
 
 

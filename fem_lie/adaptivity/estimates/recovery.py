@@ -96,7 +96,7 @@ def beam_fields(
         ValueError: See :func:`~fem_lie.results.stresses.section_forces.section_forces`; or the
             energy of the element is not a strain energy.
     """
-    found = section_forces(result, beam, scene, steps=steps)
+    found = section_forces(result, beam, scene, states=steps)
     return [_beam_fields(found, k) for k in range(len(steps))]
 
 
@@ -137,9 +137,9 @@ def shell_fields(
     the averaged components.
 
     Raises:
-        ValueError: The shell is not in that result, or there is no such step.
+        ValueError: The shell is not in that result, or there is no such state.
     """
-    series = resultant_series(result, shell, steps=steps)
+    series = resultant_series(result, shell, states=steps)
     rule, _ = integration(shell)
     shapes = CellPoints.of(shell.own_mesh, rule).shapes
     compliance = ShellStress.of(shell).compliance

@@ -173,7 +173,7 @@ def beam_residual(
         ValueError: See :func:`~fem_lie.results.stresses.section_forces.section_forces`; or the
             energy of the element is not a strain energy.
     """
-    found = section_forces(result, beam, scene, steps=steps)
+    found = section_forces(result, beam, scene, states=steps)
     return [_errors(found, k) for k in range(len(steps))]
 
 
@@ -268,7 +268,7 @@ def shell_residual(
 
     Raises:
         ValueError: The cells are not of degree 1, or have no common edges; the shell is not in that
-            result, or there is no such step.
+            result, or there is no such state.
     """
     edges, stress = ShellEdges.of(shell), ShellStress.of(shell)
     nodes = nodes_in(result.info, shell)

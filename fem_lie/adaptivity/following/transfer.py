@@ -162,7 +162,7 @@ class Transferred(Summarised):
 
 
 def transfer(
-    result: Result | StaticResult, scene: Scene, onto: Scene, step: int = -1
+    result: Result | StaticResult, scene: Scene, onto: Scene, state: int = -1
 ) -> Transferred:
     """Set the initial state of a scene from a state of another scene with other meshes.
 
@@ -177,7 +177,7 @@ def transfer(
         onto: A scene with the same bodies on other meshes: Beams, Rods with frames, and Shells of
             triangles. Joints and their histories are those of ``scene`` if they have the same
             names; there may be more. It is modified.
-        step: Index of the state; default: the last.
+        state: Index of the state; default: the last.
 
     Raises:
         ValueError: The bodies differ, or meshes are of other lines or surfaces, or joints are at
@@ -211,7 +211,7 @@ def transfer(
     before, after = _bodies(scene), _bodies(onto)
     if set(before) != set(after):
         raise ValueError(f"bodies were {sorted(before)}, now there are {sorted(after)}")
-    at = state_number(step, len(result.frames))
+    at = state_number(state, len(result.frames))
     found = {name: mesh_points(body, after[name]) for name, body in before.items()}
     equations = Equations(onto, dynamics=moving)
     H, v = _gathered(result, at, found, equations, after)

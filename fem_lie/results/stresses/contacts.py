@@ -78,24 +78,24 @@ class ContactForces(Summarised):
 
 
 def contact_forces(
-    result: Result | StaticResult, contact: Contact, steps: Sequence[int] | None = None
+    result: Result | StaticResult, contact: Contact, states: Sequence[int] | None = None
 ) -> ContactForces:
     """Contact forces of a contact in states of a result.
 
     Args:
         result: A result of dynamics, of statics or of a path, of a scene with the contact.
         contact: The contact.
-        steps: Indices of the states; default: all.
+        states: Indices of the states; default: all.
 
     Raises:
-        ValueError: A body of the contact is not in the result, or there is no such step, or the
+        ValueError: A body of the contact is not in the result, or there is no such state, or the
             contact has impacts and the result has none.
     """
     require_states(result)
     instance(contact, Contact, "contact", "a Contact")
     nodes = {body: nodes_in(result.info, body) for body in contact.bodies}
     count = len(result.frames)
-    chosen = range(count) if steps is None else [state_number(step, count) for step in steps]
+    chosen = range(count) if states is None else [state_number(state, count) for state in states]
     if isinstance(contact.law, Impact):
         return _of_impacts(result, contact.key(nodes.__getitem__), chosen)
     term = contact.term(nodes.__getitem__)
@@ -105,9 +105,9 @@ def contact_forces(
         # ignored pairs depend on all earlier states
         every = [_in_state(term, result, k) for k in range(max(chosen, default=-1) + 1)]
         found = [every[k] for k in chosen]
-    states = np.repeat(np.arange(len(found)), [len(each[0]) for each in found])
+    rows = np.repeat(np.arange(len(found)), [len(each[0]) for each in found])
     points, gaps, positions, forces = (np.concatenate(part) for part in zip(*found, strict=True))
-    return ContactForces(states, points, gaps, positions, forces, len(found))
+    return ContactForces(rows, points, gaps, positions, forces, len(found))
 
 
 def _in_state(

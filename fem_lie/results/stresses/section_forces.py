@@ -25,7 +25,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, instance
-from fem_lie._summary import Summarised
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
 from fem_lie.pictures.diagrams import COLOURS, figure_of_rows, saved
@@ -40,6 +39,7 @@ from fem_lie.results.stresses.element_forces import (
     single_forces,
     without_jumps,
 )
+from fem_lie.results.stresses.fields import Fields, check_name
 from fem_lie.scene import Scene
 from fem_lie.scene.load import StrainLoad, amplitudes
 from fem_lie.scene.scene import require_scene
@@ -52,25 +52,24 @@ COMPONENTS = ("N", "Vy", "Vz", "T", "My", "Mz")
 QUANTITIES = (*COMPONENTS, "V", "M", "stress max", "stress min")
 
 
-def of_forces(name: str, values: Array, sections: Sequence[Section]) -> Array:
+def of_forces(name: str, values: Array, beam: Beam) -> Array:
     """Values of a quantity, shape (T, m, e).
 
     Args:
         name: One of :data:`QUANTITIES`: "V" and "M" are the magnitudes of shear and of bending.
         values: Force and moment at e points of each element, shape (T, m, e, 6).
-        sections: Section of each element.
+        beam: The beam.
 
     Raises:
         ValueError: There is no such quantity, or a section has no such stress.
     """
-    if name not in QUANTITIES:
-        raise ValueError(f"there is no section force {name!r}; there are: {', '.join(QUANTITIES)}")
+    check_name(name, QUANTITIES, beam.label)
     if name in COMPONENTS:
         return values[..., COMPONENTS.index(name)]
     if name in ("V", "M"):
         first = 1 if name == "V" else 4
         return np.hypot(values[..., first], values[..., first + 1])
-    return outer_stress(values, sections)[..., 0 if name == "stress max" else 1]
+    return outer_stress(values, beam.sections)[..., 0 if name == "stress max" else 1]
 
 
 def outer_stress(values: Array, sections: Sequence[Section]) -> Array:
@@ -109,7 +108,7 @@ _HEIGHT = 1.5  # of a diagram, inches
 def diagrams(
     beam: Beam,
     quantities: Sequence[tuple[str, Array]],
-    steps: Sequence[int],
+    states: Sequence[int],
     path: str | os.PathLike[str] | None,
     units: Units,
 ) -> Figure:
@@ -120,7 +119,7 @@ def diagrams(
     Args:
         beam: The beam, with m elements.
         quantities: Names, and values at both ends of each element, shape (T, m, 2).
-        steps: Indices of the states; later ones are darker.
+        states: Indices of the states; later ones are darker.
         path: Name of the picture; saved if given.
         units: Units of the labels.
     """
@@ -128,15 +127,15 @@ def diagrams(
     figure.set_size_inches(8.0, 1.2 + _HEIGHT * len(quantities))
     chains = beam.chains
     pieces = np.split(chains.order, chains.first[1:])
-    strengths = np.linspace(_PALEST, 1.0, len(steps)) if len(steps) > 1 else [1.0]
+    strengths = np.linspace(_PALEST, 1.0, len(states)) if len(states) > 1 else [1.0]
     for ax, (name, values) in zip(axes, quantities, strict=True):
         ax.axhline(0.0, color="#777777", linewidth=0.8)
         start = 0.0
         for number, cells in enumerate(pieces):
             colour = COLOURS[number % len(COLOURS)]
-            for step, strength in zip(steps, strengths, strict=True):
+            for state, strength in zip(states, strengths, strict=True):
                 along = start + chains.arc[cells].ravel()
-                ax.plot(along, values[step, cells].ravel(), color=colour, alpha=strength)
+                ax.plot(along, values[state, cells].ravel(), color=colour, alpha=strength)
             start += float(chains.arc[cells].max())
         ax.set_ylabel(f"{name} [{unit(name, units)}]")
     axes[-1].set_xlabel(f"arc length [{units.length}]")
@@ -147,7 +146,7 @@ def section_forces(
     result: Result | StaticResult,
     beam: Beam,
     scene: Scene,
-    steps: Sequence[int] | None = None,
+    states: Sequence[int] | None = None,
 ) -> SectionForces:
     """Section forces of a beam in states of a result.
 
@@ -155,10 +154,10 @@ def section_forces(
         result: A result of dynamics, of statics or of a path, of a scene with the beam.
         beam: The beam.
         scene: The scene that was solved; its loads include eigenstrains.
-        steps: Indices of the states; default: all.
+        states: Indices of the states; default: all.
 
     Raises:
-        ValueError: The beam is not in that scene or result, there is no such step, or its elements
+        ValueError: The beam is not in that scene or result, there is no such state, or its elements
             have no bending.
     """
     require_states(result)
@@ -168,7 +167,7 @@ def section_forces(
     if beam not in scene.bodies:
         raise ValueError(f"{beam.label} is not in the scene")
     nodes, count = nodes_in(result.info, beam), len(result.frames)
-    chosen = range(count) if steps is None else [state_number(step, count) for step in steps]
+    chosen = range(count) if states is None else [state_number(state, count) for state in states]
     rows = np.array(chosen, dtype=np.int64)
     dynamic = isinstance(result, Result)
     times = (result.times if isinstance(result, Result) else result.factors)[rows]
@@ -196,7 +195,7 @@ def _strains(scene: Scene, beam: Beam, times: Array, factors: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SectionForces(Summarised):
+class SectionForces(Fields):
     """Section forces of a beam in T states; made by :func:`section_forces`.
 
     Loads and inertia act on the nodes of elements. Within an element the force on a section is
@@ -241,6 +240,11 @@ class SectionForces(Summarised):
         return without_jumps(self.beam, self.ends, self.single)
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all quantities."""
+        return QUANTITIES
+
+    @property
     def components(self) -> tuple[str, ...]:
         """Names of the six components."""
         return COMPONENTS
@@ -264,7 +268,7 @@ class SectionForces(Summarised):
         axes = self.frames[:, self.beam.elements[:, :2], 1:]
         return np.asarray(np.einsum("tmik,tmikj->tmij", vectors, axes))
 
-    def at_points(self, step: int = -1) -> Array:
+    def at_points(self, state: int = -1) -> Array:
         """Elastic force and moment at the integration points, shape (m, g, 6).
 
         In elements of two nodes it is the mean force and moment of the element, in axes that rotate
@@ -272,10 +276,10 @@ class SectionForces(Summarised):
         of the angle between both ends.
 
         Args:
-            step: Index of the state.
+            state: Index of the state.
         """
-        self.elements.set_eigenstrain(self.strains[step])
-        return self.elements.of_strain(self.frames[step])
+        self.elements.set_eigenstrain(self.strains[state])
+        return self.elements.of_strain(self.frames[state])
 
     def raw(self, name: str) -> Array:
         """A quantity at both ends of each element, shape (T, m, 2).
@@ -289,7 +293,7 @@ class SectionForces(Summarised):
             ValueError: There is no such quantity, or a section has no such stress; likewise in the
                 following methods.
         """
-        return of_forces(name, self.ends, self.beam.sections)
+        return of_forces(name, self.ends, self.beam)
 
     def mean(self, name: str) -> Array:
         """A quantity in the middle of each element, shape (T, m).
@@ -297,7 +301,7 @@ class SectionForces(Summarised):
         Args:
             name: Name of the quantity, such as "N" or "My".
         """
-        return of_forces(name, self.middle[:, :, np.newaxis], self.beam.sections)[:, :, 0]
+        return of_forces(name, self.middle[:, :, np.newaxis], self.beam)[:, :, 0]
 
     def smooth(self, name: str) -> Array:
         """As :meth:`raw`, for :attr:`smooth_ends`.
@@ -305,7 +309,7 @@ class SectionForces(Summarised):
         Args:
             name: Name of the quantity, such as "N" or "My".
         """
-        return of_forces(name, self.smooth_ends, self.beam.sections)
+        return of_forces(name, self.smooth_ends, self.beam)
 
     def at(self, point: Point, name: str) -> Array:
         """A quantity at a node of the beam over time, shape (T,): that of the only element there.
@@ -344,7 +348,7 @@ class SectionForces(Summarised):
     def plot(
         self,
         *names: str,
-        steps: Sequence[int] = (-1,),
+        states: Sequence[int] = (-1,),
         smooth: bool = False,
         path: str | os.PathLike[str] | None = None,
         units: Units = SI,
@@ -353,7 +357,7 @@ class SectionForces(Summarised):
 
         Args:
             names: As for :meth:`raw`; default: the six components.
-            steps: Indices of the states; later ones are darker.
+            states: Indices of the states; later ones are darker.
             smooth: Whether to draw :meth:`smooth`; default: :meth:`raw`.
             path: Name of the picture.
             units: Units of the labels.
@@ -363,7 +367,7 @@ class SectionForces(Summarised):
         """
         values = self.smooth if smooth else self.raw
         found = [(name, values(name)) for name in names or COMPONENTS]
-        return diagrams(self.beam, found, steps, path, units)
+        return diagrams(self.beam, found, states, path, units)
 
     def write_vtk(self, path: str | os.PathLike[str]) -> None:
         """Write a ``.pvd`` file, and a folder of the same name with a ``.vtp`` file for each state.

@@ -21,7 +21,6 @@ import numpy as np
 from dolfinx import fem
 
 from fem_lie._arrays import Array, instance
-from fem_lie._summary import Summarised
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.mesh.surfaces import KINK_ANGLE
 from fem_lie.pictures.page.colours import NodalColours, at_nodes
@@ -42,7 +41,6 @@ from fem_lie.results.stresses.shell_stress import (
     Along,
     ShellStress,
     StressPoints,
-    quantity,
 )
 from fem_lie.results.stresses.shell_values import LARGEST_JUMP, ResultantValues
 
@@ -50,7 +48,7 @@ from fem_lie.results.stresses.shell_values import LARGEST_JUMP, ResultantValues
 def resultants(
     result: States,
     shell: Shell,
-    step: int = -1,
+    state: int = -1,
     *,
     along: Along | None = None,
     kink_angle: float = KINK_ANGLE,
@@ -60,18 +58,18 @@ def resultants(
     Args:
         result: A result of statics, of a path or of dynamics, of a scene with the shell.
         shell: The shell.
-        step: Index of the state; default: the last.
+        state: Index of the state; default: the last.
         along: e₁ before projection onto the undeformed surface: one vector, or a function of the
             position; default: the axes of the sections (``Shell.axes``).
         kink_angle: Largest angle, rad, between neighbouring cells across which nodal values are
             averaged.
 
     Raises:
-        ValueError: The shell is not in that result, there is no such step, or ``along`` is normal
+        ValueError: The shell is not in that result, there is no such state, or ``along`` is normal
             to the surface somewhere.
     """
     require_states(result)
-    chosen = [state_number(step, len(result.frames))]
+    chosen = [state_number(state, len(result.frames))]
     (found,) = _of_states(result, shell, chosen, along, kink_angle)
     return found
 
@@ -80,7 +78,7 @@ def resultant_series(
     result: States,
     shell: Shell,
     *,
-    steps: Sequence[int] | None = None,
+    states: Sequence[int] | None = None,
     along: Along | None = None,
     kink_angle: float = KINK_ANGLE,
 ) -> list[Resultants]:
@@ -89,13 +87,13 @@ def resultant_series(
     Args:
         result: A result with states: of a motion, of load steps or of a path.
         shell: A shell of the scene.
-        steps: Numbers of the states; default: all.
+        states: Numbers of the states; default: all.
         along: Direction of the first axis, see :func:`resultants`.
         kink_angle: Angle between normals, rad, above which resultants are not averaged.
     """
     require_states(result)
     count = len(result.frames)
-    chosen = range(count) if steps is None else [state_number(step, count) for step in steps]
+    chosen = range(count) if states is None else [state_number(state, count) for state in states]
     return _of_states(result, shell, chosen, along, kink_angle)
 
 
@@ -117,13 +115,13 @@ def resultant_colours(
     shell, nodes = series[0].shell, series[0].stress_points.patches.node
     smooth = np.array([state.smooth(name) for state in series])
     values = at_nodes(smooth, nodes, len(shell.frames))
-    return NodalColours(shell.name, values, f"{name} [{quantity(name).unit(units)}]")
+    return NodalColours(shell.name, values, f"{name} [{QUANTITIES[name].unit(units)}]")
 
 
 def _of_states(
     result: States,
     shell: Shell,
-    steps: range | list[int],
+    states: range | list[int],
     along: Along | None,
     kink_angle: float,
 ) -> list[Resultants]:
@@ -135,12 +133,12 @@ def _of_states(
         stress_points = StressPoints.of(shell, along, kink_angle)
     stress = ShellStress.of(shell)
     return [
-        Resultants.of(shell, stress_points, result.frames[step][nodes], stress) for step in steps
+        Resultants.of(shell, stress_points, result.frames[state][nodes], stress) for state in states
     ]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Resultants(Summarised, ResultantValues):
+class Resultants(ResultantValues):
     """Stress resultants of a shell in one state; made by :func:`resultants`."""
 
     @cached_property
@@ -219,7 +217,7 @@ class Resultants(Summarised, ResultantValues):
 
         node = self.stress_points.patches.node
         turning = self.stress_points.jump <= LARGEST_JUMP
-        names = [name for name, each in QUANTITIES.items() if self._homogeneous or not each.layer]
+        names = self.names
         x = self.frames[node, 0]
         points = {n: self.smooth(n) for n in names if turning or not QUANTITIES[n].turns}
         points |= {
@@ -286,6 +284,6 @@ class Resultants(Summarised, ResultantValues):
             DrawnSurface(self.shell.own_mesh, self.stress_points.patches.number, X[node]),
             X[node] + magnified * (self.frames[node, 0] - X[node]),
             self.smooth(name),
-            f"{name} [{quantity(name).unit(units)}]",
+            f"{name} [{QUANTITIES[name].unit(units)}]",
             Canvas(title or f"{name} of {self.shell.label}", units),
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
@@ -13,7 +13,9 @@ import numpy.typing as npt
 from fem_lie import _compat
 from fem_lie._arrays import Array, Flags, Indices, vector
 from fem_lie.bodies.shells.shell import Shell
+from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.pictures.stage import Units
+from fem_lie.results.stresses.fields import check_name
 from fem_lie.results.stresses.nodal_values import (
     CellPoints,
     SharedValues,
@@ -71,7 +73,7 @@ def _principal(name: str, start: int, which: int) -> Quantity:
 def _outer(name: str, side: float) -> Quantity:
     def of(values: Array, thickness: Array) -> Array:
         t = thickness[..., np.newaxis]
-        return mises(values[..., :3] / t + side * 6.0 * values[..., 3:6] / t**2)
+        return plane_von_mises(values[..., :3] / t + side * 6.0 * values[..., 3:6] / t**2)
 
     return Quantity(name, of, _per_area, layer=True)
 
@@ -83,21 +85,48 @@ _ALL = (
     _principal("M max", 3, 0),
     _principal("M min", 3, 1),
     Quantity("Q", lambda values, t: np.hypot(values[..., 6], values[..., 7]), _per_length),
-    _outer("mises top", 1.0),
-    _outer("mises bottom", -1.0),
+    _outer("von Mises top", 1.0),
+    _outer("von Mises bottom", -1.0),
 )
 QUANTITIES = {each.name: each for each in _ALL}
 
 
-def quantity(name: str) -> Quantity:
-    """The quantity of this name.
+def names_of(shell: Shell | ThinShell, among: Iterable[str] = tuple(QUANTITIES)) -> tuple[str, ...]:
+    """Names of the quantities that the sections of a shell have."""
+    every = _homogeneous(shell.stiffness, shell.thickness)
+    return tuple(name for name in among if every or not QUANTITIES[name].layer)
+
+
+def quantity(name: str, names: Sequence[str], shell: Shell | ThinShell) -> Quantity:
+    """The quantity of a name.
+
+    Args:
+        name: The name.
+        names: Those that the shell has.
+        shell: The shell, for messages.
 
     Raises:
-        ValueError: There is no such quantity; the message lists all.
+        ValueError: The shell does not have it; the message lists all.
     """
-    if name not in QUANTITIES:
-        raise ValueError(f"there is no resultant {name!r}; there are: {', '.join(QUANTITIES)}")
+    if name not in names and name in QUANTITIES and QUANTITIES[name].layer:
+        raise ValueError(
+            f"{name!r} is the stress in a homogeneous layer, got a layered section of {shell.label}"
+        )
+    check_name(name, names, shell.label)
     return QUANTITIES[name]
+
+
+def _homogeneous(stiffness: Array, thickness: Array) -> bool:
+    """Whether stress is linear over the thickness in all cells.
+
+    Args:
+        stiffness: Section stiffness of each cell, shape (m, 8, 8).
+        thickness: Thickness of each cell, shape (m,).
+    """
+    D, t = stiffness, thickness[:, np.newaxis, np.newaxis]
+    A, B, bending = D[:, :3, :3], D[:, :3, 3:6], D[:, 3:6, 3:6]
+    error = np.maximum(np.abs(B / t), np.abs(12 * bending / t**2 - A)).max(axis=(1, 2))
+    return bool((error <= 1e-9 * np.abs(A).max(axis=(1, 2))).all())
 
 
 def turned(values: Array, cosine: Array, sine: Array) -> Array:
@@ -135,7 +164,7 @@ def principal(tensor: Array) -> tuple[Array, Array, Array]:
     return mean + radius, mean - radius, 0.5 * np.arctan2(T12, half)
 
 
-def mises(stress: Array) -> Array:
+def plane_von_mises(stress: Array) -> Array:
     """Von Mises stress of a plane stress ``(σ₁₁, σ₂₂, σ₁₂)``, shape (..., 3)."""
     a, b, c = np.moveaxis(stress, -1, 0)
     return np.asarray(np.sqrt(a * a - a * b + b * b + 3 * c * c))
@@ -267,7 +296,7 @@ class StressPoints:
         normals = unit(groups.mean(mesh.normals))
         if along is None:
             asked, asked_at_nodes = section, at_nodes
-            shared = axes_along(normals, _mean_direction(groups, normals, at_nodes[:, :, 0]))
+            shared = axes_along(normals, mean_direction(groups, normals, at_nodes[:, :, 0]))
         else:
             asked = axes_along(unit(across), _directions(along, points.positions(x)))
             nodal = _directions(along, mesh.points)
@@ -311,7 +340,7 @@ def _directions(along: Along, positions: Array) -> Array:
     return np.reshape(found, positions.shape)
 
 
-def _mean_direction(groups: SharedValues, normals: Array, directions: Array) -> Array:
+def mean_direction(groups: SharedValues, normals: Array, directions: Array) -> Array:
     """Mean of unit vectors over groups, normal to the mean normal; one of them if they cancel."""
     mean = groups.mean(directions)
     mean -= np.einsum("pj,pj->p", mean, normals)[:, np.newaxis] * normals

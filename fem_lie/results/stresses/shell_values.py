@@ -24,6 +24,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.mesh.surfaces import KINK_ANGLE
+from fem_lie.results.stresses.fields import Fields
 from fem_lie.results.stresses.nodal_values import (
     axes_along,
     convected_axes,
@@ -40,6 +41,7 @@ from fem_lie.results.stresses.shell_stress import (
     StressPoints,
     in_axes,
     integration,
+    names_of,
     quantity,
 )
 
@@ -49,7 +51,7 @@ Kind = TypeVar("Kind", bound="ResultantValues")
 
 
 @dataclass(frozen=True, eq=False)
-class ResultantValues:
+class ResultantValues(Fields):
     """Values of the stress resultants of a shell in one state.
 
     Components are ``(N11, N22, N12, M11, M22, M12, Q1, Q2)``. Cells and nodes are those of
@@ -213,12 +215,17 @@ class ResultantValues:
         unloaded = self._tangents(self.shell.own_mesh.points)
         return slopes_along(self.stress_points.asked, unloaded, self._tangents(nodal))
 
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of all quantities that the sections have."""
+        return names_of(self.shell)
+
     def raw(self, name: str) -> Array:
         """A quantity at the integration points, shape (m, g).
 
         Args:
             name: A component, "N max", "N min", "M max", "M min" (principal values), "Q" (magnitude
-                of the shear), "mises top", "mises bottom" (for a homogeneous layer).
+                of the shear), "von Mises top", "von Mises bottom" (for a homogeneous layer).
 
         Raises:
             ValueError: There is no such quantity, or this section has no such stress; likewise in
@@ -254,18 +261,4 @@ class ResultantValues:
         return self._known(name).of(values, thickness)
 
     def _known(self, name: str) -> Quantity:
-        found = quantity(name)
-        if found.layer and not self._homogeneous:
-            raise ValueError(
-                f"{name!r} is the stress in a homogeneous layer, got a layered section of "
-                f"{self.shell.label}"
-            )
-        return found
-
-    @cached_property
-    def _homogeneous(self) -> bool:
-        """Whether stress is linear over the thickness in all cells."""
-        D, t = self.shell.stiffness, self.shell.thickness[:, np.newaxis, np.newaxis]
-        A, B, bending = D[:, :3, :3], D[:, :3, 3:6], D[:, 3:6, 3:6]
-        error = np.maximum(np.abs(B / t), np.abs(12 * bending / t**2 - A)).max(axis=(1, 2))
-        return bool((error <= 1e-9 * np.abs(A).max(axis=(1, 2))).all())
+        return quantity(name, self.names, self.shell)

@@ -3,27 +3,25 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from dolfinx import fem
 
 from fem_lie import _compat
 from fem_lie._arrays import Array, instance
-from fem_lie._summary import Summarised
 from fem_lie.bodies.solids.solid import Solid
 from fem_lie.elements.solids.element import QUADRATURE, cellwise
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.mesh.shapes import nodes_of, rule, tabulated
 from fem_lie.pictures.stage import SI, Canvas, Units
-from fem_lie.results.states import Located, nodes_in, require_states, state_number
-
-_PARTS = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+from fem_lie.results.states import States, nodes_in, require_states, state_number
+from fem_lie.results.stresses.fields import Fields, check_name
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SolidStresses(Summarised):
+class SolidStresses(Fields):
     """Cauchy stress of a solid, force per current area, global components.
 
     Attributes:
@@ -41,37 +39,47 @@ class SolidStresses(Summarised):
     points: Array
     nodal: Array
 
-    @cached_property
-    def von_mises(self) -> Array:
-        """Von Mises stress ``√(3/2 s:s)`` at the nodes, with the deviator s, shape (n,)."""
-        return _von_mises(self.nodal)
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all quantities."""
+        return tuple(_QUANTITIES)
 
-    @cached_property
-    def pressure(self) -> Array:
-        """Pressure ``−tr σ/3`` at the nodes, shape (n,)."""
-        return np.asarray(-np.trace(self.nodal, axis1=1, axis2=2) / 3)
-
-    def values(self, name: str) -> Array:
-        """A quantity at the nodes, shape (n,).
+    def raw(self, name: str) -> Array:
+        """A quantity at the integration points, shape (m, g).
 
         Args:
-            name: ``"von Mises"``, ``"pressure"``, or a component such as ``"xy"``.
+            name: "von Mises" (``√(3/2 s:s)`` with the deviator s), "pressure" (``−tr σ/3``), or a
+                component such as "xy".
 
         Raises:
-            ValueError: There is no such quantity.
+            ValueError: There is no such quantity; likewise in the following methods.
         """
-        if name == "von Mises":
-            return self.von_mises
-        if name == "pressure":
-            return self.pressure
-        if name not in _PARTS:
-            known = ", ".join(["von Mises", "pressure", *_PARTS])
-            raise ValueError(f"there is no quantity {name!r} of a solid; there are: {known}")
-        i, j = _PARTS[name]
-        return self.nodal[:, i, j]
+        return self._of(name, self.at_points)
+
+    def mean(self, name: str) -> Array:
+        """A quantity of the mean stress of each cell, shape (m,).
+
+        Args:
+            name: Name of the quantity, such as "von Mises".
+        """
+        volumes = self.solid.rule.volumes
+        total = np.einsum("mg,mgij->mij", volumes, self.at_points)
+        return self._of(name, total / volumes.sum(axis=1)[:, np.newaxis, np.newaxis])
+
+    def smooth(self, name: str) -> Array:
+        """A quantity of the averaged stress, at the nodes, shape (n,).
+
+        Args:
+            name: Name of the quantity, such as "von Mises".
+        """
+        return self._of(name, self.nodal)
+
+    def _of(self, name: str, stress: Array) -> Array:
+        check_name(name, _QUANTITIES, self.solid.label)
+        return _QUANTITIES[name](stress)
 
     @property
-    def displacement(self) -> Array:
+    def displacements(self) -> Array:
         """Displacements of the nodes, shape (n, 3)."""
         return np.asarray(self.frames[:, 0] - self.solid.places)
 
@@ -79,13 +87,13 @@ class SolidStresses(Summarised):
         """A quantity as a continuous DOLFINx function on the undeformed mesh, for VTX files.
 
         Args:
-            name: ``"displacement"``, ``"stress"``, or as for :meth:`values`.
+            name: ``"displacement"``, ``"stress"``, or as for :meth:`smooth`.
 
         Raises:
             ValueError: There is no such quantity.
         """
-        given = {"displacement": self.displacement, "stress": self.nodal}
-        values = given[name] if name in given else self.values(name)
+        given = {"displacement": self.displacements, "stress": self.nodal}
+        values = given[name] if name in given else self.smooth(name)
         mesh, shape = self.solid.mesh.mesh, values.shape[1:]
         element = ("P", self.solid.degree, shape) if shape else ("P", self.solid.degree)
         f = fem.Function(fem.functionspace(mesh, element), name=name)
@@ -112,11 +120,10 @@ class SolidStresses(Summarised):
         from fem_lie.pictures.vtk import write_volume
 
         data = {
-            "displacement": self.displacement,
+            "displacement": self.displacements,
             "stress": self.nodal.reshape(-1, 9),
-            "von Mises": self.von_mises,
-            "pressure": self.pressure,
         }
+        data |= {name: self.smooth(name) for name in ("von Mises", "pressure")}
         write_volume(path, self.solid.space, self.frames[:, 0], data)
 
     def picture(
@@ -131,7 +138,7 @@ class SolidStresses(Summarised):
 
         Args:
             path: Name of the ``.png`` file.
-            name: As for :meth:`values`.
+            name: As for :meth:`smooth`.
             title: Title of the picture; default: what is drawn.
             units: Units of the axes and the colour scale.
 
@@ -145,27 +152,27 @@ class SolidStresses(Summarised):
             path,
             DrawnSurface(skin, skin.nodes, self.solid.places),
             self.frames[:, 0],
-            self.values(name),
+            self.smooth(name),
             f"{name} [{units.force}/{units.length}²]",
             Canvas(title or f"{name} of {self.solid.label}", units),
         )
 
 
-def solid_stresses(result: Located, solid: Solid, step: int = -1) -> SolidStresses:
+def solid_stresses(result: States, solid: Solid, state: int = -1) -> SolidStresses:
     """Cauchy stress of a solid in one state of a result.
 
     Args:
         result: A result of statics, of a path or of dynamics, of a scene with the solid.
         solid: The solid.
-        step: Index of the state; default: the last.
+        state: Index of the state; default: the last.
 
     Raises:
-        ValueError: The solid is not in that result, or there is no such step.
+        ValueError: The solid is not in that result, or there is no such state.
         TypeError: An argument is not a result, or not a solid.
     """
     require_states(result)
     instance(solid, Solid, "solid_stresses: solid", "a Solid")
-    frames = result.frames[state_number(step, len(result.frames))]
+    frames = result.frames[state_number(state, len(result.frames))]
     own = np.ascontiguousarray(frames[nodes_in(result.info, solid)])
     mesh, degree = solid.mesh.mesh, solid.degree
     points, _ = rule(solid.mesh.cell, QUADRATURE[solid.mesh.cell, degree])
@@ -197,6 +204,25 @@ def _averaged(solid: Solid, points: Array, values: Array) -> Array:
 
 
 def _von_mises(stress: Array) -> Array:
-    mean = np.trace(stress, axis1=1, axis2=2) / 3
-    deviator = stress - mean[:, np.newaxis, np.newaxis] * np.eye(3)
-    return np.asarray(np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator)))
+    deviator = stress + _pressure(stress)[..., np.newaxis, np.newaxis] * np.eye(3)
+    return np.asarray(np.sqrt(1.5 * np.einsum("...ij,...ij->...", deviator, deviator)))
+
+
+def _pressure(stress: Array) -> Array:
+    return np.asarray(-np.trace(stress, axis1=-2, axis2=-1) / 3)
+
+
+def _component(i: int, j: int) -> Callable[[Array], Array]:
+    return lambda stress: stress[..., i, j]
+
+
+_QUANTITIES: dict[str, Callable[[Array], Array]] = {
+    "von Mises": _von_mises,
+    "pressure": _pressure,
+    "xx": _component(0, 0),
+    "yy": _component(1, 1),
+    "zz": _component(2, 2),
+    "xy": _component(0, 1),
+    "xz": _component(0, 2),
+    "yz": _component(1, 2),
+}
