@@ -638,7 +638,7 @@ def test_bad_input_is_named():
     with pytest.raises(ValueError, match=r"along at .* must be 3"):
         fl.post.resultants(result, shell, along=lambda x: x[:2])
     found = fl.post.resultants(result, shell)
-    with pytest.raises(ValueError, match="no resultant 'N13'; there are: N11"):
+    with pytest.raises(ValueError, match="has no quantity 'N13'; it has: N11"):
         found.raw("N13")
     laminate = fl.post.resultants(states(other, other.frames), other)
     with pytest.raises(ValueError, match="'von Mises top' is the stress in a homogeneous layer"):

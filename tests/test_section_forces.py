@@ -74,7 +74,6 @@ def in_frames(scene: fl.Scene, beam: fl.Beam, frames: np.ndarray) -> fl.post.Sec
         np.zeros(1, dtype=np.int64),
         0,
         info,
-        placed,
         None,
         0.0,
         np.zeros((1, 0, 6)),
@@ -532,7 +531,7 @@ def test_bad_input_is_named():
     with pytest.raises(TypeError, match=r"step must be the number of a state, got 0\.5"):
         fl.post.section_forces(result, beam, scene, states=[0.5])
     found = fl.post.section_forces(result, beam, scene)
-    with pytest.raises(ValueError, match="no section force 'Nx'; there are: N, Vy"):
+    with pytest.raises(ValueError, match="has no quantity 'Nx'; it has: N, Vy"):
         found.raw("Nx")
     with pytest.raises(ValueError, match="axial stress needs a section that knows"):
         found.raw("stress max")
