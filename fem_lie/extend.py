@@ -13,8 +13,8 @@ scenes are in :mod:`fem_lie` itself; this module has what scenes do not show.
 * **Error estimates**: :class:`ElementErrors`, what an estimate returns for each state.
 * **Joints**: :func:`rows` selects entries of the relative motion.
 * **Contact surfaces**: :class:`PointSurface`, :class:`PlaneSurface`, :class:`LineSurface`,
-  :class:`PolyhedralSurface`, or :class:`GapSurface` with a gap function (:func:`evaluate`,
-  :data:`GAP_SIGNATURE`). **Contact pairs** of kinds of surfaces: :class:`ContactPair`,
+  :class:`PolyhedralSurface`, :class:`PatchSurface`, or :class:`GapSurface` with a gap function
+  (:func:`evaluate`, :data:`GAP_SIGNATURE`). **Contact pairs** of kinds of surfaces: :class:`ContactPair`,
   :class:`PenaltyPair`, :class:`BallGapPair`, :func:`register_contact_pair`.
 * **Forces and matrices of any other origin**: :class:`Term`, :class:`Pairs`; a :class:`Load`
   passes a term to the :class:`Sum` of all loads.
@@ -41,6 +41,7 @@ from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.cells.element_body import ElementBody
 from fem_lie.contact.pairs.balls import BallGapPair
 from fem_lie.contact.pairs.pair import ContactPair, PenaltyPair, register_contact_pair
+from fem_lie.contact.pairs.patch_surfaces import PatchSurface
 from fem_lie.contact.sides.gap_functions import GAP_SIGNATURE, evaluate
 from fem_lie.contact.sides.surfaces import (
     GapSurface,
@@ -119,6 +120,7 @@ __all__ = [
     "NodalLoad",
     "NodeType",
     "Pairs",
+    "PatchSurface",
     "PenaltyPair",
     "Plan",
     "PlaneSurface",

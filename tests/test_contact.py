@@ -284,15 +284,15 @@ REFUSED = {
         ),
         "points never touch points",
     ),
-    "ball on a box": (
+    "corners on a box": (
         lambda: two_bodies(
             lambda one, two: fl.contact.Contact(
                 fl.contact.Box(one.point("centre"), (1, 1, 1)),
-                fl.contact.Sphere(two.point("centre"), 0.1),
+                fl.contact.Vertices([two.point("centre")]),
                 LAW,
             )
         ),
-        "touch each other and balls by Impact",
+        "points do not touch polyhedra; give balls",
     ),
     "hollows": (
         lambda: two_bodies(

@@ -165,7 +165,7 @@ REFUSED = {
     "impact": (lambda: crossing(fl.contact.Impact()).check(), "two: lines touch by Penalty"),
     "overlap": (lambda: crossing(LAW, 0.018).check(), r"two: they overlap by 0.0019"),
     "itself": (refuse_self, "does not touch itself"),
-    "ball": (refuse_ball, "lines touch lines, bars and planes"),
+    "ball": (refuse_ball, r"Sphere on ground.* they overlap by 0\.1"),
     "kink": (refuse_kink, "e₁ of node 0 is more than 10° off"),
     "ramp": (lambda: fl.contact.Penalty(1.0, 1.0, ramp=-1.0), "ramp must not be negative"),
     "radius": (lambda: fl.contact.Line(straight((-1, 0, 0), (1, 0, 0)), 0.0), "Line: radius"),

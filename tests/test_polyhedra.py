@@ -333,7 +333,7 @@ def cube(body):
 REFUSED = {
     "penalty": (
         lambda: two(cube, cube, fl.contact.Penalty(1e5)),
-        "touch each other and balls by Impact",
+        "polyhedra touch each other by Impact",
     ),
     "overlap": (lambda: two(cube, cube, apart=0.15), "overlap by 0.05; start with a gap"),
     "flat": (

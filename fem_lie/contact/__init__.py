@@ -8,6 +8,7 @@ from fem_lie.contact.convex.polyhedron import ConvexPolyhedron
 from fem_lie.contact.laws.energy import UnresolvedContactWarning
 from fem_lie.contact.laws.law import Impact, Penalty
 from fem_lie.contact.pairs.lines import Cylinder, Line
+from fem_lie.contact.pairs.patch_surfaces import Facets
 from fem_lie.contact.pairs.shapes import Box, Plane, Sphere, Vertices
 from fem_lie.contact.pairs.shell_surfaces import ShellSurface
 from fem_lie.contact.rings.surfaces import Rings, Rope
@@ -19,6 +20,7 @@ __all__ = [
     "ContactSurface",
     "ConvexPolyhedron",
     "Cylinder",
+    "Facets",
     "Impact",
     "Line",
     "Penalty",

@@ -60,7 +60,7 @@ class Contact:
         text(self.name, "Contact: name")
         flag(self.ignore_initial, "Contact: ignore_initial")
         if isinstance(self.law, Penalty) and self.law.stiffness is None:
-            power = pair_class(self.a, self.b, self.label)[0].power
+            power = pair_class(self.a, self.b, self.law, self.label)[0].power
             k = chosen_stiffness(self.bodies, power, self.label)
             object.__setattr__(self, "law", replace(self.law, stiffness=k))
             _log.info("%s: stiffness %g was chosen", self.label, k)

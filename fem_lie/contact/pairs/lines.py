@@ -165,7 +165,8 @@ class LinePair(_LinePair):
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
         """All that the contact forces depend on."""
-        return *_arrays_of(self.a, nodes), *_arrays_of(self.b, nodes), repr(self.law)
+        both = (piece_arrays(each.pieces(), nodes) for each in (self.a, self.b))
+        return *(array for arrays in both for array in arrays), repr(self.law)
 
 
 class LinePlanePair(_LinePair):
@@ -182,12 +183,11 @@ class LinePlanePair(_LinePair):
         faces = self.b.faces()
         owners = np.array([number_of(*face.owner, nodes) for face in faces])
         planes = owners, np.array([np.append(face.origin, face.normal) for face in faces])
-        return *_arrays_of(self.a, nodes), *planes, repr(self.law)
+        return *piece_arrays(self.a.pieces(), nodes), *planes, repr(self.law)
 
 
-def _arrays_of(line: LineSurface, nodes: Nodes) -> list[Array]:
-    """Numbers of the nodes of a line, and the geometry of its segments."""
-    pieces = line.pieces()
+def piece_arrays(pieces: Sequence[Piece], nodes: Nodes) -> list[Array]:
+    """Numbers of the nodes of segments of lines, and their geometry."""
     owners = [number_of(*owner, nodes) for piece in pieces for owner in piece.owners]
     shapes = []
     for piece in pieces:

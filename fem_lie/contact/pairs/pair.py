@@ -236,12 +236,16 @@ class ContactPair(ABC):
 
 _Kinds: TypeAlias = tuple[type[ContactSurface], type[ContactSurface]]
 
-_PAIRS: dict[_Kinds, type[ContactPair] | str] = {}
-"""Classes of pairs by both kinds of surfaces, or the reason why there is none."""
+
+_PAIRS: dict[tuple[_Kinds, type[Law]], type[ContactPair] | str] = {}
+"""Classes of pairs by both kinds of surfaces and contact law, or the reason why there is none."""
 
 
 def register_contact_pair(
-    a: type[ContactSurface], b: type[ContactSurface], pair: type[ContactPair] | str
+    a: type[ContactSurface],
+    b: type[ContactSurface],
+    pair: type[ContactPair] | str,
+    law: type[Law] | None = None,
 ) -> None:
     """Register the class of contact pairs of two kinds of surfaces, in either order.
 
@@ -249,21 +253,28 @@ def register_contact_pair(
         a: Kind of the first surface of the pair.
         b: Kind of the second surface of the pair.
         pair: Class of the pairs, or the reason why such surfaces cannot touch.
+        law: Contact law that it is for; default: both.
 
     Raises:
         ValueError: A pair of these kinds is already registered.
     """
-    if (a, b) in _PAIRS or (b, a) in _PAIRS:
-        raise ValueError(f"a contact pair of {a.__name__} and {b.__name__} is registered already")
-    _PAIRS[a, b] = pair
+    for each in (Penalty, Impact) if law is None else (law,):
+        if ((a, b), each) in _PAIRS or ((b, a), each) in _PAIRS:
+            raise ValueError(
+                f"a contact pair of {a.__name__} and {b.__name__} is registered already"
+            )
+        _PAIRS[(a, b), each] = pair
 
 
-def pair_class(a: ContactSurface, b: ContactSurface, label: str) -> tuple[type[ContactPair], bool]:
+def pair_class(
+    a: ContactSurface, b: ContactSurface, law: Law, label: str
+) -> tuple[type[ContactPair], bool]:
     """Class of the contact pair of two surfaces, and whether the pair has them in reverse order.
 
     Args:
         a: First surface.
         b: Second surface.
+        law: Contact law.
         label: Label of the contact for messages.
 
     Raises:
@@ -272,7 +283,7 @@ def pair_class(a: ContactSurface, b: ContactSurface, label: str) -> tuple[type[C
     for one in a.kind.__mro__:
         for other in b.kind.__mro__:
             for kinds, reversed_ in (((one, other), False), ((other, one), True)):
-                found = _PAIRS.get(kinds)
+                found = _PAIRS.get((kinds, type(law)))
                 if isinstance(found, str):
                     raise ValueError(f"{label}: {found}")
                 if found is not None:
@@ -287,7 +298,7 @@ def pair_of(
     a: ContactSurface, b: ContactSurface, law: Law, label: str, ignore_initial: bool
 ) -> ContactPair:
     """Contact pair of two surfaces; arguments and errors as in :func:`pair_class`."""
-    made, is_reversed = pair_class(a, b, label)
+    made, is_reversed = pair_class(a, b, law, label)
     first, second = (b, a) if is_reversed else (a, b)
     return made(first, second, law, label, ignore_initial)
 

@@ -7,14 +7,14 @@ from collections.abc import Sequence
 
 from fem_lie.contact.convex.overlaps import overlap_of
 from fem_lie.contact.convex.table import PolyhedronPair, slots_of
-from fem_lie.contact.laws.law import ContactTerm, Impact
+from fem_lie.contact.laws.law import ContactTerm
 from fem_lie.contact.pairs.pair import OVERLAP, ContactPair, ImpactPair
 from fem_lie.contact.sides.surfaces import Ball, PointSurface, PolyhedralSurface
 from fem_lie.contact.sides.table import BothSides, Nodes, joined_sides
 
 NO_PENALTY = (
-    "polyhedra touch each other and balls by Impact; the force of a Penalty would jump where a "
-    "corner passes an edge"
+    "polyhedra touch each other by Impact; the force of a Penalty would jump where a corner passes "
+    "an edge. Vertices with a radius at the corners of one touch the other by Penalty"
 )
 """Why polyhedra have no penalty: its potential is the least translation out of an overlap, and the
 force jumps where the direction of this translation jumps."""
@@ -41,9 +41,7 @@ class _PolyhedralPair(ContactPair, ImpactPair):
         return BothSides(joined_sides(first), joined_sides(second), False, False)
 
     def check(self) -> None:
-        """Raise ``ValueError`` for an unsupported law, or for an overlap at the start."""
-        if not isinstance(self.law, Impact):
-            raise ValueError(f"{self.label}: {NO_PENALTY}")
+        """Raise ``ValueError`` for surfaces on one frame, or for an overlap at the start."""
         for pair in self.manifolds:
             owners = pair.first.owners if isinstance(pair.first, Ball) else (pair.first.owner,)
             if any(body is pair.second.owner[0] for body, _ in owners):
@@ -58,10 +56,10 @@ class _PolyhedralPair(ContactPair, ImpactPair):
         """Not available.
 
         Raises:
-            ValueError: Always: polyhedra touch by :class:`~fem_lie.contact.Impact` only.
+            ValueError: Always: the law is :class:`~fem_lie.contact.Impact`.
         """
         _ = self.penalty
-        raise ValueError(f"{self.label}: {NO_PENALTY}")
+        raise AssertionError
 
 
 class PolyhedronPolyhedronPair(_PolyhedralPair):

@@ -16,6 +16,7 @@ from fem_lie.contact.sides.surfaces import (
     Ball,
     ContactSurface,
     Face,
+    HollowSurface,
     Owner,
     PlaneSurface,
     PointSurface,
@@ -85,6 +86,11 @@ class Sphere(PointSurface):
     def points(self) -> Sequence[Point]:
         """The centre."""
         return [self.point]
+
+    @property
+    def kind(self) -> type[ContactSurface]:
+        """A hollow sphere, or the class of a ball."""
+        return HollowSurface if self.hollow else type(self)
 
     @property
     def rotation_invariant(self) -> bool:

@@ -13,24 +13,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, vstack
-from scipy.sparse.csgraph import dijkstra
 
 from fem_lie._arrays import Array, Indices, flag, instance, positive, whole
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.shells.shell import Shell
-from fem_lie.contact.sides.patches import (
-    NET,
-    ROWS,
-    Patches,
-    edge_ends,
-    linear,
-    set_nets,
-    set_shapes,
-)
-from fem_lie.contact.sides.surfaces import MOST_NODES, ContactSurface
-from fem_lie.contact.sides.table import UNUSED, Nodes, Side, empty_side
-from fem_lie.mesh.shapes import rule
+from fem_lie.contact.pairs.patch_surfaces import PatchSurface, patches_of
+from fem_lie.contact.sides.patches import Patches, set_nets
+from fem_lie.contact.sides.table import Nodes
 
 _PARTS = {
     ("triangle", 3): [[0, 1, 2]],
@@ -40,12 +29,9 @@ _PARTS = {
 }
 """Corner nodes of the patches of a cell, by cell shape and number of nodes."""
 
-_SOURCES = 256
-"""Number of sources whose shortest paths are computed together."""
-
 
 @dataclass(frozen=True, eq=False)
-class ShellSurface(ContactSurface):
+class ShellSurface(PatchSurface):
     """Contact surface of a shell: both faces and the round edges.
 
     Contact forces are per area of the undeformed middle surface. They are integrated over the first
@@ -90,6 +76,11 @@ class ShellSurface(ContactSurface):
         flag(self.smooth, "ShellSurface: smooth")
 
     @property
+    def sheet(self) -> bool:
+        """True: faces of the sheet have friction springs of their own."""
+        return True
+
+    @property
     def points(self) -> Sequence[Point]:
         """All nodes of the shell."""
         return [Point(self.shell, node) for node in range(len(self.shell.frames))]
@@ -101,16 +92,6 @@ class ShellSurface(ContactSurface):
             friction: Coefficient of friction.
         """
         return [self.shell] if self.smooth or friction else []
-
-    def contents(self, nodes: Nodes) -> list[Array | Indices]:
-        """All that the contact forces depend on.
-
-        Args:
-            nodes: Gives the numbers of the nodes of a body in the scene.
-        """
-        patches = self.patches(nodes)
-        _, _, areas = self.positions(patches)
-        return [patches.nodes, patches.tangents, patches.radii, patches.corners, areas]
 
     def _parts(self, cells: Indices) -> Indices:
         """Corner nodes of all patches, shape (m, 3 or 4)."""
@@ -132,67 +113,13 @@ class ShellSurface(ContactSurface):
             nodes: Gives the numbers of the nodes of a body in the scene.
         """
         own = self._parts(self.shell.connectivity)
-        m, k = own.shape
-        corners, numbers = np.full((m, MOST_NODES), -1), np.full((m, MOST_NODES), UNUSED)
-        corners[:, :k], numbers[:, :k] = self._parts(self.shell.mesh.cells), own
-        at_corners, at_edges = _counts(corners, k == 3)
-        found = Patches(
-            numbers,
-            np.zeros((m, MOST_NODES, 2, 3)),
-            self.radii,
-            corners,
-            at_corners,
-            at_edges,
-            np.zeros((m, NET, 3)),
-            not self.smooth,
-        )
+        corners, straight = self._parts(self.shell.mesh.cells), not self.smooth
+        found = patches_of(own, corners, self.radii, straight=straight)
         if self.smooth:
-            found.tangents[:, :k] = _tangents(self.shell.frames, own)
+            found.tangents[:, : own.shape[1]] = _tangents(self.shell.frames, own)
         set_nets(self.shell.frames, found)
-        known = nodes(self.shell)
+        numbers, known = found.nodes, nodes(self.shell)
         return found._replace(nodes=np.where(numbers < 0, numbers, known[numbers]))
-
-    def positions(self, patches: Patches) -> tuple[Side, Side, Array]:
-        """Gauss points as balls, material points that friction acts on, and areas of the points.
-
-        Args:
-            patches: Patches of the surface.
-        """
-        triangle = self.shell.mesh.cell == "triangle"
-        at, parts = rule(self.shell.mesh.cell, 2 * self.gauss - (2 if triangle else 1))
-        m, g = len(patches.nodes), len(at)
-        found, areas, W = empty_side(m * g), np.empty((m, g)), np.zeros((ROWS, NET))
-        fixed = np.zeros((m * g, MOST_NODES))
-        for q in range(g):
-            set_shapes(triangle, patches.straight, float(at[q, 0]), float(at[q, 1]), W)
-            found.weights[q::g] = W[0, :MOST_NODES]
-            for k in range(3 if triangle else 4):
-                fixed[q::g, k] = linear(triangle, k, float(at[q, 0]), float(at[q, 1]))
-            tangents = W[0, MOST_NODES:].reshape(MOST_NODES, 2, 1) * patches.tangents
-            found.arms[q::g] = tangents.sum(axis=2)
-            across = np.cross(W[1] @ patches.nets, W[2] @ patches.nets)
-            areas[:, q] = parts[q] * np.linalg.norm(across, axis=1)
-        used = patches.nodes[:, :3] if triangle else patches.nodes
-        found.nodes[:, : used.shape[1]] = np.repeat(used, g, axis=0)
-        found.radii[:] = np.repeat(patches.radii, g)
-        found.owners[:] = found.nodes[:, 0]
-        return found, found._replace(weights=fixed, arms=0.0 * found.arms), areas.ravel()
-
-    def neighbours(self, patches: Patches) -> Indices:
-        """Pairs of patches that are too close along the sheet to touch by folding, shape (m, 2).
-
-        Args:
-            patches: Patches of the surface.
-        """
-        triangle = self.shell.mesh.cell == "triangle"
-        corners = patches.corners[:, : 3 if triangle else 4]
-        m, n = len(corners), len(self.shell.mesh.points)
-        reach = 2.0 * np.pi * float(patches.radii.max())
-        near = _within(self.shell.mesh.points, corners, reach)
-        ones = np.ones(corners.size)
-        at = coo_array((ones, (corners.ravel(), np.repeat(np.arange(m), corners.shape[1]))), (n, m))
-        both = (at.T @ near @ at).tocoo()
-        return np.stack([both.row, both.col], axis=1).astype(np.int64)
 
 
 def _tangents(frames: Array, cells: Indices) -> Array:
@@ -214,31 +141,3 @@ def _tangents(frames: Array, cells: Indices) -> Array:
             arc = length / np.sinc(angle / np.pi)
             found[:, i, a] = sign * local * (arc / np.linalg.norm(local, axis=1))[:, np.newaxis]
     return found
-
-
-def _counts(corners: Indices, triangle: bool) -> tuple[Indices, Indices]:
-    """Number of patches that share each corner and each edge, both shape (m, 4)."""
-    m, sides = len(corners), 3 if triangle else 4
-    often = np.bincount(corners[corners >= 0])
-    at_corners = np.where(corners >= 0, often[np.maximum(corners, 0)], 0)
-    ends = np.array([edge_ends(triangle, e) for e in range(sides)])
-    edges = np.sort(corners[:, ends].reshape(-1, 2), axis=1)
-    _, which, often = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
-    at_edges = np.zeros((m, MOST_NODES), dtype=np.int64)
-    at_edges[:, :sides] = often[which.ravel()].reshape(m, sides)
-    return at_corners.astype(np.int64), at_edges
-
-
-def _within(x: Array, cells: Indices, reach: float) -> csr_array:
-    """Pairs of nodes that are closer than ``reach`` along edges and diagonals, shape (n, n)."""
-    n, k = len(x), cells.shape[1]
-    pairs = np.concatenate([cells[:, [i, j]] for i in range(k) for j in range(i)])
-    pairs = np.unique(np.sort(pairs, axis=1), axis=0)
-    lengths = np.linalg.norm(x[pairs[:, 0]] - x[pairs[:, 1]], axis=1)
-    graph = coo_array((lengths, pairs.T), (n, n)).tocsr()
-    found = []
-    for first in range(0, n, _SOURCES):
-        sources = np.arange(first, min(first + _SOURCES, n))
-        ways = dijkstra(graph, directed=False, indices=sources, limit=reach)
-        found.append(csr_array(np.isfinite(ways), dtype=np.float64))
-    return vstack(found, format="csr")

@@ -19,7 +19,9 @@ from fem_lie.contact.sides.patches import (
     NET,
     ROWS,
     VALUE,
+    Patches,
     combination,
+    is_triangle,
     nearest_on,
     set_shapes,
 )
@@ -159,27 +161,25 @@ def _side_of(
 
 
 @compiled
-def first_crossing(
-    X: Array, radii: tuple[Array, Array], N: Array, triangle: bool, straight: bool, pairs: Indices
-) -> int:
+def first_crossing(X: Array, radii: Array, N: Array, patches: Patches, pairs: Indices) -> int:
     """First pair whose point passes through the middle surface of its patch, or −1.
 
     Args:
         X: Positions at the start and at the end of a step, shape (2, n, 3).
-        radii: Radii of points (n,) and of patches (m,).
+        radii: Radii of the points, shape (n,).
         N: Control nets of patches at both ends of the step, shape (2, m, 12, 3).
-        triangle: Whether the patches are triangles.
-        straight: Whether the patches have no tangents.
+        patches: The patches.
         pairs: Points and patches, shape (·, 2).
     """
     net, W, C = np.empty((NET, 3)), np.empty((ROWS, NET)), np.empty((4, 3))
     for e in range(pairs.shape[0]):
         i, j = pairs[e]
+        triangle, straight = is_triangle(patches, j), patches.straight
         first = _side_of(X, N, i, j, 0.0, triangle, straight, net, W, C)[0]
         last = _side_of(X, N, i, j, 1.0, triangle, straight, net, W, C)[0]
         if first == 0.0 or first * last > 0.0:
             continue
-        low, high, on = 0.0, 1.0, _ON * (radii[0][i] + radii[1][j])
+        low, high, on = 0.0, 1.0, _ON * (radii[i] + patches.radii[j])
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
             height, square = _side_of(X, N, i, j, middle, triangle, straight, net, W, C)

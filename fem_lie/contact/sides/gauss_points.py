@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie._jit import inlined_uncounted, uncounted
+from fem_lie._jit import compiled, inlined_uncounted, uncounted
 from fem_lie.contact.sides.curves import (
     Opposite,
     Strands,
@@ -21,9 +21,10 @@ from fem_lie.contact.sides.curves import (
     weights,
 )
 from fem_lie.contact.sides.curves import at as position_at
+from fem_lie.contact.sides.kinematics import position
 from fem_lie.contact.sides.passage import are_apart
 from fem_lie.contact.sides.surfaces import MOST_NODES, Piece
-from fem_lie.contact.sides.table import GROUND, Nodes, Side, empty_side, number_of
+from fem_lie.contact.sides.table import GROUND, Nodes, Samples, Side, empty_side, number_of
 from fem_lie.lie.motions import local_components
 from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, plus, scaled, store_row
 
@@ -149,6 +150,23 @@ def middles_of(pieces: Sequence[Piece], strands: Strands) -> Side:
     return found
 
 
+def line_samples(pieces: Sequence[Piece], nodes: Nodes) -> Samples:
+    """Gauss points of whole segments of lines as samples."""
+    strands = strands_of(pieces, nodes)
+    m, found = len(pieces), empty_side(GAUSS * len(pieces))
+    for q in range(GAUSS):
+        w = weights(0.5 + 0.5 * _AT[q])
+        for k in range(2):
+            found.weights[q::GAUSS, k] = w[k]
+            tangents = w[2 + k] * strands.tangents[:, k]
+            found.arms[q::GAUSS, k] = w[k] * strands.ends[:, k] + tangents
+    found.nodes[:, :2] = np.repeat(strands.nodes, GAUSS, axis=0)
+    found.radii[:] = np.repeat(strands.radii, GAUSS)
+    found.owners[:] = found.nodes[:, 0]
+    measures = np.tile(0.5 * _WEIGHT, m) * np.repeat(strands.lengths, GAUSS)
+    return Samples(found, found, measures)
+
+
 @uncounted
 def _set_position(strands: Strands, i: int, s: float, out: Side, q: int) -> None:
     """Store a point of a segment as a ball."""
@@ -221,6 +239,92 @@ def set_points(
                 out.weight[count] = 0.5 * (high - low) * _WEIGHT[p] * a.lengths[i]
                 count += 1
     return count
+
+
+@compiled
+def set_nearest_of_lines(
+    H: Array,
+    samples: Samples,
+    b: Strands,
+    runs: Indices,
+    blocks: Indices,
+    beyond: float,
+    out: ContactPoints,
+    keys: Indices,
+) -> int:
+    """Set the closest points of lines to points of a first side; return their number.
+
+    Args:
+        H: Frames.
+        samples: The points.
+        b: Segments of lines, with curves at these frames.
+        runs: Points, and the first and the last of consecutive segments near them, first pair.
+        blocks: First matrix block of each pair.
+        beyond: Distance over the sum of the radii up to which points are set.
+        out: Overwritten.
+        keys: Points and first segments, overwritten; shape (0, 2): not needed.
+    """
+    count, nowhere = 0, (0.0, 0.0, 0.0)
+    for run in range(runs.shape[0]):
+        i, first, last, e = runs[run, 0], runs[run, 1], runs[run, 2], runs[run, 3]
+        P, reach = position(H, samples.at, i), samples.at.radii[i] + b.radii[first]
+        square, j, σ = nearest(b, Opposite(first, last, nowhere, nowhere, reach), P)
+        if not square < (beyond * reach) ** 2:
+            continue
+        _set_position(b, j, σ, out.b, count)
+        _set_sliding(b, j, σ, P, out.sliding, count)
+        out.pairs[count, 0], out.pairs[count, 1] = i, count
+        out.weight[count], out.first[count] = samples.measures[i], blocks[e + j - first]
+        if keys.shape[0] > 0:
+            keys[count, 0], keys[count, 1] = i, first
+        count += 1
+    return count
+
+
+@compiled
+def set_separations(
+    start: Array, end: Array, a: Side, b: Strands, runs: Indices, feet: Side, out: Array
+) -> None:
+    """Vectors from the closest points of lines to points, at both ends of a step, (2, r, 3).
+
+    Those at the end are from the material points that were closest at the start.
+
+    Args:
+        start: Frames at the start of the step, at which ``b`` has its curves.
+        end: Frames at the end.
+        a: The points.
+        b: Segments of lines.
+        runs: See :func:`runs_of`.
+        feet: Closest points at the start, overwritten.
+        out: Overwritten; infinite if another segment is closer.
+    """
+    nowhere = (0.0, 0.0, 0.0)
+    for run in range(runs.shape[0]):
+        i, first, last = runs[run, 0], runs[run, 1], runs[run, 2]
+        P = position(start, a, i)
+        square, j, σ = nearest(b, Opposite(first, last, nowhere, nowhere, 0.0), P)
+        out[:, run] = np.inf
+        if square < np.inf:
+            _set_position(b, j, σ, feet, run)
+            store_row(out[0], run, minus(P, position(start, feet, run)))
+            store_row(out[1], run, minus(position(end, a, i), position(end, feet, run)))
+
+
+def runs_of(pairs: Indices, continues: Flags | None) -> Indices:
+    """Runs of consecutive second segments: first point, first and last segment, first pair; (r, 4).
+
+    Args:
+        pairs: Points or segments and segments near them, sorted, shape (m, 2).
+        continues: Whether each segment is continued by the next one; ``None``: planes, which never
+            are.
+    """
+    i, j = pairs.T
+    begins = np.ones(len(i), dtype=np.bool_)
+    if continues is not None and len(i):
+        begins[1:] = ~((i[1:] == i[:-1]) & (j[1:] == j[:-1] + 1) & continues[j[:-1]])
+    first = np.flatnonzero(begins)
+    last = np.append(first[1:], len(i))[: len(first)] - 1
+    return np.stack([i[first], j[first], j[last], first], axis=1)
 
 
 @uncounted

@@ -74,7 +74,7 @@ def jumps(D: Vector, E: Vector, reach: float) -> bool:
         return True
     way = minus(E, D)
     length = dot(way, way)
-    if not length > 0.0:
+    if not 0.0 < length < np.inf:
         return False
     part = -dot(D, way) / length
     if part <= 0.0:
@@ -83,6 +83,20 @@ def jumps(D: Vector, E: Vector, reach: float) -> bool:
     if dot(least, least) >= (_SEEN * reach) ** 2:
         return False
     return bool(dot(D, E) < 0.0 or (part < 1.0 and min(dot(D, D), dot(E, E)) > reach * reach))
+
+
+@compiled
+def first_passage(separations: Array, reach: Array) -> int:
+    """The first pair whose contact a step misses, see :func:`jumps`, or −1.
+
+    Args:
+        separations: Vectors between the points of pairs at both ends of a step, shape (2, m, 3).
+        reach: Sum of the radii of each pair, shape (m,).
+    """
+    for e in range(reach.shape[0]):
+        if jumps(load_row(separations[0], e), load_row(separations[1], e), reach[e]):
+            return e
+    return -1
 
 
 @compiled

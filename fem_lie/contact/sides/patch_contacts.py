@@ -24,12 +24,13 @@ from fem_lie.contact.sides.patches import (
     combination,
     edge_ends,
     edge_slope,
+    is_triangle,
     linear,
     nearest_on,
     set_shapes,
 )
 from fem_lie.contact.sides.surfaces import MOST_NODES
-from fem_lie.contact.sides.table import Side
+from fem_lie.contact.sides.table import UNUSED, Side
 from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
 
 _EQUAL = 1.0 - 1e-12
@@ -78,7 +79,7 @@ def _least(b: Patches, near: Indices, first: int, last: int, q: int, found: Arra
     edge, end, j = int(found[q, _EDGE]), int(found[q, _END]), near[first + q, 1]
     if edge < 0:
         return True
-    one, two = edge_ends(b.nodes[j, 3] < 0, edge)
+    one, two = edge_ends(is_triangle(b, j), edge)
     if end == 1:
         one = two
     wanted = b.at_edges[j, edge] if end < 0 else b.at_corners[j, one]
@@ -121,14 +122,38 @@ def _set_position(
 ) -> None:
     """Add ``u`` times the weights and moment arms of shape functions or their derivatives."""
     for k in range(MOST_NODES):
-        if b.nodes[j, k] < 0:
+        if b.corners[j, k] < 0:
             break
-        weights[k] += u * W[row, k]
-        arm = load_row(c, k)
+        slot = b.slots[j, k]
+        weights[slot] += u * W[row, k]
+        arm = plus(load_row(c, slot), scaled(u * W[row, k], load_row(b.offsets[j], k)))
         for a in range(2):
             t = scaled(u * W[row, MOST_NODES + 2 * k + a], load_row(b.tangents[j, k], a))
             arm = plus(arm, t)
-        store_row(c, k, arm)
+        store_row(c, slot, arm)
+
+
+@uncounted
+def _reset(b: Patches, j: int, side: Side, count: int) -> None:
+    """Fix a point of a side to the nodes of a patch, with zero weights."""
+    for k in range(MOST_NODES):
+        side.nodes[count, k], side.weights[count, k] = UNUSED, 0.0
+        store_row(side.arms[count], k, (0.0, 0.0, 0.0))
+    for k in range(MOST_NODES):
+        if b.corners[j, k] >= 0:
+            side.nodes[count, b.slots[j, k]] = b.nodes[j, k]
+
+
+@uncounted
+def _set_fixed(b: Patches, j: int, u: float, v: float, side: Side, count: int) -> None:
+    """Set a material point of a patch, by bilinear weights of its corners."""
+    _reset(b, j, side, count)
+    for k in range(MOST_NODES):
+        if b.corners[j, k] >= 0:
+            slot, w = b.slots[j, k], linear(is_triangle(b, j), k, u, v)
+            side.weights[count, slot] += w
+            arm = plus(load_row(side.arms[count], slot), scaled(w, load_row(b.offsets[j], k)))
+            store_row(side.arms[count], slot, arm)
 
 
 @uncounted
@@ -149,7 +174,7 @@ def _set_sliding(
     ways = 1
     (u0, v0), (u1, v1) = (1.0, 0.0), (-ab / aa, 1.0)
     if edge >= 0:
-        u0, v0 = edge_slope(b.nodes[j, 3] < 0, edge)
+        u0, v0 = edge_slope(is_triangle(b, j), edge)
     else:
         ways = 2
     for way in range(ways):
@@ -164,7 +189,8 @@ def _set_sliding(
 @inlined_uncounted
 def _face_of(H: Array, a: Side, i: int, separation: Vector) -> int:
     """Face of the sheet on which a point is touched, from ``Δ``; 0 for a point of no sheet."""
-    if a.nodes[i, 1] < 0:
+    n = load_row(a.normals, i)
+    if n[2] == 0.0:
         return 0
     return 1 if dot(separation, load_row(H[a.nodes[i, 0]], 3)) > 0.0 else 0
 
@@ -195,9 +221,8 @@ def _set_patch_contacts(
         for q in range(last - first):
             j = near[first + q, 1]
             found[q, _SQUARE], found[q, _TAKEN] = np.inf, 0.0
-            triangle = b.nodes[j, 3] < 0
-            if not _far(b.nets[j], triangle, P, reach):
-                at = nearest_on(triangle, b.straight, b.nets[j], P, W, C)
+            if not _far(b.nets[j], is_triangle(b, j), P, reach):
+                at = nearest_on(is_triangle(b, j), b.straight, b.nets[j], P, W, C)
                 found[q, _SQUARE], found[q, _U], found[q, _V] = at.square, at.u, at.v
                 found[q, _EDGE], found[q, _END] = at.edge, at.end
         seen = (False, False)
@@ -206,22 +231,15 @@ def _set_patch_contacts(
             if q < 0 or found[q, _SQUARE] >= reach * reach:
                 break
             j = near[first + q, 1]
-            set_shapes(b.nodes[j, 3] < 0, b.straight, found[q, _U], found[q, _V], W)
+            set_shapes(is_triangle(b, j), b.straight, found[q, _U], found[q, _V], W)
             if stations:
                 face = _face_of(H, a, i, minus(P, combination(b.nets[j], W, VALUE)))
                 if seen[face]:
                     continue
                 seen = (True, seen[1]) if face == 0 else (seen[0], True)
                 keys[count, 0], keys[count, 1] = i, face
-                for k in range(MOST_NODES):
-                    fixed.nodes[count, k] = b.nodes[j, k]
-                    if b.nodes[j, k] >= 0:
-                        triangle = b.nodes[j, 3] < 0
-                        w = linear(triangle, k, found[q, _U], found[q, _V])
-                        fixed.weights[count, k] = w
-            for k in range(MOST_NODES):
-                out.b.nodes[count, k], out.b.weights[count, k] = b.nodes[j, k], 0.0
-                store_row(out.b.arms[count], k, (0.0, 0.0, 0.0))
+                _set_fixed(b, j, found[q, _U], found[q, _V], fixed, count)
+            _reset(b, j, out.b, count)
             _set_position(b, j, W, VALUE, 1.0, out.b.weights[count], out.b.arms[count])
             out.b.radii[count], out.b.owners[count] = b.radii[j], b.nodes[j, 0]
             edge, end = int(found[q, _EDGE]), int(found[q, _END])

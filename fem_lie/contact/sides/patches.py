@@ -23,6 +23,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
 from fem_lie.contact.sides.curves import at, project, slopes, weights
 from fem_lie.contact.sides.surfaces import MOST_NODES
+from fem_lie.contact.sides.table import GROUND, UNUSED
 from fem_lie.lie.motions import global_components
 from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
 
@@ -45,11 +46,16 @@ class Patches(NamedTuple):
     """Cells of one surface.
 
     Attributes:
-        nodes: Corner nodes in DOLFINx's order, negative after the third of a triangle, (m, 4).
+        nodes: Nodes of the corners in DOLFINx's order, or ground, :data:`.UNUSED` after the third
+            of a triangle, (m, 4).
+        slots: Index of the node of each corner among those that a contact point depends on: that of
+            the corner, or 0 for all corners on one frame, shape (m, 4).
+        offsets: Offsets of the corners in the frames of their nodes, shape (m, 4, 3).
         tangents: Tangents in the frames of the corners: along both axes of a quadrilateral, to both
             other corners of a triangle, shape (m, 4, 2, 3).
         radii: Half of the thickness, shape (m,).
-        corners: Mesh points of the corners, equal for equal positions, shape (m, 4).
+        corners: Mesh points of the corners, equal for equal positions, negative after the third of
+            a triangle, shape (m, 4).
         at_corners: Number of patches that share each corner, shape (m, 4).
         at_edges: Number of patches that share each edge, in the order of :func:`edge_ends`, (m, 4).
         nets: Present control nets, shape (m, 12, 3).
@@ -57,6 +63,8 @@ class Patches(NamedTuple):
     """
 
     nodes: Indices
+    slots: Indices
+    offsets: Array
     tangents: Array
     radii: Array
     corners: Indices
@@ -84,18 +92,29 @@ class Nearest(NamedTuple):
     end: int
 
 
+@inlined_uncounted
+def is_triangle(patches: Patches, j: int) -> bool:
+    """Whether a patch is a triangle."""
+    return bool(patches.corners[j, 3] < 0)
+
+
 @compiled
 def set_nets(H: Array, patches: Patches) -> None:
     """Set positions and tangents of the corners at frames ``H``."""
     for j in range(patches.nodes.shape[0]):
         for k in range(MOST_NODES):
-            node = patches.nodes[j, k]
-            if node < 0:
+            node, net = patches.nodes[j, k], patches.nets[j]
+            if node == UNUSED:
                 break
-            store_row(patches.nets[j], k, load_row(H[node], 0))
+            x = load_row(patches.offsets[j], k)
+            if node != GROUND:
+                x = plus(load_row(H[node], 0), global_components(H[node], x))
+            store_row(net, k, x)
             for a in range(2):
-                t = global_components(H[node], load_row(patches.tangents[j, k], a))
-                store_row(patches.nets[j], MOST_NODES + 2 * k + a, t)
+                t = load_row(patches.tangents[j, k], a)
+                if node != GROUND:
+                    t = global_components(H[node], t)
+                store_row(net, MOST_NODES + 2 * k + a, t)
 
 
 @inlined_uncounted

@@ -187,6 +187,10 @@ class PointSurface(ContactSurface):
         return _with_moments(self.balls(), friction)
 
 
+class HollowSurface(PointSurface):
+    """Hollow spheres, which are touched from within: balls with negative radius."""
+
+
 class PlaneSurface(ContactSurface):
     """Half-spaces bounded by planes."""
 

@@ -69,6 +69,20 @@ NO_LEVEL = Level(0, np.empty((0, 0)))
 """For planes, points and balls."""
 
 
+class Samples(NamedTuple):
+    """Points of a surface as balls, over which contact forces are summed.
+
+    Attributes:
+        at: The points.
+        fixed: Material points that friction springs are fixed to.
+        measures: Integration weight of each point: one of a point, a length, an area, shape (n,).
+    """
+
+    at: Side
+    fixed: Side
+    measures: Array
+
+
 class BothSides(NamedTuple):
     """Both sides of a contact of points.
 
@@ -101,6 +115,12 @@ def balls_side(balls: Sequence[Ball], nodes: Nodes) -> Side:
     return found
 
 
+def point_samples(balls: Sequence[Ball], nodes: Nodes) -> Samples:
+    """Balls as samples; arguments as for :func:`balls_side`."""
+    at = balls_side(balls, nodes)
+    return Samples(at, at, np.ones(len(balls)))
+
+
 def planes_side(faces: Sequence[Face], nodes: Nodes) -> Side:
     """Planes as a side; arguments as for :func:`balls_side`."""
     found = empty_side(len(faces))
@@ -126,6 +146,12 @@ def joined_sides(sides: Sequence[Side]) -> Side:
     """Several sides as one."""
     parts = zip(*(side.arrays for side in sides), strict=True)
     return Side._make([*(np.concatenate(part) for part in parts), NO_LEVEL])
+
+
+def joined_samples(samples: Sequence[Samples]) -> Samples:
+    """Samples of several surfaces as one."""
+    at, fixed, measures = zip(*samples, strict=True)
+    return Samples(joined_sides(at), joined_sides(fixed), np.concatenate(measures))
 
 
 def empty_side(n: int) -> Side:

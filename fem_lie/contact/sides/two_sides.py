@@ -22,6 +22,7 @@ from fem_lie.contact.sides.gauss_points import (
     Sliding,
     middles_of,
     no_sliding,
+    runs_of,
     set_points,
     set_stations,
     strands_of,
@@ -201,7 +202,7 @@ class Lines(Sides):
     def _meet(self, H: Array, *, stretched: bool = False) -> ContactPoints:
         if self.near.version != self._version:
             self._version = self.near.version
-            self._runs = self._found_runs()
+            self._runs = runs_of(self.near.now, None if self.flat else self._b.continues)
             # two intervals of a segment for each run of opposite segments, or for a plane
             most = 2 * GAUSS * len(self._runs)
             self._room = ContactPoints(
@@ -294,17 +295,6 @@ class Lines(Sides):
         self._stretch(seen[n:, 0])
         self._frozen = seen[n:, 1].copy()
         self.near.see_again(seen[:n])
-
-    def _found_runs(self) -> Indices:
-        """Runs of opposite segments: segment, first and last opposite segment, first pair."""
-        i, j = self.near.now.T
-        begins = np.ones(len(i), dtype=np.bool_)
-        if not self.flat and len(i):
-            follows = (i[1:] == i[:-1]) & (j[1:] == j[:-1] + 1) & self._b.continues[j[:-1]]
-            begins[1:] = ~follows
-        first = np.flatnonzero(begins)
-        last = np.append(first[1:], len(i))[: len(first)] - 1
-        return np.stack([i[first], j[first], j[last], first], axis=1)
 
 
 def copied(at: ContactPoints) -> ContactPoints:

@@ -187,6 +187,7 @@ class RunState(DividedIntegration[Recorder]):
         # loads at the start: the failed step has changed them
         extrapolate(0.0, s.H, s.motion, s.kinds, s.H.copy(), s.twist1)
         self._make_consistent(time)
+        s.H1[:] = s.H  # not the end of the failed step
         self._scale_constraints()
         self.balance.look(time, *self._accepted)
         self._outgrown = True
