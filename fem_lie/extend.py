@@ -14,8 +14,8 @@ scenes are in :mod:`fem_lie` itself; this module has what scenes do not show.
 * **Joints**: :func:`rows` selects entries of the relative motion.
 * **Contact surfaces**: :class:`PointSurface`, :class:`PlaneSurface`, :class:`LineSurface`,
   :class:`PolyhedralSurface`, :class:`PatchSurface`, or :class:`GapSurface` with a gap function
-  (:func:`evaluate`, :data:`GAP_SIGNATURE`). **Contact pairs** of kinds of surfaces: :class:`ContactPair`,
-  :class:`PenaltyPair`, :class:`BallGapPair`, :func:`register_contact_pair`.
+  (:func:`evaluate`, :data:`GAP_SIGNATURE`). **Contact pairs** of kinds of surfaces:
+  :class:`ContactPair`, :class:`PenaltyPair`, :class:`BallGapPair`, :func:`register_contact_pair`.
 * **Forces and matrices of any other origin**: :class:`Term`, :class:`Pairs`; a :class:`Load`
   passes a term to the :class:`Sum` of all loads.
 * **Time schemes**: :class:`Equations` with :class:`TimeState` and :class:`Plan`;
