@@ -528,7 +528,7 @@ def test_bad_input_is_named():
         fl.post.section_forces(result, other, scene)
     with pytest.raises(ValueError, match="has 1 states, got state 1"):
         fl.post.section_forces(result, beam, scene, states=[1])
-    with pytest.raises(TypeError, match=r"step must be the number of a state, got 0\.5"):
+    with pytest.raises(TypeError, match=r"state must be the number of a state, got 0\.5"):
         fl.post.section_forces(result, beam, scene, states=[0.5])
     found = fl.post.section_forces(result, beam, scene)
     with pytest.raises(ValueError, match="has no quantity 'Nx'; it has: N, Vy"):
