@@ -49,6 +49,24 @@ def test_steps_in_contact_keep_their_matrix(name, count):
     assert result.divided == 0
 
 
+@pytest.mark.parametrize("away", [0.0, 10.0])
+@pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e7, 1e9])
+def test_a_ball_stays_at_rest_on_a_plane_of_any_stiffness(stiffness, away):
+    """The smaller the overlap, the more of its energy is round-off of positions."""
+    mass, radius, g = 1.0, 0.1, 9.81
+    height = away + radius - mass * g / stiffness
+    ball = fl.RigidBody(mass, 0.4 * mass * radius**2 * np.ones(3), (away, 0.0, height))
+    scene = fl.Scene(gravity=(0, 0, -g))
+    scene.add(ball)
+    plane = fl.contact.Plane(fl.ground(), (0, 0, 1), at=(0, 0, away))
+    sphere = fl.contact.Sphere(ball.point("centre"), radius)
+    scene.add(fl.contact.Contact(sphere, plane, fl.contact.Penalty(stiffness)))
+    result = fl.EnergyMomentum().run(scene, duration=0.5, step=1e-2, progress=False)
+    assert result.divided == 0
+    assert np.ptp(result.frames[:, 0, 0, 2]) <= 1e-14 * (away + radius)
+    assert result.iterations[-1] <= 16 * 50
+
+
 def test_shell_surfaces_that_conserving_steps_refuse():
     lower, upper = sheet(0, 1, 1), sheet(0.1, 1, 1)
     for smooth, law, message in (

@@ -75,6 +75,9 @@ _MOST = 0.5
 """Largest fraction by which forces may be changed to correct their work."""
 _DIGITS = 1e-11
 """Fraction of the stored energy that is round-off, whose correction may be deferred."""
+_ULPS = 16.0 * float(np.finfo(np.float64).eps)
+"""Round-off of the gaps, over the distances from which they are computed: times the forces, it is
+round-off of the stored energy, too. It is the larger one for small overlaps far from the origin."""
 _LITTLE = 1e-2
 """Fraction of the stored energy: forces that do less work correct less of the earlier error."""
 
@@ -146,7 +149,7 @@ class EndForces(Stateful):
                 follow(given, self._master, self._offset, own)
         work = self._add_all(out)
         self._transfer_to_masters(ends.mean, out)
-        self._correct_work(work, leak, out)
+        self._correct_work(work, leak, out, ends.mean)
         self._add_steady(out, ends.mean)
 
     def _add_all(self, out: Array) -> float:
@@ -184,13 +187,16 @@ class EndForces(Stateful):
         out[n + ON_GROUND] += self._ground
         self._transfer_to_masters(mean, out)
 
-    def _correct_work(self, work: float, leak: float, out: Array) -> None:
+    def _correct_work(self, work: float, leak: float, out: Array, mean: Array) -> None:
         """Correct the forces by the excess of the stored energy over their work."""
         # by the digits of positions, and of dependent positions
         missing = self.ahead - self.energy - work
         little = _LITTLE * (self.ahead + self.energy)
         earlier = self.debt + leak
-        if abs(missing) <= _DIGITS * (self.ahead + self.energy):
+        n = len(out) - BESIDE
+        reach = np.abs(mean[:n, 0]).max(axis=1, initial=0.0)
+        gaps = _ULPS * float(reach @ np.abs(out[:n, :3]).sum(axis=1) + np.abs(out[:n, 3:]).sum())
+        if abs(missing) <= _DIGITS * (self.ahead + self.energy) + gaps:
             part = _part_of_earlier(earlier + missing, work, little)
         else:
             part = _part(missing, work) + _part_of_earlier(earlier, work, little)
