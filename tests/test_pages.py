@@ -12,10 +12,6 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.bodies.catalogue import SceneInfo
-from fem_lie.pictures.page import page as page_module
-from fem_lie.pictures.page.content import Corners, _thinned
-from fem_lie.pictures.shapes import scene_size, shapes
 
 ROOT = Path(__file__).parent.parent
 KINDS = {"u1": "u1", "i2": "<i2", "u4": "<u4", "f4": "<f4"}
@@ -48,37 +44,6 @@ def content(page):
 
 def array(packed):
     return np.frombuffer(base64.b64decode(packed["data"]), KINDS[packed["kind"]])
-
-
-def test_positions_are_those_of_pictures(fallen):
-    """To a ten thousandth of the scene, less than a pixel."""
-    _, result = fallen
-    shown = content(result.page(states=7))
-    rows = result._instants(7)
-    frames = result.frames[rows]
-    size = scene_size(frames)
-    for body, shape in zip(shown["bodies"], shapes(result.info, frames), strict=True):
-        ring, offset = array(body["ring"]), array(body["offset"])
-        x = array(body["places"]).reshape(len(rows), -1, 3) * shown["unit"]
-        directors = array(body["directors"]).reshape(*x.shape[:2], -1, 3) / 32767
-        offset = offset.reshape(len(ring), -1)
-        found = x[:, ring] + np.einsum("ck,tckj->tcj", offset, directors[:, ring])
-        corners = Corners.of(shape, frames[0])
-        wanted = np.array([shape.points(step)[corners.points] for step in frames]) / size
-        assert np.ptp((found - wanted).reshape(-1, 3), axis=0).max() < 1e-4
-        triangles = array(body["triangles"]).reshape(-1, 3)
-        assert triangles.max() < len(ring) == len(corners.points)
-    assert shown["states"] == pytest.approx(result.times[rows], rel=1e-6)
-
-
-def test_triangles_cover_the_bodies(fallen):
-    """A bar's surface, of sides and ends, as it is in closed form."""
-    _, result = fallen
-    (shape, _) = shapes(result.info, result.frames[:1])
-    points, triangles = Corners.of(shape, result.frames[0])
-    a, b, c = shape.points(result.frames[0])[points][triangles].transpose(1, 0, 2)
-    area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
-    assert area == pytest.approx(4 * 0.02 * 1.0 + 2 * 0.02**2, rel=1e-12)
 
 
 def bent(size):
@@ -212,12 +177,12 @@ def test_bad_input(fallen, wrong, message, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
-def test_the_script_is_made_of_its_sources():
+def test_the_script_is_made_of_its_sources(fallen):
     """tools/viewer/build was run after the last change."""
     viewer = ROOT / "tools" / "viewer"
     sources = [viewer / "package-lock.json", *sorted((viewer / "src").glob("*.js"))]
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()
-    assert digest in page_module._part("viewer.js").partition("\n")[0]
+    assert digest in fallen[1].page().text
 
 
 BROWSER = shutil.which("chromium")
@@ -307,22 +272,22 @@ def browse(file):
     return json.loads(found.group(1).replace("&lt;", "<").replace("&gt;", ">"))
 
 
-def test_traces_have_no_points_that_nobody_sees():
-    """Of ten thousand points those are drawn that are two thousandths of the scene apart."""
-    turn = np.linspace(0.0, 2.0 * np.pi, 10001)
-    circle = 0.5 * np.column_stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)])
-    kept = _thinned(circle)
-    np.testing.assert_array_equal(kept[[0, -1]], circle[[0, -1]])
-    steps = np.linalg.norm(np.diff(kept, axis=0), axis=1)
-    assert len(kept) < 1700 and steps.max() < 3e-3
-    few = circle[::500]
-    np.testing.assert_array_equal(_thinned(few), few)
+@pytest.mark.parametrize(("count", "most"), [(1, 3), (5, 1), (5, 9), (7, 2), (39, 7), (40, 39)])
+def test_states_of_statics_are_chosen_evenly(count, most):
+    """At most so many, and each once; of several the first and the last."""
+    found = content(fl.statics(pulled(), levels=np.linspace(1 / count, 1, count)).page(states=most))
+    rows = np.round(np.array(found["states"]) * count).astype(int) - 1
+    assert len(rows) == min(count, most)
+    assert rows[0] == 0 and (rows[-1] == count - 1 or most == 1)
+    assert np.diff(rows).max(initial=0) <= np.ceil((count - 1) / max(most - 1, 1))
+    assert np.diff(rows).min(initial=1) >= 1
 
 
-@pytest.mark.parametrize(("radius", "corners"), [(0.005, 16), (0.05, 32)])
-def test_thin_tubes_have_fewer_corners(radius, corners):
-    """Where a quarter of a pixel would not show them."""
-    section = fl.Section.circle(radius, fl.Material(2e11, 0.3, 7800.0))
-    bar = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=1, name="bar")
-    (shape,) = shapes(SceneInfo.of([bar]), bar.frames[np.newaxis])
-    assert len(shape.offset) == 2 * corners
+def pulled():
+    """A short bar, pulled a little."""
+    section = fl.Section.rectangle(0.02, 0.02, fl.Material(2e11, 0.3, 7800.0))
+    scene = fl.Scene()
+    beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=1, name="beam"))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(1.0, 0, 0)))
+    return scene

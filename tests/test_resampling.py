@@ -8,7 +8,6 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.results.resampling import between
-from fem_lie.results.states import evenly
 
 STEEL = fl.Material(2e11, 0.3, 7800.0)
 SPIN, CENTRE = np.array([0.8, -0.5, 1.1]), np.array([0.5, 0.1, 0.0])
@@ -220,14 +219,3 @@ def test_at_a_jump_the_later_side_counts_and_before_it_the_earlier_one():
     for found in (result.resampled(times), kept):
         x = found.reactions[:, 0, 0]
         np.testing.assert_allclose(x, [1.0, -5.0, -5.0], rtol=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("count", "most", "wanted"), [(0, 3, []), (1, 3, [0]), (5, 1, [0]), (5, 9, range(5))]
-)
-def test_evenly_chosen_states(count, most, wanted):
-    assert evenly(count, most).tolist() == list(wanted)
-    for n in range(2, 40):
-        for m in range(2, n + 1):
-            rows = evenly(n, m)
-            assert rows[0] == 0 and rows[-1] == n - 1 and (np.diff(rows) >= 1).all()

@@ -14,18 +14,26 @@ from PIL import Image
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo
-from fem_lie.pictures.bodies import _surfaces, draw
-from fem_lie.pictures.diagrams import COLOURS
-from fem_lie.pictures.shapes import joint_positions, shapes
-from fem_lie.pictures.stage import Canvas, _round_step
+from fem_lie.extend import COLOURS
 
 SPIN = np.array([0.3, -0.8, 1.5])
 NODES = 5
 SQUARE = 0.02 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 
 
-def _rod():
+def _scene():
+    """The rod and the body, of which results have the names and points."""
+    scene = fl.Scene()
+    section = fl.Section.rectangle(0.04, 0.04, fl.Material(1.0, 0.3, 1.0))
+    rod = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=NODES - 1, name="rod"))
+    tip = scene.add(fl.RigidBody(1.0, (1, 1, 1), (1.25, 0, 0), name="tip"))
+    tip.box = np.array([0.5, 0.2, 0.1])
+    scene.add(fl.joints.Cylindrical(rod.point("start"), fl.ground(), name="hinge"))
+    scene.add(fl.joints.Fixed(tip.point("centre"), rod.point("end"), at=(1, 0, 0), name="weld"))
+    return scene
+
+
+def rod_with_tip():
     """A rod of length 1 that turns about its end with a rigid body at its tip."""
     times, s = np.linspace(0.0, 1.0, 21), np.linspace(0.0, 1.0, NODES)
     along = np.pad(s[:, np.newaxis], [(0, 0), (0, 5)])
@@ -34,27 +42,10 @@ def _rod():
         [lie.se3_retract(lie.frame(np.zeros(3), lie.so3_exp(SPIN * t)), along) for t in times]
     )
     velocity = np.hstack([np.cross(SPIN, along[:, :3]), np.tile(SPIN, (NODES + 1, 1))])
-    count, node = len(times), np.arange(NODES)
-    rod = BodyInfo(
-        "rod",
-        "Beam",
-        node,
-        np.column_stack([node[:-1], node[1:]]),
-        outline=SQUARE,
-        points={"start": 0, "end": NODES - 1},
-        undeformed=frames[0, :NODES],
-    )
-    tip = BodyInfo(
-        "tip",
-        "RigidBody",
-        np.array([NODES]),
-        box=np.array([0.5, 0.2, 0.1]),
-        points={"centre": 5},
-        undeformed=frames[0, NODES:],
-    )
-    joints = (
-        JointInfo("hinge", "Cylindrical", node=0, coordinates=("angle", "displacement")),
-        JointInfo("weld", "Fixed", 5, np.array([-0.25, 0, 0])),
+    count = len(times)
+    info = replace(fl.extend.Equations(_scene(), dynamics=True).info, mass=2.5)
+    np.testing.assert_array_equal(
+        np.concatenate([body.nodes for body in info.bodies]), np.arange(NODES + 1)
     )
     return fl.Result(
         times=times,
@@ -76,13 +67,13 @@ def _rod():
         k_updates=3,
         phi_updates=7,
         seconds=0.25,
-        info=SceneInfo((rod, tip), joints, mass=2.5),
+        info=info,
     )
 
 
 @pytest.fixture(scope="module")
 def rod():
-    return _rod()
+    return rod_with_tip()
 
 
 # --- looking things up ---------------------------------------------------------------------------
@@ -210,7 +201,8 @@ def test_a_saved_result_comes_back_bit_by_bit(rod, tmp_path):
 
 
 def test_a_result_without_joints_and_points_comes_back(rod, tmp_path):
-    bare = SceneInfo(tuple(replace(body, points={}) for body in rod.info.bodies))
+    bodies = tuple(replace(body, points={}) for body in rod.info.bodies)
+    bare = replace(rod.info, bodies=bodies, joints=())
     none = {
         "joint_forces": np.empty((21, 0, 6)),
         "joint_coordinates": np.empty((21, 0)),
@@ -272,104 +264,6 @@ def test_the_series_for_paraview_has_times_cells_and_global_vectors(rod, tmp_pat
         np.cross(data.point_data["angular velocity"], rod.frames[7, :, 0]),
         atol=1e-14,
     )
-
-
-# --- shapes --------------------------------------------------------------------------------------
-
-
-def _arc(angle, cells, outline):
-    """A beam along an arc of length 1, and its frames, shape (N, 4, 3)."""
-    s = np.linspace(0, 1, cells + 1)[:, np.newaxis]
-    frames = lie.se3_retract(lie.frame(np.zeros(3), np.eye(3)), s * [1.0, 0, 0, 0, 0, angle])
-    node = np.arange(cells + 1)
-    pairs = np.column_stack([node[:-1], node[1:]])
-    return SceneInfo((BodyInfo("arc", "Beam", node, pairs, outline),)), frames
-
-
-@pytest.mark.parametrize(("angle", "cells"), [(0.0, 3), (1.5, 1), (6.0, 4)])
-def test_a_swept_section_is_closed_and_has_the_volume_of_pappus(angle, cells):
-    info, frames = _arc(angle, cells, SQUARE)
-    (shape,) = shapes(info, frames[np.newaxis])
-    surface = pyvista.PolyData(shape.points(frames), shape.faces).clean(tolerance=1e-7)
-    assert surface.triangulate().is_manifold
-    # each piece spans an angle and is cut square at its ends: sin δ / δ of the arc's volume
-    shortening = np.sinc(angle / (cells * shape.steps) / np.pi)
-    assert shape.steps == 1 if angle == 0 else shortening > 0.998
-    assert surface.triangulate().volume == pytest.approx(0.04**2 * shortening, rel=1e-4)
-
-
-def test_shapes_move_with_their_frames(rod):
-    motion = lie.frame([1.0, -2, 3], lie.so3_exp([1.0, 2, -0.5]))
-    frames = rod.frames[3]
-    moved = lie.se3_compose(motion, frames)
-    for shape in shapes(rod.info, rod.frames):
-        expected = lie.position(motion) + shape.points(frames) @ lie.rotation(motion).T
-        np.testing.assert_allclose(shape.points(moved), expected, atol=1e-14)
-    np.testing.assert_allclose(
-        joint_positions(rod.info, frames)[1], frames[NODES - 1, 0], atol=1e-15
-    )
-
-
-def _surface(scene):
-    """Surface of the only body of a scene as the pictures have it, closed at all its edges."""
-    (body,) = scene.bodies
-    info = SceneInfo((BodyInfo.of(body, np.arange(len(body.frames))),))
-    (shape,) = shapes(info, body.frames[np.newaxis])
-    (surface,) = _surfaces(info, [shape], body.frames)
-    return surface.clean().triangulate()
-
-
-@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
-def test_every_cell_has_its_own_section_whatever_its_corners(size):
-    """A square, a slimmer rectangle, a tube and a cell without outline: their volumes."""
-    m = fl.Material(1.0, 0.3, 1.0)
-    sections = [
-        fl.Section.rectangle(0.2 * size, 0.2 * size, m),
-        fl.Section.rectangle(0.1 * size, 0.2 * size, m),
-        fl.Section.circle(0.1 * size, m),
-        fl.Section.from_stiffness([1.0] * 6),
-    ]
-    mesh = fl.mesh.LineMesh.from_cells(
-        [(k * size, 0, 0) for k in range(5)],
-        [(k, k + 1) for k in range(4)],
-        groups={str(k): [k] for k in range(4)},
-    )
-    scene = fl.Scene()
-    scene.add(fl.Beam(mesh, {str(k): section for k, section in enumerate(sections)}))
-    surface = _surface(scene)
-    assert surface.is_manifold
-    # polygons of 32 and of 16 corners; what has no outline gets a circle of 0.004 of the scene
-    circle, thin = (0.5 * n * np.sin(2 * np.pi / n) * r**2 for n, r in ((32, 0.1), (16, 0.016)))
-    assert surface.volume / size**3 == pytest.approx(0.04 + 0.02 + circle + thin, rel=1e-4)
-
-
-def test_tapered_and_twisted_beams_are_drawn_so():
-    """Steps of sections have the volume of the taper, and twist keeps it."""
-    m, cells = fl.Material(1.0, 0.3, 1.0), 4
-    for twist in (None, lambda s: 0.5 * np.pi * s):
-        scene = fl.Scene()
-        scene.add(
-            fl.Beam.straight(
-                (0, 0, 0),
-                (1, 0, 0),
-                lambda s: fl.Section.rectangle(0.2 - 0.1 * s, 0.1, m),
-                cells=cells,
-                up=fl.sections.Twisted(twist),
-            )
-        )
-        # sides of a twisted piece are folded outward: a third of its angle, 4 degrees at most
-        tolerance = 1e-4 if twist is None else 0.025
-        assert _surface(scene).volume == pytest.approx(0.15 * 0.1, rel=tolerance)
-        if twist is not None:
-            frame = scene.bodies[0].point("end").frame
-            np.testing.assert_allclose(frame[1:], [[1, 0, 0], [0, 0, 1], [0, -1, 0]], atol=1e-15)
-
-
-def test_thin_members_stay_visible_and_thick_ones_true():
-    for thickness, drawn in ((1e-5, 0.004), (1.0, 0.02 * np.sqrt(2))):
-        info, frames = _arc(0.0, 2, SQUARE * thickness)
-        (shape,) = shapes(info, frames[np.newaxis])
-        assert np.linalg.norm(shape.offset, axis=-1).max() == pytest.approx(drawn)
 
 
 # --- diagrams ------------------------------------------------------------------------------------
@@ -434,19 +328,6 @@ def test_nodal_frames_are_drawn_before_anything_moves(tmp_path, no_display):
         fl.Scene().picture(tmp_path / "scene.png")
 
 
-@pytest.mark.parametrize("extent", [0.03, 1.0, 1.3, 2.0, 3.0, 3.7, 4.0, 4.6, 6.0, 9.9, 350.0])
-def test_labels_of_axes_stand_where_they_belong(extent):
-    """VTK takes our labels in its own distances where these are larger: they never are."""
-    step = _round_step(extent)
-    for low in np.linspace(-0.95 * step, 0, 7):
-        first, last = np.floor(low / step + 0.1), np.ceil((low + extent) / step - 0.1)
-        length = step * (last - first)
-        power = 10.0 ** np.floor(np.log10(length) + 1e-9)
-        number = int(length / power + 1e-9) + 1
-        own = power / (5 if number <= 2 else 2 if number < 5 else 1)
-        assert own <= step * (1 + 1e-9)
-
-
 def test_an_animation_moves(rod, tmp_path, no_display):
     rod.animate(tmp_path / "rod.gif", images=4, seconds=2.0)
     images = []
@@ -457,16 +338,6 @@ def test_an_animation_moves(rod, tmp_path, no_display):
             images.append(np.asarray(movie.convert("RGB")))
     for before, after in pairwise(images):
         assert (before != after).any(axis=-1).mean() > 1e-3
-
-
-def test_a_single_configuration_in_a_plane_is_seen_from_its_front(tmp_path, no_display):
-    info, frames = _arc(3.0, 4, SQUARE)
-    draw(info, frames, tmp_path / "arc.png", canvas=Canvas(size=(400, 300)))
-    image = np.asarray(Image.open(tmp_path / "arc.png").convert("RGB"), dtype=int)
-    blue = np.ptp(image, axis=-1) > 60
-    rows, columns = np.nonzero(blue)
-    # the arc is 0.33 wide (from x = 0 on) and 0.66 high; both grow by the section
-    assert np.ptp(rows) / np.ptp(columns) == pytest.approx(0.7 / 0.36, rel=0.05)
 
 
 def test_a_missing_x_server_is_named(rod, tmp_path, no_display, monkeypatch):
