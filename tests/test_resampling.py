@@ -7,7 +7,6 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.results.resampling import between
 
 STEEL = fl.Material(2e11, 0.3, 7800.0)
 SPIN, CENTRE = np.array([0.8, -0.5, 1.1]), np.array([0.5, 0.1, 0.0])
@@ -152,6 +151,12 @@ def test_a_file_that_does_not_say_what_nodes_are_is_read_but_not_interpolated(tm
         old.resampled([0.01])
 
 
+def with_rows(scene, times, frames, velocities) -> fl.Result:
+    """A result of three states with other times, frames and velocities."""
+    result = fl.GeneralisedAlpha().run(scene, duration=2e-4, step=1e-4)
+    return replace(result, times=times, frames=frames, velocities=velocities)
+
+
 def test_rates_of_a_stretched_gradient_are_those_of_its_position():
     """A steady motion of a node whose gradient has another length at each time."""
     times, velocity = np.array([0.0, 0.5, 1.5]), np.array([0.3, -1.0, 2.0])
@@ -164,14 +169,18 @@ def test_rates_of_a_stretched_gradient_are_those_of_its_position():
         rates[k, 0] = [*(velocity @ R), *spin]
         frames[k, 0, 1] *= length[k]
         rates[k, 0, 0] /= length[k]
-    rows = {"times": times, "frames": frames, "velocities": rates, "iterations": np.arange(3)}
+    scene = fl.Scene()
+    scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), wire(), cells=1, name="cable"))
     at = np.array([0.1, 0.25, 0.7, 1.2])
-    found = between(rows, np.array([fl.extend.node_types.POSITION_GRADIENT]), at)
-    stretch = np.linalg.norm(found["frames"][:, 0, 1], axis=-1)
+    result = with_rows(scene, times, np.repeat(frames, 2, axis=1), np.repeat(rates, 2, axis=1))
+    kinds = result.info.body("cable").node_types
+    assert (kinds == fl.extend.NodeType.POSITION_GRADIENT).all()
+    found = result.resampled(at)
+    stretch = np.linalg.norm(found.frames[:, 0, 1], axis=-1)
     np.testing.assert_allclose(stretch, np.interp(at, times, length), rtol=1e-12)
-    moved = np.einsum("ki,kij->kj", found["velocities"][:, 0, :3], found["frames"][:, 0, 1:])
+    moved = np.einsum("ki,kij->kj", found.velocities[:, 0, :3], found.frames[:, 0, 1:])
     np.testing.assert_allclose(moved, np.tile(velocity, (4, 1)), atol=2e-3)
-    np.testing.assert_allclose(found["velocities"][:, 0, 3:], np.tile(spin, (4, 1)), atol=2e-3)
+    np.testing.assert_allclose(found.velocities[:, 0, 3:], np.tile(spin, (4, 1)), atol=2e-3)
 
 
 def test_modal_coordinates_are_interpolated_by_cubics():
@@ -184,18 +193,25 @@ def test_modal_coordinates_are_interpolated_by_cubics():
     def rate(t):
         return np.polynomial.polynomial.polyval(t, np.polynomial.polynomial.polyder(c)).T
 
+    alone, scene = fl.Scene(), fl.Scene()
+    beam = alone.add(fl.Beam(fl.mesh.curve(arc, 4), bar()))
+    body = fl.reduction.reduced_order_body(alone, [beam.point("start")], 6)
+    scene.add(body)
+    kinds = fl.extend.Equations(scene, dynamics=True).info.bodies[0].node_types
+    modal = kinds == fl.extend.NodeType.MODAL
+    assert modal.any()
+
     def rows_of(t):
-        frames = np.zeros((len(t), 1, 4, 3))
-        frames[:, 0, 1:3] = cubic(t).reshape(-1, 2, 3)
-        return {"times": t, "frames": frames, "velocities": rate(t)[:, np.newaxis]}
+        frames, rates = np.zeros((len(t), len(kinds), 4, 3)), np.zeros((len(t), len(kinds), 6))
+        frames[:, ~modal, 1:] = np.eye(3)
+        frames[:, modal, 1:3] = cubic(t).reshape(-1, 1, 2, 3)
+        rates[:, modal] = rate(t)[:, np.newaxis]
+        return frames, rates
 
     at = np.array([0.2, 0.9, 1.7])
-    found = between(
-        rows_of(times) | {"iterations": np.arange(3)}, np.array([fl.extend.node_types.MODAL]), at
-    )
-    wanted = rows_of(at)
-    for name in ("frames", "velocities"):
-        np.testing.assert_allclose(found[name], wanted[name], atol=1e-12)
+    found, (frames, rates) = with_rows(scene, times, *rows_of(times)).resampled(at), rows_of(at)
+    np.testing.assert_allclose(found.frames, frames, atol=1e-12)
+    np.testing.assert_allclose(found.velocities, rates, atol=1e-12)
 
 
 def test_at_a_jump_the_later_side_counts_and_before_it_the_earlier_one():

@@ -149,19 +149,12 @@ def turned(values: Array, cosine: Array, sine: Array) -> Array:
     return out
 
 
-def principal(tensor: Array) -> tuple[Array, Array, Array]:
-    """Larger and smaller principal value, and the angle from e₁ to the axis of the larger.
-
-    Args:
-        tensor: ``(T₁₁, T₂₂, T₁₂)``, shape (..., 3).
-
-    Returns:
-        Three arrays of shape (...); the angle is in rad, −π/2 … π/2.
-    """
+def principal(tensor: Array) -> tuple[Array, Array]:
+    """Larger and smaller principal value of ``(T₁₁, T₂₂, T₁₂)``, shape (..., 3)."""
     T11, T22, T12 = np.moveaxis(tensor, -1, 0)
     mean, half = 0.5 * (T11 + T22), 0.5 * (T11 - T22)
     radius = np.hypot(half, T12)
-    return mean + radius, mean - radius, 0.5 * np.arctan2(T12, half)
+    return mean + radius, mean - radius
 
 
 def plane_von_mises(stress: Array) -> Array:
