@@ -74,3 +74,15 @@ class Assembled:
             ahead, behind = (self.residual(self.moved(H, sign * h)) for sign in (1, -1))
             columns.append((ahead - behind) / (2 * step))
         return np.array(columns).T
+
+
+def mass_and_stiffness(scene: fl.Scene, modes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mass and stiffness of modes (m, n, 6) of the only body about its initial configuration."""
+    of = Assembled(scene, dynamics=True)
+    (nodes,) = of.equations.unknowns.bodies.values()
+    vectors = np.empty_like(modes)
+    vectors[:, nodes] = modes
+    assert not vectors[:, of.held].any(), "a mode moves what is held"
+    V, K = vectors.reshape(len(modes), -1), of.matrix(of.start)
+    M = of.matrix(of.start, mass=1.0) - K
+    return V @ M @ V.T, V @ K @ V.T

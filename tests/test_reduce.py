@@ -8,8 +8,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.reduction.axes import expanded, local_motion
-from fem_lie.reduction.linearised import LinearisedBody
+from tests.assembled import mass_and_stiffness
 
 STEEL = fl.Material(E=2e11, nu=0.3, density=7800.0)
 
@@ -31,45 +30,64 @@ def square(cells=3):
 
 
 def states(scene, frames):
-    """A result with any frames."""
-    return replace(fl.statics(scene), frames=frames)
+    """A result with any frames of the nodes of the body, in its order."""
+    result, ordered = fl.statics(scene), np.empty_like(frames)
+    ordered[:, result.info.bodies[0].nodes] = frames
+    return replace(result, frames=ordered)
 
 
 def motions(rng, count):
     return lie.se3_exp(rng.uniform(-2.0, 2.0, (count, 6)))
 
 
-@pytest.mark.parametrize(
+AXES = pytest.mark.parametrize(
     "axes", [fl.reduction.MeanAxes(), fl.reduction.NodeAxes(0), fl.reduction.NodeAxes(5)], ids=str
 )
+
+
+@AXES
 def test_a_rigid_motion_is_found_and_nothing_is_left(rng, axes):
-    _, body = rod()
-    G = motions(rng, 4)
-    found = local_motion(body, lie.se3_compose(G[:, np.newaxis], body.frames), axes)
+    scene, body = rod()
+    bent = lie.se3_retract(body.frames, 0.02 * rng.normal(size=(2, 9, 6)))
+    basis, G = fl.reduction.pod(states(scene, bent), body, 2, axes=axes), motions(rng, 4)
+    moved = states(scene, lie.se3_compose(G[:, np.newaxis], body.frames))
+    found = basis.project(moved, axes=axes)
     np.testing.assert_allclose(found.rigid, G, atol=1e-13)
-    np.testing.assert_allclose(found.increments, 0.0, atol=1e-13)
+    np.testing.assert_allclose(found.coordinates, 0.0, atol=1e-12)
+    # nothing is left beside the modes, either
+    np.testing.assert_allclose(found.expand(), moved.frames, atol=1e-12)
+    with pytest.raises(ValueError, match="modes must be at most 0"):
+        fl.reduction.pod(moved, body, 1, axes=axes)
 
 
-@pytest.mark.parametrize("axes", [fl.reduction.MeanAxes(), fl.reduction.NodeAxes(3)], ids=str)
+@AXES
 def test_local_motion_is_independent_of_position_and_expands_to_the_state(rng, axes):
-    _, body = rod()
+    scene, body = rod()
     bent = lie.se3_retract(body.frames, rng.uniform(-0.1, 0.1, (1, 9, 6)))
     everywhere = lie.se3_compose(motions(rng, 3)[:, np.newaxis], bent)
-    here, there = (local_motion(body, frames, axes) for frames in (bent, everywhere))
-    np.testing.assert_allclose(there.increments, np.tile(here.increments, (3, 1, 1)), atol=1e-13)
-    np.testing.assert_allclose(expanded(body, there), everywhere, atol=1e-13)
+    basis = fl.reduction.pod(states(scene, bent), body, 1, axes=axes)
+    here, there = (basis.project(states(scene, each), axes=axes) for each in (bent, everywhere))
+    assert np.abs(here.coordinates).max() > 0.0
+    np.testing.assert_allclose(there.coordinates, np.tile(here.coordinates, (3, 1)), rtol=1e-12)
+    np.testing.assert_allclose(there.expand(), everywhere, atol=1e-13)
 
 
 def test_axes_of_shells_ignore_drilling_rotations(rng):
-    _, body = square()
-    G, spun = motions(rng, 2), np.zeros((2, len(body.frames), 6))
+    scene, body = square()
+    scene.add(fl.Clamp(body.point("00")))
+    n = len(body.frames)
+    bent = lie.se3_retract(body.frames, 0.01 * rng.normal(size=(2, n, 6)))
+    basis = fl.reduction.pod(states(scene, bent), body, 2, axes=fl.reduction.MeanAxes())
+    G, spun = motions(rng, 2), np.zeros((2, n, 6))
     spun[:, :, 5] = rng.uniform(-1.0, 1.0, spun.shape[:2])
     frames = lie.se3_retract(lie.se3_compose(G[:, np.newaxis], body.frames), spun)
-    found = local_motion(body, frames, fl.reduction.MeanAxes())
+    found = basis.project(states(scene, frames), axes=fl.reduction.MeanAxes())
     np.testing.assert_allclose(found.rigid, G, atol=1e-12)
-    np.testing.assert_allclose(found.increments, 0.0, atol=1e-12)
+    np.testing.assert_allclose(found.coordinates, 0.0, atol=1e-12)
+    rigid = lie.se3_compose(G[:, np.newaxis], body.frames)
+    np.testing.assert_allclose(found.expand()[:, :, 3], rigid[:, :, 3], atol=1e-12)
     with pytest.raises(ValueError, match="drilling rotation"):
-        local_motion(body, frames, fl.reduction.NodeAxes(0))
+        basis.project(states(scene, frames), axes=fl.reduction.NodeAxes(0))
 
 
 def test_projection_finds_coordinates_in_any_posture(rng):
@@ -127,10 +145,9 @@ def test_vibrations_of_few_unknowns_are_found_though_they_come_in_pairs():
     basis = fl.reduction.craig_bampton(
         scene, [body.point(4), body.point("start"), body.point("end")], 6
     )
-    rest = LinearisedBody(scene, None)
-    X = rest.vectors(basis.shapes[18:])
-    np.testing.assert_allclose(X @ rest.pencil.M @ X.T, np.eye(6), atol=1e-10)
-    k = np.diag(X @ rest.pencil.K @ X.T)
+    M, K = mass_and_stiffness(scene, basis.shapes[18:])
+    np.testing.assert_allclose(M, np.eye(6), atol=1e-10)
+    k = np.diag(K)
     np.testing.assert_allclose(k[0::2], k[1::2], rtol=1e-8)
 
 
@@ -279,14 +296,13 @@ def test_krylov_shapes_match_moments_of_the_answer():
     wrench = (0.0, 1.0, 2.0, 0.1, 0.0, 0.0)
     basis = fl.reduction.krylov(scene, [(body.point("end"), wrench)], 2)
     assert len(basis) == 2
-    rest = LinearisedBody(scene, None)
-    load = np.zeros((1, 9, 6))
-    load[0, -1] = wrench
-    f = (load * rest.weight)[0][rest.free]
-    V, K, M = rest.vectors(basis.shapes).T, rest.pencil.K, rest.pencil.M
+    # of all nodes but the clamped one
+    M, K = mass_and_stiffness(scene, np.eye(54)[6:].reshape(48, 9, 6))
+    f = np.append(np.zeros(42), wrench)
+    V = basis.shapes.reshape(2, 54)[:, 6:].T
     answers = []
     for stiffness, mass, force in (
-        (K.toarray(), M.toarray(), f),
+        (K, M, f),
         (V.T @ (K @ V), V.T @ (M @ V), V.T @ f),
     ):
         moment, found = np.linalg.solve(stiffness, force), []

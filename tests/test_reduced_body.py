@@ -6,8 +6,7 @@ import pytest
 import fem_lie as fl
 from fem_lie import lie
 from fem_lie.extend import node_types
-from fem_lie.reduction.linearised import LinearisedBody
-from fem_lie.system import System
+from tests.assembled import Assembled, mass_and_stiffness
 
 STEEL = fl.Material(E=2e11, nu=0.3, density=7800.0)
 AT_HOME = lie.se3_exp(np.zeros(6))
@@ -31,80 +30,63 @@ def reduced(modes=4, bow=0.1, cells=8, stretching=True):
     ), beam
 
 
-class Anywhere:
+class Anywhere(Assembled):
     """Equations of a free body in any state: large motion, any deformation."""
 
     def __init__(self, rng, group=fl.lie.Group.SE3, gravity=(1.0, -2.0, 3.0)):
         self.body, self.full = reduced()
         scene = fl.Scene(gravity=gravity)
         scene.add(self.body)
-        self.system = System(scene, dynamics=True, group=group)
-        n = self.system.count
+        super().__init__(scene, dynamics=True, group=group)
+        n = self.count
         self.h = 0.05 * rng.normal(size=(n, 6))
         self.v, self.a = 3.0 * rng.normal(size=(n, 6)), 10.0 * rng.normal(size=(n, 6))
         G = lie.se3_exp(rng.normal(size=6))
-        H = self.system.frames.copy()
-        frames = node_types.has_position(self.system.kinds)
+        H = self.start.copy()
+        frames = node_types.has_position(self.kinds)
         H[:n][frames] = lie.se3_compose(G, H[:n][frames])
         self.H = self.moved(H, self.h)
 
     def moved(self, H, h):
-        out, n = H.copy(), self.system.count
-        node_types.retract_all(self.system.kinds, np.ascontiguousarray(H[:n]), h, out[:n])
+        """On the group of the run."""
+        out, n = H.copy(), self.count
+        node_types.retract_all(self.kinds, np.ascontiguousarray(H[:n]), h, out[:n])
         return out
-
-    def residual(self, H, v, a):
-        r = np.empty(self.system.size)
-        self.system.residual(fl.extend.TimeState(H, v, a, np.zeros(0)), np.ones(0), r)
-        return r
 
     def along(self, step, d, rates, seconds):
         """Residual where frames have moved by ``d``, and velocities of the group by the rest."""
-        s, n = self.system, self.system.count
+        n = self.count
         v, a = np.empty((2, n, 6))
-        node_types.all_from_local(s.kinds, self.H[:n], self.v, self.a, v, a)
+        node_types.all_from_local(self.kinds, self.H[:n], self.v, self.a, v, a)
         H = self.moved(self.H, step * d)
         shift = np.stack([rates, seconds])
         for x in shift:
-            node_types.all_to_group(s.kinds, self.H[:n], x)
+            node_types.all_to_group(self.kinds, self.H[:n], x)
         twist, rate = np.empty((2, n, 6))
         for i in range(n):
             moved = v[i] + step * shift[0, i], a[i] + step * shift[1, i]
-            node_types.to_local(s.kinds[i], H[i], *moved, twist[i], rate[i])
+            node_types.to_local(self.kinds[i], H[i], *moved, twist[i], rate[i])
         return self.residual(H, twist, rate)
 
 
 @pytest.mark.parametrize("group", list(fl.lie.Group))
 @pytest.mark.parametrize("factors", [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
 def test_the_matrix_is_the_derivative_of_the_equations(rng, group, factors):
-    at = Anywhere(rng, group)
-    system, (mass, damping) = at.system, factors
-    n = system.count
-    forces, r = system.workspace(), np.empty(system.size)
-    state = fl.extend.TimeState(at.H, at.v, at.a, np.zeros(0))
-    system.residual(state, np.ones(0), r, forces)
-    plan = fl.extend.Plan(np.zeros((n, 6)), mass=mass, damping=damping, scale=np.zeros(0))
-    system.fill_matrix(state, forces, plan)
-    S = dense(system)
-    x = rng.normal(size=(n, 6))
+    at, (mass, damping) = Anywhere(rng, group), factors
+    free = ~at.held
+    x = np.where(free, rng.normal(size=(at.count, 6)), 0.0)
+    S = at.matrix(at.H, at.v, at.a, mass=mass, damping=damping)
     rest = damping * x, mass * x
     numeric = (at.along(1e-6, x, *rest) - at.along(-1e-6, x, *rest)) / 2e-6
-    assert np.abs(S @ x.ravel() - numeric).max() < 2e-8 * np.abs(numeric).max()
-
-
-def dense(system):
-    """Of the blocks that were filled in."""
-    import scipy.sparse as sp
-
-    blocks, kkt = system.tangent.A, system.kkt
-    return sp.bsr_matrix((blocks, kkt.indices, kkt.indptr)).toarray()
+    error = np.abs(S @ x.ravel() - numeric)[free.ravel()]
+    assert error.max() < 2e-8 * np.abs(numeric).max()
 
 
 def test_forces_are_independent_of_position_and_orientation(rng):
     at = Anywhere(rng, gravity=(0, 0, 0))
-    n, G = at.system.count, lie.se3_exp(rng.normal(size=6))
+    n, G = at.count, lie.se3_exp(rng.normal(size=6))
     H = at.H.copy()
-    frames = node_types.has_position(at.system.kinds)
+    frames = node_types.has_position(at.kinds)
     H[:n][frames] = lie.se3_compose(G, H[:n][frames])
     here, there = (at.residual(where, at.v, at.a) for where in (at.H, H))
     np.testing.assert_allclose(there, here, atol=1e-11 * np.abs(here).max())
@@ -197,9 +179,7 @@ def test_inertial_shapes_have_unit_mass_and_are_in_the_order_of_stiffness(spinni
     basis = fl.reduction.inertial_modes(
         scene, [beam.point("start"), beam.point("end")], 4, spinning=spinning
     )
-    rest = LinearisedBody(scene, None)
-    V = rest.vectors(basis.shapes)
-    M, K = (V @ (A @ V.T) for A in (rest.pencil.M, rest.pencil.K))
+    M, K = mass_and_stiffness(scene, basis.shapes)
     np.testing.assert_allclose(M, np.eye(len(M)), atol=1e-6)
     np.testing.assert_allclose(K, np.diag(K.diagonal()), atol=1e-6 * np.abs(K).max())
     assert len(M) == (16 if spinning else 10)

@@ -5,7 +5,6 @@ import pytest
 
 import fem_lie as fl
 from benchmarks import regions as net_benchmark
-from fem_lie.reduction.merging import ActivityCheck
 
 PLASTIC = fl.Material(E=2e9, nu=0.3, density=1100.0)
 
@@ -23,75 +22,6 @@ def rod(force=0.0, cells=8):
         pulse = lambda t: np.sin(np.pi * (t - 0.1) / 0.02) * (0.1 < t < 0.12)  # noqa: E731
         scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, force), history=pulse))
     return scene
-
-
-def looking(scene, increments=None, twists=None):
-    """At a state of the rod, by default the initial one."""
-    whole = fl.extend.Equations(scene, dynamics=True)
-    (body,) = scene.bodies
-    frames = body.frames if increments is None else fl.lie.se3_retract(body.frames, increments)
-    nodes = whole.unknowns.bodies[body]
-    ordered, moving = np.empty_like(frames), np.empty((len(frames), 6))
-    ordered[nodes] = frames
-    moving[nodes] = body.velocities if twists is None else twists
-    return ActivityCheck(whole, ordered, moving, np.array([0.0]), 0.02)
-
-
-def test_what_is_missed_is_how_far_nodes_go_elsewhere():
-    """Within the time that is looked ahead, up to the factor of one step of that size."""
-    bent, one = np.zeros((9, 6)), np.zeros(9, dtype=int)
-    bent[:, 2] = 0.01 * np.linspace(0.0, 1.0, 9) ** 2
-    missed = looking(rod(), bent).missed(one).max()
-    ends = []
-    for merged in (False, True):
-        scene = rod()
-        (body,) = scene.bodies
-        body.start_frames = fl.lie.se3_retract(body.frames, bent)
-        if merged:
-            body.masters = one
-            body.velocities[:] = rigid_twists(bent)
-        result = fl.GeneralisedAlpha().run(scene, duration=0.02, step=5e-4, progress=False)
-        ends.append(result.frames[-1, :, 0])
-    wanted = np.linalg.norm(ends[1] - ends[0], axis=1).max()
-    assert wanted > 1e-3
-    assert 0.4 * wanted < missed < 2.5 * wanted
-
-
-def rigid_twists(bent):
-    """Those of the rod's rigid motion at bent places that are nearest to its own."""
-    whole = fl.extend.Equations(rod(), dynamics=True)
-    nodes = whole.unknowns.bodies[whole.scene.bodies[0]]
-    return looking(rod(), bent).projected(np.zeros(9, dtype=int))[0][nodes]
-
-
-def test_rigid_motion_needs_one_frame_and_a_bent_rod_more():
-    look = looking(rod())
-    none = look.active(1e-4)
-    assert not none.any()
-    assert len(np.unique(look.merged(none))) == 1
-    bent = np.zeros((9, 6))
-    bent[-1, 1] = 0.02
-    root = looking(rod(), bent).merged(looking(rod(), bent).active(1e-4))
-    assert 1 < len(np.unique(root)) < 9 or (root == np.arange(9)).all()
-
-
-def test_projected_twists_have_the_same_momenta_and_the_reported_energy_loss():
-    random = np.random.default_rng(2)
-    look = looking(
-        rod(), 0.02 * random.uniform(-1.0, 1.0, (9, 6)), random.uniform(-1.0, 1.0, (9, 6))
-    )
-    active = np.zeros(9, dtype=bool)
-    active[4] = True
-    root = look.merged(active)
-    assert len(np.unique(root)) == 3
-    v, lost = look.projected(root)
-    before, after = look.v.ravel(), v.ravel()
-    rigid = look.expansion(np.zeros(9, dtype=int))
-    momenta = rigid.T @ (look.mass @ np.column_stack([before, after]))
-    np.testing.assert_allclose(momenta[:, 1], momenta[:, 0], atol=1e-13 * np.abs(momenta).max())
-    kinetic = 0.5 * after @ (look.mass @ after)
-    assert lost > 0.1 * look.kinetic
-    assert look.kinetic - kinetic == pytest.approx(lost, rel=1e-12)
 
 
 def test_merged_nodes_keep_the_deformation_at_the_start():

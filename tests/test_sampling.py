@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.reduction.ecsw import ReducedCells, forces_of_training
 
 RUBBER = fl.Material(E=5e6, nu=0.3, density=1100.0)
 FIXED = fl.reduction.FixedAxes()
@@ -44,60 +43,6 @@ def trained(name, modes, force=None):
     scene, same = make(size if force is None else force)
     basis = fl.reduction.Basis(same, basis.shapes)
     return scene, basis, basis.project(states, axes=FIXED)
-
-
-@BOTH
-def test_forces_are_the_gradient_of_an_energy(name):
-    """Of some cells with any weights; so the matrix is symmetric."""
-    _, basis, states = trained(name, 3)
-    cells = ReducedCells(basis, np.array([0, 3, 17, 30]), np.array([2.0, 7.0, 0.5, 11.0]))
-    η = states.coordinates[-1] * np.array([1.0, 0.8, 1.3])
-    forces, K = cells.forces_and_matrix(η)
-    step = 1e-5 * np.abs(η).max()
-    found = [(cells.energy(η + d) - cells.energy(η - d)) / (2 * step) for d in step * np.eye(3)]
-    np.testing.assert_allclose(found, forces, atol=1e-6 * np.abs(forces).max())
-    slopes = [(cells.forces(η + d) - cells.forces(η - d)) / (2 * step) for d in step * np.eye(3)]
-    np.testing.assert_allclose(slopes, K, atol=1e-6 * np.abs(K).max())
-    np.testing.assert_allclose(K, K.T, atol=1e-11 * np.abs(K).max())
-
-
-@BOTH
-def test_weights_are_positive_and_forces_those_of_training(name):
-    _, basis, states = trained(name, 3)
-    sizes = []
-    for tolerance in (1e-2, 1e-4):
-        sample = fl.reduction.ecsw(states, tolerance)
-        assert sample.error <= tolerance
-        assert (sample.weights > 0.0).all()
-        assert (np.diff(sample.cells) > 0).all()
-        sizes.append(len(sample.cells))
-    count = len(basis.body.elastic_cells)
-    assert sizes[0] < sizes[1] <= count // 2
-    each = forces_of_training(ReducedCells(basis, np.arange(count), np.ones(count)), states)
-    assert each.shape == (states.coordinates.size, count)
-    missed = each[:, sample.cells] @ sample.weights - each.sum(axis=1)
-    error = np.linalg.norm(missed) / np.linalg.norm(each.sum(axis=1))
-    assert sample.error == pytest.approx(error, rel=1e-6)
-
-
-def test_forces_of_training_are_in_units_of_energy_and_each_state_counts_alike():
-    """Of small deformations: products of their sums are those of the energy, over both norms."""
-    _, basis, states = trained("beam", 3)
-    cells = ReducedCells(basis, np.arange(40), np.ones(40))
-    random, (_, K) = np.random.default_rng(4), cells.forces_and_matrix(np.zeros(3))
-    η = 1e-5 * random.uniform(0.1, 1.0, (4, 1)) * random.normal(size=(4, 3)) / np.sqrt(K.diagonal())
-    given = fl.reduction.ReducedStates(basis, states.rigid[:4], η, states.errors[:4])
-    found = forces_of_training(cells, given).reshape(4, 3, 40).sum(axis=2)
-    product = η @ K @ η.T
-    sizes = np.sqrt(product.diagonal())
-    np.testing.assert_allclose(found @ found.T, product / np.outer(sizes, sizes), atol=1e-3)
-    np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1.0, rtol=1e-12)
-    resting = fl.reduction.ReducedStates(
-        basis, given.rigid, η * [[1.0], [0.0], [1.0], [1.0]], given.errors
-    )
-    np.testing.assert_array_equal(
-        forces_of_training(cells, resting).reshape(3, 3, 40).sum(axis=2), found[[0, 2, 3]]
-    )
 
 
 @BOTH
