@@ -4,9 +4,9 @@ import io
 import sys
 
 import pytest
+from tqdm import tqdm
 
 import fem_lie as fl
-from fem_lie.solve import progress_bars
 
 STEEL = fl.Material(E=2e11, nu=0.3, density=7800.0)
 
@@ -57,8 +57,12 @@ SOLVERS = {
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_a_bar_says_how_far_a_solution_is(solver, stream, monkeypatch):
     monkeypatch.setattr(sys, "stderr", stream())
-    monkeypatch.setattr(progress_bars, "_DELAY", 0.0)
-    monkeypatch.setattr(progress_bars, "_INTERVAL", 0.0)
+    begin = tqdm.__init__
+
+    def at_once(bar, *given, **options):
+        begin(bar, *given, **options | {"delay": 0.0, "mininterval": 0.0})
+
+    monkeypatch.setattr(tqdm, "__init__", at_once)
     solve, said = SOLVERS[solver]
     solve()
     written = sys.stderr.getvalue()
