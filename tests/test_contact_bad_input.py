@@ -4,9 +4,6 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.contact.impact.records import CONTACTS, RESIDUAL
-from fem_lie.solve.alpha.free_bodies import Run
-from fem_lie.solve.alpha.step.impact_steps import UNSETTLED
 
 RADIUS = 0.1
 FLOOR = fl.contact.Plane(fl.ground(), (0, 0, 1))
@@ -48,17 +45,6 @@ def beam_line(radius: float, bent: float = 0.0) -> fl.contact.Line:
     c, s = np.cos(bent), np.sin(bent)
     beam.frames[0, 1:] = [[c, s, 0], [-s, c, 0], [0, 0, 1]]
     return fl.contact.Line(beam, radius)
-
-
-def unsettled() -> None:
-    """The message of a step that has failed, of two balls that were made to be wedged."""
-    scene = falling(fl.contact.Impact(), [ball((0, 0, 0), "left"), ball((0.2, 0, 0), "right")])
-    equations = fl.extend.Equations(scene.without_impacts(), dynamics=True)
-    one = Run(fl.GeneralisedAlpha(radius=0.8), equations, 1e-2)
-    assert one._impacts is not None
-    one._impacts._why, reported = UNSETTLED, one._impacts._failed_step
-    reported[CONTACTS], reported[RESIDUAL] = 1, 4e-3
-    raise fl.ConvergenceError(one._failure(1))
 
 
 ONE = [ball((0, 0, 1))]
@@ -143,14 +129,6 @@ def test_is_refused(name):
     make, message = REFUSED[name]
     with pytest.raises(ValueError, match=message):
         make()
-
-
-def test_contacts_that_did_not_converge_are_named():
-    with pytest.raises(
-        fl.ConvergenceError,
-        match=r"1 contacts did not converge \(residual 4e-03\).* such as left and right\?",
-    ):
-        unsettled()
 
 
 @pytest.mark.parametrize(("speed", "through"), [(100.0, True), (15.0, False)])

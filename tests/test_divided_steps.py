@@ -5,50 +5,11 @@ import pytest
 
 import fem_lie as fl
 from benchmarks.hamel import rolling
-from fem_lie.solve.composed.momentum_parts import MomentumPart
-from fem_lie.solve.composed.run import ComposedRun
-from tests.test_composed import driven, rigid_pendulum
 from tests.test_coupled_impacts import bouncing_beam
 from tests.test_multi_rate import chain, pushed
 from tests.test_resume import same, stopped
 
 COMPOSED = {"mean": fl.schemes.Composed(), "momenta": fl.schemes.Composed(fl.schemes.Variational())}
-
-
-def fail_in_full(monkeypatch, h: float) -> None:
-    """Let every composed step of size ``h`` but the first fail when half of its parts are made."""
-    one_part, make = ComposedRun._one_part, MomentumPart.make
-
-    def fails(self: ComposedRun) -> bool:
-        middle = self._position.part == len(self._order) // 2
-        whole = self.division.level == 0 and self.index > 0
-        return not (whole and middle) and one_part(self)
-
-    def makes(self: MomentumPart, start: float, last: float, earlier: float) -> bool:
-        whole = min(abs(self.h / h - part) for part in fl.schemes.FiveStages().parts) < 1e-9
-        return not (whole and start > 1.2 * h and start / h % 1.0 > 0.2) and make(
-            self, start, last, earlier
-        )
-
-    monkeypatch.setattr(ComposedRun, "_quick", False)
-    monkeypatch.setattr(ComposedRun, "_one_part", fails)
-    monkeypatch.setattr(MomentumPart, "make", makes)
-
-
-@pytest.mark.parametrize("scheme", COMPOSED.values(), ids=COMPOSED)
-@pytest.mark.parametrize("scene", [rigid_pendulum, driven], ids=["free", "driven"])
-def test_composed_steps_keep_their_order_in_parts(monkeypatch, scheme, scene):
-    """They are composed steps of half the size, and so is the motion."""
-    duration, h = 0.06, 4e-3
-    whole, half = (scheme.run(scene(), duration=duration, step=step) for step in (h, h / 2))
-    fail_in_full(monkeypatch, h)
-    found = scheme.run(scene(), duration=duration, step=h, save_every=1)
-    assert found.divided == len(found.times) - 2
-    for name in ("frames", "velocities"):
-        exact = getattr(half, name)[::2]
-        far, near = (np.abs(getattr(each, name) - exact).max() for each in (whole, found))
-        assert near < 0.2 * far
-    assert found.joint_violations.max() <= 1e-12
 
 
 def bouncing() -> tuple[fl.Scene, fl.extend.Body]:

@@ -7,12 +7,15 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
+from fem_lie.contact.impact.records import CONTACTS, RESIDUAL
 from fem_lie.lie.motions import move
 from fem_lie.solve.alpha import free_bodies, free_impacts
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.step import free_body, node
 from fem_lie.solve.alpha.step.free_body import Body
+from fem_lie.solve.alpha.step.impact_steps import UNSETTLED
 from fem_lie.solve.recording.plan import EqualSteps, Saving
+from tests import test_contact_bad_input as bad_input
 
 HISTORIES = ("times", "frames", "velocities", "kinetic", "potential", "elastic", "momentum")
 FULL = np.array([[2.0, 0.3, -0.2], [0.3, 2.5, 0.1], [-0.2, 0.1, 1.5]])
@@ -442,3 +445,25 @@ def test_axes_that_are_held_do_not_move():
     scene.add(body)
     result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.1, step=1e-2, progress=False)
     np.testing.assert_allclose(result.position(body.point("centre"))[-1], [5e-3, 0, 0], atol=1e-12)
+
+
+def unsettled() -> None:
+    """The message of a step that has failed, of two balls that were made to be wedged."""
+    scene = bad_input.falling(
+        fl.contact.Impact(),
+        [bad_input.ball((0, 0, 0), "left"), bad_input.ball((0.2, 0, 0), "right")],
+    )
+    equations = fl.extend.Equations(scene.without_impacts(), dynamics=True)
+    one = free_bodies.Run(fl.GeneralisedAlpha(radius=0.8), equations, 1e-2)
+    assert one._impacts is not None
+    one._impacts._why, reported = UNSETTLED, one._impacts._failed_step
+    reported[CONTACTS], reported[RESIDUAL] = 1, 4e-3
+    raise fl.ConvergenceError(one._failure(1))
+
+
+def test_contacts_that_did_not_converge_are_named():
+    with pytest.raises(
+        fl.ConvergenceError,
+        match=r"1 contacts did not converge \(residual 4e-03\).* such as left and right\?",
+    ):
+        unsettled()

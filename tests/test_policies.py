@@ -6,9 +6,6 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.solve.alpha.run import Run
-from fem_lie.solve.alpha.staleness import staleness
-from fem_lie.solve.motion.policies import Ruled
 from tests.interruption import interrupted
 
 NONE, CONSTRAINTS, ALL = fl.extend.Refactorisation
@@ -159,26 +156,6 @@ def test_stabilised_velocities_keep_momenta():
     np.testing.assert_array_less(errors[1], np.maximum(2 * np.array(errors[0]), 1e-9))
 
 
-class Deaf(fl.schemes.Automatic):
-    """As without asking: all is refactorised when new constraints no longer bring back the best."""
-
-    def begin(self, bound: bool) -> fl.extend.PolicyState:
-        rule = super().begin(bound).rule
-        assert rule is not None and rule.asks
-        return Ruled(rule._replace(asks=False))
-
-
-def test_automatic_keeps_mass_and_stiffness_that_are_not_to_blame(full):
-    """Stiff bars on hinges: what turns is the constraints."""
-    asking, tip = arm(policy=fl.schemes.Automatic(cost=5, refresh=5))
-    deaf, _ = arm(policy=Deaf(cost=5, refresh=5))
-    assert asking.k_updates < deaf.k_updates / 4
-    # what else there is to lose is less than was lost to make all anew
-    assert asking.iterations[-1] < 1.2 * deaf.iterations[-1]
-    place = asking.position(tip.point("end"))
-    np.testing.assert_allclose(place, full[0].position(full[1].point("end")), atol=1e-8)
-
-
 def soft(policy: fl.schemes.RefactorisationPolicy) -> fl.Result:
     """A soft bar falls about a hinge, and the stiffness of its tension makes the matrix old."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
@@ -195,34 +172,6 @@ def test_automatic_renews_mass_and_stiffness_that_are_to_blame():
     )
     assert frozen.k_updates == 1 < asking.k_updates
     assert asking.iterations[-1] < 0.8 * frozen.iterations[-1]
-
-
-@pytest.mark.parametrize("group", fl.lie.Group)
-def test_staleness_is_the_rate_at_which_an_old_matrix_converges(group):
-    """Without constraints twice the matrix leaves half of each correction, the same matrix none."""
-    scene = fl.Scene()
-    section = fl.Section.circle(0.005, MATERIAL)
-    bar = scene.add(fl.Beam.straight((0, 0, 0), (0.4, 0.3, 0), section, cells=4).set_group(group))
-    bar.add_velocity(omega=(1, 2, 3), about=(0, 0, 0))
-    equations = fl.extend.Equations(scene, dynamics=True)
-    run = Run(fl.GeneralisedAlpha(), equations, 1e-3)
-    run.start()
-    s, rng = run.s, np.random.default_rng(3)
-    now = fl.extend.TimeState(s.H1, s.twist1, s.rate1, run.multipliers)
-    equations.residual(now, run.scale, run.r, run.forces)
-    run._factorise(s.H1)
-
-    def rate() -> float:
-        x = rng.normal(size=equations.unknowns.size)
-        return staleness(equations, run.solver, run._plain[0], s, run.multipliers, run._sizes, x)
-
-    # differences of residuals have errors of round-off over their size, and of its square
-    assert rate() < 1e-5
-    equations.matrix.csr[0][:] *= 2.0
-    equations.matrix.matrix.stateIncrease()
-    equations.matrix.matrix.assemble()
-    run.solver.factorise()
-    assert rate() == pytest.approx(0.5, abs=1e-5)
 
 
 def test_a_run_of_a_policy_that_asks_resumes_to_the_last_bit(tmp_path):

@@ -90,41 +90,6 @@ def test_bad_times_are_named(save_at):
         fl.GeneralisedAlpha().run(top(), duration=0.1, step=1e-2, save_every=2, save_at=0.05)
 
 
-@pytest.mark.parametrize("rows", [1, 10**9])
-@pytest.mark.parametrize("scheme", SCHEMES)
-@pytest.mark.parametrize("save_at", [None, 0.0047])
-def test_a_file_has_the_same_and_a_resumed_run_too(tmp_path, monkeypatch, scheme, save_at, rows):
-    """However many rows pass at a time."""
-    from fem_lie.solve.recording import window
-
-    plan = {"duration": 0.1, "step": 2e-3, "save_at": save_at}
-    whole = SCHEMES[scheme].run(top(), **plan)
-    monkeypatch.setattr(window, "BUFFER_BYTES", rows)
-    file = tmp_path / "run.h5"
-    write = window.Window._memory
-    for stop in (1, 3):
-        calls = [0]
-
-        def memory(self, calls=calls, stop=stop):
-            calls[0] += 1
-            if calls[0] > stop:
-                raise KeyboardInterrupt
-            return write(self)
-
-        monkeypatch.setattr(window.Window, "_memory", memory)
-        with pytest.raises(KeyboardInterrupt):
-            if file.exists():
-                SCHEMES[scheme].resume(top(), file)
-            else:
-                SCHEMES[scheme].run(top(), file=file, checkpoint_every=9, **plan)
-        assert len(fl.Result.load(file).times)
-    monkeypatch.setattr(window.Window, "_memory", write)
-    resumed = SCHEMES[scheme].resume(top(), file)
-    same(resumed, whole, rtol=0, atol=0)
-    same(fl.Result.load(file), whole, rtol=0, atol=0)
-    assert isinstance(resumed.frames, np.memmap)
-
-
 FULL = """
 import resource, sys
 from pathlib import Path

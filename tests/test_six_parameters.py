@@ -2,14 +2,10 @@
 
 import numpy as np
 import pytest
-import scipy.sparse as sp
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.lie.motions import add_turning
-from fem_lie.scene.rotation import Rotation
-from fem_lie.solve.statics.load_steps import LoadSteps
-from fem_lie.system import System
+from tests.assembled import Assembled
 
 SOFT = fl.Material(100.0, 0.3, 2.0)
 LAYER = fl.ShellSection.layer(0.1, SOFT)
@@ -139,126 +135,26 @@ def test_automatic_is_five_until_something_takes_hold_of_a_rotation():
 
 
 def test_rigid_motion_of_kink_and_links_costs_nothing_and_turns_forces():
-    system = System(machine(clamped=False), dynamics=False)
-    n, rng = system.count, np.random.default_rng(2)
+    of = Assembled(machine(clamped=False), dynamics=False)
+    n, rng = of.count, np.random.default_rng(2)
     motion = lie.se3_exp(np.array([0.3, -0.2, 0.5, 1.0, -2.0, 0.7]))
+    stiffness = np.abs(of.matrix(of.start)).max()
 
-    def forces(H):
-        r = np.zeros(6 * n)
-        system.elastic.reset_stress(H)
-        system.elastic.add_forces(H, r)
-        return r
+    def everywhere(H):
+        found = of.start.copy()
+        found[:n] = H
+        return found
 
-    stiffness = max(np.abs(t.tangent(system.frames, t.room())).max() for t in system.terms)
-    unloaded = system.frames[:n]
-    carried = lie.se3_compose(motion, unloaded)
-    assert np.abs(forces(carried)).max() <= 1e-13 * stiffness
-    assert abs(system.elastic.energy(carried)) <= 1e-13 * stiffness
+    unloaded = of.start[:n]
+    carried = everywhere(lie.se3_compose(motion, unloaded))
+    assert np.abs(of.residual(carried)).max() <= 1e-13 * stiffness
+    assert abs(of.equations.report(carried).elastic) <= 1e-13 * stiffness
     bent = lie.se3_retract(unloaded, 0.1 * rng.normal(size=(n, 6)))
-    r = forces(bent)
+    r = of.residual(everywhere(bent))
     assert np.abs(r).max() > 0.01
     # in local frames they do not turn at all
-    np.testing.assert_allclose(forces(lie.se3_compose(motion, bent)), r, atol=1e-12 * stiffness)
-
-
-def dense(system: System) -> np.ndarray:
-    indptr, indices, values = system.kkt.matrix.getValuesCSR()
-    return sp.csr_matrix((values, indices, indptr)).toarray()
-
-
-def ways_of(system: System) -> tuple[np.ndarray, ...]:
-    """What is held, moves uncoupled, and straight otherwise, which nothing does here."""
-    return system.held, system.uncoupled, np.zeros_like(system.uncoupled)
-
-
-def derivative_error(system: System, H, weights, *, along_motion: bool) -> float:
-    """Of the matrix against differences of the residual, relative.
-
-    Out of balance the matrix is the derivative along the motion of statics: what that has beyond
-    the derivative of the forces is linear in the forces out of balance, and is taken out here.
-    """
-    n, zero, ones = system.count, np.zeros((system.count, 6)), np.ones(system.m)
-    rng, step = np.random.default_rng(3), 1e-5
-    room = system.workspace()
-
-    def residual(H, weights):
-        r = np.empty(system.size)
-        system.elastic.reset_stress(H)
-        system.residual(fl.extend.TimeState(H, zero, zero, weights), ones, r, room)
-        return r
-
-    residual(H, weights)
-    forces = room.outer + room.inner
-    system.fill_matrix(
-        fl.extend.TimeState(H, zero, zero, weights), room, fl.extend.Plan(zero, ones)
-    )
-    A, free = dense(system), ~system.held
-    if not along_motion:
-        for i in np.flatnonzero(system.uncoupled):
-            block = np.zeros((6, 6))
-            add_turning(forces[i], 1.0, block)
-            at = slice(6 * i, 6 * i + 6)
-            A[at, at] -= block * np.outer(free[i], free[i])
-    worst = 0.0
-    for _ in range(4):
-        dx = rng.normal(size=system.size)
-        dx[: 6 * n][system.held.ravel()] = 0.0
-        ends = []
-        for sign in (1, -1):
-            moved = H.copy()
-            fl.extend.node_types.advance(system.kinds, moved, -sign * step * dx, *ways_of(system))
-            ends.append(residual(moved, weights + sign * step * dx[6 * n :]))
-        found = (ends[0] - ends[1]) / (2 * step)
-        worst = max(worst, np.abs(A @ dx - found).max() / np.abs(found).max())
-    return worst
-
-
-@pytest.mark.parametrize("links", [True, False])
-def test_matrix_is_the_derivative_of_the_residual(links):
-    scene = machine(clamped=True, links=links, loaded=True)
-    scene.add(fl.joints.Revolute(scene.bodies[0].point("11"), fl.ground(), axis=(1, 2, 3)))
-    rng, system = np.random.default_rng(4), System(scene, dynamics=False)
-    assert system.uncoupled.sum() >= 15
-    system.set_time(1.0, 1.0)
-    H, weights = system.frames.copy(), 0.1 * rng.normal(size=system.m)
-    dx = 0.1 * rng.normal(size=system.size)
-    dx[: 6 * system.count][system.held.ravel()] = 0.0
-    fl.extend.node_types.advance(system.kinds, H, dx, *ways_of(system))
-    assert derivative_error(system, H, weights, along_motion=False) <= 1e-7
-
-    newton = LoadSteps(
-        scene,
-        Rotation.of((0, 0, 0), (0, 0, 0)),
-        fl.schemes.Newton(1e-14, carried_stress=False),
-        "six_",
-    )
-    assert newton.solve(1.0)
-    assert np.abs(newton.H - newton.equations.start.frames).max() > 0.1
-    error = derivative_error(
-        newton.equations.system, newton.H, newton.multipliers, along_motion=True
-    )
-    assert error <= 1e-7
-
-
-def test_newton_converges_quadratically_and_needs_few_steps_with_carried_stress():
-    scene = machine(clamped=True, loaded=True)
-    system = LoadSteps(
-        scene,
-        Rotation.of((0, 0, 0), (0, 0, 0)),
-        fl.schemes.Newton(1e-14, carried_stress=False),
-        "six_",
-    )
-    system.equations.prescribed(1.0).act()
-    system._factor, increments = 1.0, []
-    while len(increments) < 20 and (not increments or increments[-1] > 1e-12):
-        system.evaluate(1)
-        system.refactorise(fl.extend.Refactorisation.ALL)
-        increments.append(system.correct())
-    logs = np.log(increments[-5:-1])
-    # a rate of two; with the turning of unbalanced forces left in at equilibrium it would be one
-    assert increments[-1] <= 1e-12
-    assert (np.diff(logs)[1:] / np.diff(logs)[:-1]).max() > 1.5
-    assert fl.statics(scene, load_steps=1).iterations[-1] <= 6
+    turned = of.residual(everywhere(lie.se3_compose(motion, bent)))
+    np.testing.assert_allclose(turned, r, atol=1e-12 * stiffness)
 
 
 def test_links_and_fixed_joints_are_the_same():
@@ -524,14 +420,15 @@ def test_supports_of_a_node_that_follows_are_those_of_its_master():
     shell.clamp("a=0")
     beam = fl.Beam.straight((0, 0, 0), (0, 0, 1), BAR, cells=1)
     scene = scene_with(beam, shell, fl.joints.RigidLink(beam.point("start"), shell.point("00")))
-    system = System(scene, dynamics=False)
-    assert system.held[system.numbering.node(beam.point("start"))].all()
+    unknowns = fl.extend.Equations(scene, dynamics=False).unknowns
+    (row,) = np.flatnonzero(unknowns.masters == unknowns.bodies[beam][0])
+    assert unknowns.held[row].all()
     hinged = folded()
     hinged.hinge("a=0")
     aside = fl.Beam.straight((0, 0, 1), (0, 0, 2), BAR, cells=1)
     scene = scene_with(aside, hinged, fl.joints.RigidLink(aside.point("start"), hinged.point("00")))
     with pytest.raises(ValueError, match="supports and is attached by a rigid link"):
-        System(scene, dynamics=False)
+        fl.extend.Equations(scene, dynamics=False)
 
 
 # --- dynamics ---
@@ -577,12 +474,14 @@ def test_frames_that_follow_the_spin_keep_the_matrix(options):
 def test_carried_frames_are_those_of_the_rigid_motion():
     """After a rigid motion in statics, which five parameters alone do not follow."""
     shell = fl.Shell(fl.mesh.parametric_surface(flat, (3, 2)), LAYER, convected_axes=True)
-    system = System(scene_with(shell), dynamics=False)
+    equations = fl.extend.Equations(scene_with(shell), dynamics=False)
+    n = equations.unknowns.moving
     motion = lie.se3_exp(np.array([0.1, 0.2, 0.3, 0.5, -0.4, 2.0]))
-    moved = lie.se3_compose(motion, system.frames[: system.count])
+    moved = lie.se3_compose(motion, equations.start.frames)
     wrong = moved.copy()
-    wrong[:, 1], wrong[:, 2] = moved[:, 2], -moved[:, 1]  # a quarter of a turn ahead
-    system.convected_drilling.rotate(wrong)
+    # a quarter of a turn ahead
+    wrong[:n, 1], wrong[:n, 2] = moved[:n, 2], -moved[:n, 1]
+    equations.memory.rotate_axes(wrong)
     np.testing.assert_allclose(wrong, moved, atol=1e-13)
 
 

@@ -4,52 +4,12 @@ import numpy as np
 import pytest
 import ufl
 from scipy.special import ellipk
-from test_paths import arch, column
+from test_paths import column
 
 import fem_lie as fl
-from fem_lie.linear.pivots import inertia
-from fem_lie.solve.stability.equilibrium import StableEquilibrium
+from tests.assembled import Assembled
 from tests.random_scenes import PROPORTIONAL, random_scene
 from tests.scene_builder import build
-
-
-def dense(model: StableEquilibrium, factor: float) -> np.ndarray:
-    """Tangent on what the constraints leave free."""
-    import scipy.linalg
-
-    model._fill(factor)
-    K, B = model.pencil()
-    Z = scipy.linalg.null_space(B.toarray()) if B.shape[0] else np.eye(K.shape[0])
-    return Z.T @ K.toarray() @ Z
-
-
-def test_inertia_is_that_of_the_eigenvalues():
-    import scipy.sparse as sp
-
-    random = np.random.default_rng(0)
-    A = random.standard_normal((30, 30))
-    A = A + A.T
-    negative, zero = inertia(sp.csr_matrix(A))
-    assert (negative, zero) == ((np.linalg.eigvalsh(A) < 0).sum(), 0)
-    B = A.copy()
-    B[:, 3] = B[:, 7]
-    B[3] = B[7]
-    assert inertia(sp.csr_matrix(B))[1] == 1
-
-
-@pytest.mark.parametrize("joint", [False, True], ids=["clamped", "hinged by a joint"])
-def test_tangent_is_symmetric_at_equilibrium_and_its_pivots_count_eigenvalues(joint):
-    """Beams couple rotations; in local increments that vanishes where forces balance."""
-    scene, _ = arch(12, hinged=joint)
-    path = fl.follow_path(
-        scene, 0.95, resolution=0.1, options=fl.stability.PathOptions(locate=None)
-    )
-    model = StableEquilibrium(scene, "test_")
-    for station in path.stations[:: max(1, len(path) // 6)]:
-        model.restore(station.state)
-        K = dense(model, station.factor)
-        assert np.abs(K - K.T).max() <= 1e-6 * np.abs(K).max()
-        assert station.negative == (np.linalg.eigvalsh(K + K.T) < 0).sum()
 
 
 @pytest.mark.parametrize("ends", ["fixed-free", "pinned-pinned"])
@@ -150,9 +110,9 @@ def test_imperfections_are_free_of_stress_and_keep_supports():
     assert scene.bodies[0].frames[4, 0, 0] == 0.0  # the perfect one stays
     np.testing.assert_array_equal(other.bodies[0].frames, again.bodies[0].frames)
     assert np.abs(other.bodies[0].frames[:, 0, 0]).max() > 5e-3
-    model = StableEquilibrium(other, "test_")
-    internal, _ = model.forces()
-    assert np.abs(internal).max() <= 1e-9  # EA is 1e6
+    of = Assembled(other, dynamics=False)
+    of.equations.prescribed(0.0).act(0.0)
+    assert np.abs(of.residual(of.start)[: 6 * of.count]).max() <= 1e-9  # EA is 1e6
     slope = np.pi * 0.01
     tangent = fl.stability.apply_imperfections(scene, wave).bodies[0].frames[0, 1]
     assert tangent[0] / tangent[2] == pytest.approx(slope, rel=1e-3)

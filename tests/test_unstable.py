@@ -4,15 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import scipy.sparse as sp
 from test_paths import arch, column
 
 import fem_lie as fl
 from benchmarks.levels import cantilever, frame
-from fem_lie.linear.pivots import negative_determinant
-from fem_lie.solve.stability.branches import _beside
-from fem_lie.solve.stability.equilibrium import StableEquilibrium
-from fem_lie.solve.statics.unstable import maxima
 
 
 def test_an_unstable_equilibrium_says_so():
@@ -52,8 +47,6 @@ def test_a_limit_load_on_the_way_is_reported_though_the_end_is_stable():
         result = fl.follow_loads(scene)
     assert len(caught) == 1
     assert result.stable.all() and len(result.load_maxima) == 1
-    assert maxima([0.5, 1.0]) == ()
-    assert maxima([0.5, 0.9, 0.3, 0.4, 0.2, 1.0]) == (0.9, 0.4)
 
 
 def test_constraints_do_not_count_as_instability():
@@ -80,33 +73,11 @@ def test_factorisations_are_counted():
     assert path.factorisations >= path.total_iterations > len(path)
 
 
-def test_sign_of_the_determinant():
-    random = np.random.default_rng(0)
-    for size in (5, 6, 11):
-        A = random.standard_normal((size, size))
-        assert negative_determinant(sp.csr_matrix(A)) == (np.linalg.det(A) < 0)
-
-
 def coil(turns: float) -> fl.Scene:
     """A moment about a fixed axis and a little force along it."""
     return cantilever(
         32, [1e4] * 3 + [1e2] * 3, moment=(0, 0, 20 * np.pi * turns), force=(0, 0, 5 * turns)
     )
-
-
-def test_moments_about_fixed_axes_make_no_bifurcations():
-    """The symmetric part of the tangent is indefinite there; the determinant does not change."""
-    scene = coil(2.0)
-    path = fl.follow_path(scene, 1.0, resolution=0.2)
-    assert path.complete and not path.critical
-    model = StableEquilibrium(scene, "test_")
-    model.restore(path.stations[-1].state)
-    model._fill(1.0)
-    K, _ = model.pencil()
-    K = K.toarray()
-    assert np.abs(K - K.T).max() > 10.0  # EI is 100
-    assert (np.linalg.eigvalsh(K + K.T) < 0).any()
-    assert np.linalg.slogdet(K)[0] > 0
 
 
 def test_critical_points_without_potential_are_marked_and_have_the_modes_of_the_whole_tangent():
@@ -149,22 +120,6 @@ def test_branch_refuses_to_come_back_on_the_path_it_leaves():
     )
     with pytest.raises(fl.ConvergenceError, match="leads back onto its own path"):
         fl.stability.switch_branch(scene, false)
-
-
-def test_beside_a_crossed_branch_modes_and_response_are_measured_in_one_unit():
-    """What is left of the response has no part along the mode: displacements over the diameter."""
-    scene, _ = arch(12)
-    path = fl.follow_path(scene, 0.5, resolution=0.1, options=fl.stability.PathOptions(locate=None))
-    model = StableEquilibrium(scene, "test_")
-    station = path.stations[3]
-    model.restore(station.state)
-    h = np.random.default_rng(0).standard_normal(model.equations.system.size)
-    rest, _ = _beside(model, station, h)
-    n = model.equations.system.count
-    unit = np.array([model.diameter] * 3 + [1.0] * 3)
-    a, b = (x[: 6 * n].reshape(n, 6) / unit for x in (rest, h))
-    assert abs(np.sum(a * b)) <= 1e-10 * np.linalg.norm(a) * np.linalg.norm(b)
-    assert np.linalg.norm(model.translations(rest), axis=1).max() == pytest.approx(1.0)
 
 
 def test_path_says_where_it_ends_by_default():
