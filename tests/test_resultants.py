@@ -334,9 +334,7 @@ def test_axes_that_jump_are_refused_at_nodes_only():
     np.testing.assert_allclose(found.smooth("N max"), N[0], rtol=1e-9)
     np.testing.assert_allclose(found.smooth("N min"), N[1], rtol=1e-9)
     stress = [N[0] / 0.1, N[1] / 0.1, 0.0]
-    np.testing.assert_allclose(
-        found.smooth("von Mises top"), mises(np.array(stress)), rtol=1e-9
-    )
+    np.testing.assert_allclose(found.smooth("von Mises top"), mises(np.array(stress)), rtol=1e-9)
     along = fl.post.resultants(result, shell, along=(1, 0, 0))
     np.testing.assert_allclose(along.nodal, np.broadcast_to(N, along.nodal.shape), atol=1e-9)
 
