@@ -36,6 +36,9 @@ def test_it_is_the_path_on_a_fine_mesh():
     size = np.linalg.norm(tips, axis=1)
     assert (np.linalg.norm(found.displacement("beam.end") - tips, axis=1) < 0.05**2 * size).all()
     np.testing.assert_allclose(found.factors, LEVELS)
+    away = found.position("beam.end") - found.displacement("beam.end")
+    np.testing.assert_allclose(away, np.tile([10.0, 0.0, 0.0], (len(LEVELS), 1)), atol=1e-12)
+    assert found.iterations[-1] == sum(part.result.total_iterations for part in found.segments)
     assert (found.relative <= 0.05).all()
     assert len(set(found.cells)) > 1, "the mesh has changed"
     assert found.segments[-1].change is not None

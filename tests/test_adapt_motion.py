@@ -51,6 +51,11 @@ def test_one_array_for_what_all_meshes_have(swung):
     assert len(changes) == 3
     gaps = np.diff(swung.position("arm.end"), axis=0)[changes]
     assert np.abs(gaps).max() < 1e-12
+    start = swung.position("arm.end")[0] - swung.displacement("arm.end")[0]
+    moved = swung.position("arm.end") - start
+    np.testing.assert_allclose(swung.displacement("arm.end"), moved, atol=1e-12)
+    assert swung.iterations.shape == (count,) and (np.diff(swung.iterations) >= 0).all()
+    assert swung.iterations[-1] == sum(part.result.total_iterations for part in swung.segments)
 
 
 def test_as_on_a_fine_mesh_with_small_steps(swung):

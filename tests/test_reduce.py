@@ -276,6 +276,10 @@ def test_all_shapes_are_the_full_model():
     found = fl.reduction.reduced_statics(scene, basis)
     np.testing.assert_allclose(found.frames, fl.statics(scene).frames[-1], atol=1e-8)
     assert found.error < 1e-8
+    moved = fl.statics(scene).displacement(body.point("end"))[-1]
+    for point in (body.point("end"), f"{body.name}.end"):
+        np.testing.assert_allclose(found.displacement(point), moved, atol=1e-8)
+    assert found.iterations >= 2 and "iterations=" in repr(found)
 
 
 def test_what_has_no_reduced_equilibrium_is_said():

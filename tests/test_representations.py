@@ -38,6 +38,101 @@ SHOWN = {
 }
 
 
+def bent_bodies() -> dict[str, object]:
+    """Stresses of a shell, a thin shell and a solid under their weight."""
+    patch = fl.mesh.smooth_patch(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+    layer = fl.ShellSection.layer(0.01, STEEL)
+    elastic = fl.sections.SaintVenantKirchhoff(2.1e11, 0.3, 7800.0)
+    bodies = (
+        fl.Shell(MESH, layer),
+        fl.ThinShell(patch, layer),
+        fl.Solid.brick((1, 1, 1), elastic, cells=(1, 1, 1)),
+    )
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    for body in bodies:
+        body.clamp("a=0")
+        scene.add(body)
+    result = fl.statics(scene)
+    shell, thin, solid = bodies
+    return {
+        "resultants": fl.post.resultants(result, shell),
+        "thin resultants": fl.post.thin_resultants(result, thin),
+        "stresses": fl.post.solid_stresses(result, solid),
+    }
+
+
+def bounced() -> object:
+    """Statistics of contacts with impacts."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    ball = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), position=(0, 0, 0.11)))
+    sphere, floor = (
+        fl.contact.Sphere(ball.point("centre"), 0.1),
+        fl.contact.Plane(fl.ground(), (0, 0, 1)),
+    )
+    scene.add(fl.contact.Contact(sphere, floor, fl.contact.Impact()))
+    contacts = fl.GeneralisedAlpha().run(scene, duration=0.1, step=1e-2).contacts
+    assert contacts is not None
+    return contacts
+
+
+def other_results() -> dict[str, object]:
+    """Results of everything else that is solved, and what they consist of."""
+    column = fl.Scene()
+    beam = column.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=8, name="column"))
+    column.add(fl.Clamp(beam.point("start")))
+    column.add(fl.PointLoad(beam.point("end"), force=(-3e4, 0, 0)))
+    seen: list[fl.stability.PathState] = []
+    path = fl.follow_path(column, 1.1, observe={"seen": lambda s: seen.append(s) or 0.0})
+    scheme, step = fl.GeneralisedAlpha(), fl.schemes.AdaptiveStep(tolerance=1.0)
+    steps = scheme.run(SCENE, duration=2e-3, step=step).steps
+    basis = fl.reduction.craig_bampton(SCENE, [], 2, at=STATIC)
+    line = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 4)
+
+    def build(mesh: fl.mesh.LineMesh) -> fl.Scene:
+        scene = fl.Scene()
+        arm = scene.add(fl.Beam(mesh, SECTION, name="arm"))
+        scene.add(fl.Clamp(arm.point("start")))
+        scene.add(fl.PointLoad(arm.point("end"), force=(0, 0, -10.0)))
+        return scene
+
+    loads = fl.adaptivity.adapt_loads(build, line, [0.5, 1.0], tolerance=0.2)
+    motion = fl.adaptivity.adapt_motion(
+        build, line, duration=2e-3, every=1e-3, tolerance=0.5, size=1.0
+    )
+    resting = fl.Scene()
+    ball = resting.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), name="ball"))
+    sphere = fl.contact.Sphere(ball.point("centre"), 0.1)
+    floor = fl.contact.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -0.1))
+    contact = resting.add(fl.contact.Contact(sphere, floor, fl.contact.Penalty(1e6)))
+    run = scheme.run(resting, duration=2e-3, step=1e-3)
+    return {
+        "loads": fl.follow_loads(SCENE),
+        "path": path,
+        "path state": seen[-1],
+        "critical point": path.critical[0],
+        "station": path.stations[0],
+        "buckling": fl.buckling(column, 2),
+        "steps": steps,
+        "basis": basis,
+        "reduced states": basis.project(STATIC),
+        "reduced equilibrium": fl.reduction.reduced_statics(SCENE, basis),
+        "adapted loads": loads,
+        "load segment": loads.segments[-1],
+        "adapted motion": motion,
+        "motion segment": motion.segments[-1],
+        "space error": fl.adaptivity.space_error(STATIC, SCENE.bodies[0], SCENE),
+        "adapted": fl.adaptivity.adapt(build, line, tolerance=0.2),
+        "contact forces": fl.post.contact_forces(run, contact),
+        "info": STATIC.info,
+        "info of a body": STATIC.info.bodies[0],
+        "info of supports": STATIC.info.supports,
+        "impacts": bounced(),
+    }
+
+
+SHOWN |= bent_bodies() | other_results()
+
+
 @pytest.mark.parametrize("name", SHOWN)
 def test_a_representation_has_one_to_ten_short_lines(name):
     lines = repr(SHOWN[name]).splitlines()

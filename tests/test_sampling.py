@@ -56,7 +56,10 @@ def test_few_cells_have_the_equilibrium_of_all(name):
     assert 0.08 < away < 0.16
     for sample, tolerance in ((every, 1e-4), (fl.reduction.ecsw(states, 1e-4), 1e-2)):
         found = fl.reduction.sampled_statics(scene, sample, levels=(0.5, 1.0))
-        assert found.frames.shape[0] == 2
+        assert found.frames.shape[0] == 2 and found.iterations.shape == (2,)
+        assert 0 < found.iterations[0] < found.iterations[1]
+        moved = found.displacement(basis.body.point(0))
+        np.testing.assert_array_equal(moved, found.frames[:, 0, 0] - basis.body.frames[0, 0])
         error = np.linalg.norm(found.frames[-1, :, 0] - full, axis=1).max()
         assert error < tolerance * away
 

@@ -88,8 +88,8 @@ def _recorded_kinds(body: Body) -> Indices:
     return np.where(set_by_body, int(NodeType.POSITION), kinds)
 
 
-@dataclass(frozen=True, eq=False)
-class JointInfo:
+@dataclass(frozen=True, eq=False, repr=False)
+class JointInfo(Summarised):
     """One joint.
 
     Attributes:
@@ -109,8 +109,8 @@ class JointInfo:
     first: int = 0
 
 
-@dataclass(frozen=True, eq=False)
-class SupportInfo:
+@dataclass(frozen=True, eq=False, repr=False)
+class SupportInfo(Summarised):
     """Nodes held by clamps and by supports of bodies.
 
     Attributes:

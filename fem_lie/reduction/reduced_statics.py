@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
 import scipy.sparse.linalg
 
 from fem_lie._arrays import Array, instance, whole
+from fem_lie._summary import Summarised
+from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.reduction.basis import Basis
 from fem_lie.reduction.linearised import LinearisedBody, ReducedForces
 from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.states import Displaced
 from fem_lie.scene import Scene
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import Iterated, iterate
@@ -63,7 +66,8 @@ _CONVERGED = 1e-9  # relative to the first residual
 _STEP = 1e-6  # increment for the numerical derivative, relative to the size of the body
 
 
-class ReducedEquilibrium(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class ReducedEquilibrium(Summarised, Displaced):
     """An equilibrium of a reduced-order body.
 
     Attributes:
@@ -71,13 +75,15 @@ class ReducedEquilibrium(NamedTuple):
         frames: Frames of all nodes, shape (n, 4, 3).
         error: Estimate of the largest distance of a node from its position in the full model: the
             displacement of the body at rest due to the residual forces.
-        iterations: Total number of iterations.
+        iterations: Number of linear solutions in all load steps.
+        info: The body.
     """
 
     coordinates: Array
     frames: Array
     error: float
     iterations: int
+    info: SceneInfo
 
 
 def reduced_statics(scene: Scene, basis: Basis, *, load_steps: int = 1) -> ReducedEquilibrium:
@@ -109,7 +115,8 @@ def reduced_statics(scene: Scene, basis: Basis, *, load_steps: int = 1) -> Reduc
         coordinates, needed = _newton(reduced, coordinates, size)
         iterations += needed
     error = _beyond(scene, reduced.forces(coordinates))
-    return ReducedEquilibrium(coordinates, reduced.frames(coordinates), error, iterations)
+    info = SceneInfo.of([basis.body])
+    return ReducedEquilibrium(coordinates, reduced.frames(coordinates), error, iterations, info)
 
 
 def _beyond(scene: Scene, forces: Array) -> float:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._arrays import Array, instance, numbers
+from fem_lie._arrays import Array, Indices, instance, numbers
+from fem_lie._summary import Summarised
+from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.reduction.basis import Basis
 from fem_lie.reduction.ecsw import CellSample, ReducedCells, ReducedNodes, summed
 from fem_lie.reduction.linearised import equations_of
+from fem_lie.results.states import Displaced
 from fem_lie.scene import Scene
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import Iterated, iterate
@@ -27,18 +30,21 @@ _CONVERGED = 1e-7  # norm of the last correction relative to the coordinates
 _HELD = 1e-6
 
 
-class SampledEquilibria(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class SampledEquilibria(Summarised, Displaced):
     """Equilibria of a reduced-order body.
 
     Attributes:
         coordinates: Modal coordinates ``η`` of each, shape (k, m).
         frames: Frames of all nodes, shape (k, n, 4, 3).
-        iterations: Total number of iterations.
+        iterations: Number of linear solutions from the start up to each equilibrium, shape (k,).
+        info: The body.
     """
 
     coordinates: Array
     frames: Array
-    iterations: int
+    iterations: Indices
+    info: SceneInfo
 
 
 class ReducedLoads:
@@ -96,15 +102,16 @@ def equilibria(
 ) -> SampledEquilibria:
     """Equilibria at all levels, each starting from the one before."""
     η: Array = np.zeros(len(basis))
-    found, iterations = list[Array](), 0
+    found, iterations = list[Array](), list[int]()
     for level in levels:
         η, needed = _newton(cells, loads, level, η)
         found.append(η)
-        iterations += needed
+        iterations.append(needed)
     coordinates = np.array(found)
     increments = np.einsum("km,mni->kni", coordinates, basis.shapes)
     frames = np.asarray(lie.se3_retract(basis.body.frames, increments))
-    return SampledEquilibria(coordinates, frames, iterations)
+    counts = np.cumsum(iterations, dtype=np.int64)
+    return SampledEquilibria(coordinates, frames, counts, SceneInfo.of([basis.body]))
 
 
 def loads_of(scene: Scene, basis: Basis) -> ReducedLoads:

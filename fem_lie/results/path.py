@@ -240,8 +240,8 @@ class Metric(Protocol):
         """Norm of displacements (n, 3) and a change of the load factor."""
 
 
-@dataclass(frozen=True, eq=False)
-class Station:
+@dataclass(frozen=True, eq=False, repr=False)
+class Station(Summarised):
     """An equilibrium state on a path, with all that the next step needs.
 
     Attributes:

@@ -245,8 +245,8 @@ class StepHistory(Summarised):
             return np.asarray(estimated / measured)
 
 
-@dataclass(frozen=True, eq=False)
-class ContactSteps:
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactSteps(Summarised):
     """Contacts with impacts in all S steps of a run, recorded or not.
 
     Attributes:

@@ -91,8 +91,25 @@ class AdaptedLoads(Summarised, Generic[Followed]):
         """Estimated error at each load factor, relative to the norm of the stress, shape (k,)."""
         return np.array([part.error.relative for part in self.segments])
 
+    @property
+    def iterations(self) -> Indices:
+        """Number of linear solutions on all meshes kept, up to each load factor, shape (k,)."""
+        counts = [part.result.total_iterations for part in self.segments]
+        return np.cumsum(counts, dtype=np.int64)
+
+    def position(self, point: str) -> Array:
+        """Position of a named point such as "beam.end", global components, shape (k, 3).
+
+        Args:
+            point: As for :meth:`displacement`.
+
+        Raises:
+            ValueError: There is no such point.
+        """
+        return np.array([part.result.position(point)[-1] for part in self.segments])
+
     def displacement(self, point: str) -> Array:
-        """Displacement of a named point such as "beam.end", shape (k, 3).
+        """Displacement of a named point such as "beam.end", global components, shape (k, 3).
 
         Args:
             point: Name of a point with that of its body, such as "beam.end".

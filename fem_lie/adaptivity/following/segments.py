@@ -98,7 +98,7 @@ class AdaptedMotion(Summarised, Generic[Followed]):
         return np.concatenate([part.result.angular_momentum for part in self.segments])
 
     def position(self, point: str) -> Array:
-        """Positions of a named point such as "beam.end", shape (T, 3).
+        """Positions of a named point such as "beam.end", global components, shape (T, 3).
 
         Args:
             point: Name of a point with that of its body, such as "beam.end".
@@ -107,6 +107,24 @@ class AdaptedMotion(Summarised, Generic[Followed]):
             ValueError: There is no such point.
         """
         return np.concatenate([part.result.position(point) for part in self.segments])
+
+    def displacement(self, point: str) -> Array:
+        """Displacements of a named point from the undeformed configuration, shape (T, 3).
+
+        Args:
+            point: As for :meth:`position`.
+
+        Raises:
+            ValueError: There is no such point.
+        """
+        return np.concatenate([part.result.displacement(point) for part in self.segments])
+
+    @property
+    def iterations(self) -> Indices:
+        """Number of linear solutions on all meshes kept, up to each time, shape (T,)."""
+        ends = np.cumsum([0, *(part.result.total_iterations for part in self.segments)])
+        parts = zip(ends, self.segments, strict=False)
+        return np.concatenate([before + part.result.iterations for before, part in parts])
 
     @property
     def momentum_error(self) -> float:

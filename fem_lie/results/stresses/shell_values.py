@@ -50,7 +50,7 @@ LARGEST_JUMP = 0.5 * KINK_ANGLE  # largest angle between axes and their mean
 Kind = TypeVar("Kind", bound="ResultantValues")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ResultantValues(Fields):
     """Values of the stress resultants of a shell in one state.
 
