@@ -12,6 +12,7 @@ import fem_lie as fl
 from fem_lie.linear import direct
 from fem_lie.linear.choice import DISSECTION, MINIMUM_DEGREE, Graph, Solutions, _ordering, choose
 from fem_lie.linear.saddle_point import Incidences
+from fem_lie.ranks import shared_factors
 from fem_lie.solve.statics.follow import SceneEquilibrium
 
 STEEL = fl.Material(2.1e11, 0.3, 7850.0)
@@ -192,3 +193,12 @@ def test_a_package_that_is_not_there_is_refused_by_name():
     PETSc.Options("test_missing_")["pc_factor_mat_solver_type"] = "pastiche"
     with pytest.raises(ValueError, match=r"-test_missing_pc_factor_mat_solver_type.*'pastiche'"):
         fl.statics(cube(3), petsc_options_prefix="test_missing_")
+
+
+def test_factors_with_little_fill_are_shared_by_an_option_alone(monkeypatch):
+    monkeypatch.setattr(shared_factors, "several", lambda: True)
+    assert shared_factors.shared(10**6, "test_spreads_")
+    assert not shared_factors.shared(100, "test_spreads_")
+    assert not shared_factors.shared(10**6, "test_spreads_", spreads=False)
+    PETSc.Options("test_spreads_")["shared_from"] = 1
+    assert shared_factors.shared(100, "test_spreads_", spreads=False)

@@ -1,7 +1,5 @@
 """Scenes on several ranks: the results of one rank, and a common termination."""
 
-from petsc4py import PETSc
-
 import numpy as np
 import parallel_errors
 import parallel_scenes
@@ -9,7 +7,6 @@ import pytest
 from ranks import on_ranks, output_of_ranks
 
 import fem_lie as fl
-from fem_lie.ranks import shared_factors
 
 
 @pytest.fixture(scope="module")
@@ -35,15 +32,6 @@ def test_scenes_on_two_ranks_find_what_one_finds(alone, tmp_path):
         ".npz",
         ".saved",
     ]
-
-
-def test_factors_with_little_fill_are_shared_by_an_option_alone(monkeypatch):
-    monkeypatch.setattr(shared_factors, "several", lambda: True)
-    assert shared_factors.shared(10**6, "test_spreads_")
-    assert not shared_factors.shared(100, "test_spreads_")
-    assert not shared_factors.shared(10**6, "test_spreads_", spreads=False)
-    PETSc.Options("test_spreads_")["shared_from"] = 1
-    assert shared_factors.shared(100, "test_spreads_", spreads=False)
 
 
 @pytest.mark.parametrize("fault", parallel_errors.FAULTS)

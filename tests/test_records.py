@@ -1,4 +1,4 @@
-"""Records at the door of compiled code: what is read there is what was packed."""
+"""Records and arrays that compiled code reads by their addresses are those that were packed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
+from demos.double_pendulum import pendulum
 from fem_lie.forms.cells import Cells
+from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.solve.conserving.model import (
     cells_of_rows,
     incidences_of,
@@ -19,6 +21,7 @@ from fem_lie.solve.conserving.model import (
     step_workspace,
 )
 from fem_lie.solve.conserving.step import packing, records
+from fem_lie.system import System
 from tests.random_scenes import CONSERVING, random_scene
 from tests.scene_builder import build
 
@@ -67,3 +70,89 @@ def test_compiled_code_reads_each_record_as_it_was_packed(given, name):
         assert found[field].shape == value.shape and found[field].dtype == value.dtype, field
         if value.size:
             assert found[field].ctypes.data == value.ctypes.data, field
+
+
+# --- arrays passed by their addresses, and sums computed with them in one call ---
+
+
+@pytest.mark.parametrize(
+    "array", [np.zeros((4, 4))[:, :2], np.zeros(3, dtype=np.int32)], ids=["strided", "int32"]
+)
+def test_what_is_not_as_compiled_code_reads_it_is_refused(array):
+    with pytest.raises(TypeError, match="contiguous doubles or integers"):
+        FixedArrays([array])
+
+
+def moving_system() -> tuple[System, tuple[np.ndarray, ...]]:
+    """Two hinged bars with gravity, a load in time and a spring, in motion."""
+    scene, one, two = pendulum(3)
+    scene.gravity = np.array((0.0, 0.0, -9.81))
+    scene.add(fl.PointLoad(two.point("end"), force=(1.0, 2.0, 3.0), history=lambda t: 1.0 + t))
+    scene.add(fl.PointLoad(one.point("end"), moment=(0.3, 0.2, 0.1)))
+    system = System(scene, dynamics=True)
+    rng = np.random.default_rng(1)
+    H = system.frames.copy()
+    H[: system.count, 0] += 1e-3 * rng.normal(size=(system.count, 3))
+    v, a = rng.normal(size=(2, system.count, 6))
+    return system, (H, v, a, rng.normal(size=system.m), np.ones(system.m))
+
+
+@pytest.mark.parametrize("time", [0.0, 0.7])
+def test_residual_in_one_call_is_the_sum_of_its_parts(time):
+    """Bit for bit, also when loads have changed."""
+    system, state = moving_system()
+    assert system.terms.all_in_tables
+    system.set_time(time)
+    r, parts = np.empty((2, system.size))
+    now, scale = fl.extend.TimeState(*state[:4]), state[4]
+    system.with_reactions(now, scale, r)
+    system.applied(now, scale, parts)
+    system.terms.add_forces(now.H, parts)
+    assert np.array_equal(r, parts)
+
+
+def test_cells_whose_nodes_follow_others_are_in_the_same_call():
+    """Forces of cells with attached nodes equal those of each term."""
+    scene, section = fl.Scene(), fl.Section.tube(2e-3, 3e-3, fl.Material(2e11, 0.3, 7850.0))
+    corner = np.array((0.4, 0.0, 0.0))
+    one, other = (
+        scene.add(fl.Beam.straight(*ends, section, cells=3))
+        for ends in ((np.zeros(3), corner), (corner, corner + np.array((0.0, 0.2, 0.1))))
+    )
+    scene.add(fl.joints.Spherical(fl.ground(), one.point("start")))
+    scene.add(fl.joints.RigidLink(one.point("end"), other.point("start")))
+    system = System(scene, dynamics=True)
+    assert system.in_one_sum
+    assert [term.following is None for term in system.terms] == [False]
+    rng = np.random.default_rng(2)
+    H = system.frames.copy()
+    H[: system.count, 0] += 1e-3 * rng.normal(size=(system.count, 3))
+    v, a = rng.normal(size=(2, system.count, 6))
+    now, scale = fl.extend.TimeState(H, v, a, rng.normal(size=system.m)), np.ones(system.m)
+    r, parts = np.empty((2, system.size))
+    system.with_reactions(now, scale, r)
+    system.applied(now, scale, parts)
+    for term in system.terms:
+        term.add_forces(H, parts[: 6 * system.count].reshape(-1, 6))
+    np.testing.assert_allclose(r, parts, rtol=0.0, atol=1e-13 * np.abs(parts).max())
+
+
+def test_rows_are_what_the_equations_report():
+    """Joints, invariants and energies of a run, from its frames, velocities and multipliers."""
+    scene, one, _ = pendulum(1)
+    scene.gravity = np.array((0.0, -9.81, 0.0))
+    scene.add(
+        fl.PointLoad(one.point("end"), force=(0.0, 0.0, 1.0), history=lambda t: np.sin(50 * t))
+    )
+    result = fl.GeneralisedAlpha().run(scene, duration=5e-3, step=1e-4, progress=False)
+    equations = fl.extend.Equations(scene, dynamics=True)
+    system = equations.system
+    H = np.concatenate([result.frames[-1], system.frames[system.count :]])
+    v, invariants = result.velocities[-1], np.empty(7)
+    potential = system.report(H, v, invariants)
+    np.testing.assert_allclose(result.potential[-1], potential, rtol=1e-12)
+    np.testing.assert_allclose(result.kinetic[-1], invariants[0], rtol=1e-12)
+    np.testing.assert_allclose(result.angular_momentum[-1], invariants[4:], rtol=1e-12)
+    np.testing.assert_allclose(result.elastic[-1], system.terms.energy(H), rtol=1e-12)
+    violations = equations.report(H, v).joints.violations
+    np.testing.assert_allclose(result.joint_violations[-1], violations, rtol=0, atol=1e-15)
