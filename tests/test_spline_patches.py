@@ -9,7 +9,7 @@ import pytest
 from scipy.interpolate import BSpline
 
 import fem_lie as fl
-from fem_lie.mesh.bicubic import hermite
+from tests.hermite_functions import bicubic
 
 SECTION = fl.ShellSection.layer(0.01, fl.Material(1e7, 0.3, 1e3))
 A = np.array([0, 0, 0, 0, 0.3, 0.3, 1, 1, 1, 1.0])
@@ -40,7 +40,7 @@ def test_a_spline_is_exactly_the_surface_of_the_shell(pieces):
     ]
     sizes = [np.diff(np.append(c, k[-1])) for c, k in zip(cut, (A, B), strict=True)]
     ξ, η = 0.3, 0.7
-    values = hermite.table(np.array([[ξ, η]]))[0, hermite.VALUE]
+    values = bicubic([[ξ, η]])[0]
     found = np.einsum("a,maj->mj", values, shell.vectors())
     wanted = surface(cut[0] + ξ * sizes[0], cut[1] + η * sizes[1]).reshape(-1, 3)
     np.testing.assert_allclose(found, wanted, atol=1e-14)
@@ -69,7 +69,7 @@ def test_a_spline_through_a_surface_converges_with_order_four():
     def place(a: float, b: float) -> list[float]:
         return [np.sin(a), np.cos(a) + 0.1 * b * b, b + 0.2 * np.sin(a * b)]
 
-    values = hermite.table(np.array([[0.5, 0.5]]))[0, hermite.VALUE]
+    values = bicubic([[0.5, 0.5]])[0]
     errors = []
     for n in (4, 8, 16):
         shell = fl.ThinShell(fl.mesh.spline_patch(place, (n, n)), SECTION)
