@@ -9,6 +9,7 @@ import ufl
 from dolfinx import fem
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from models import few
 from shell_models import quartic
 
 import fem_lie as fl
@@ -186,7 +187,7 @@ def test_one_element_in_pure_bending_to_a_quarter_circle():
 
 
 @given(st.floats(-7, 7), st.integers(0, 9))
-@settings(deadline=None, max_examples=20)
+@settings(few, max_examples=20)
 def test_components_rotate_as_tensors(angle, seed):
     """From one choice of axes to another; principal values and von Mises stress have no axes."""
     shell = distorted("quadrilateral", 1, fl.elements.HellingerReissner())
