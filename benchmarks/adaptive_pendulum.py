@@ -63,13 +63,13 @@ def stress(scene: fl.Scene, result: fl.Result) -> np.ndarray:
     (body,) = scene.bodies
     assert isinstance(body, fl.Beam)
     frames = result.frames[-1][result.info.body("arm").nodes]
-    start, end = body.elements[:, :2].T
+    start, end = body.model.elements[:, :2].T
 
     def rates(H: np.ndarray) -> np.ndarray:
-        return fl.lie.se3_relative(H[start], H[end]) / body.lengths[:, np.newaxis]
+        return fl.lie.se3_relative(H[start], H[end]) / body.model.lengths[:, np.newaxis]
 
     strain = rates(frames) - rates(body.frames)
-    roots = np.sqrt(np.diagonal(body.stiffness, axis1=1, axis2=2))
+    roots = np.sqrt(np.diagonal(body.model.stiffness, axis1=1, axis2=2))
     order = np.argsort(-body.frames[start, 0, 2])
     edges = np.sort(-body.frames[:, 0, 2])
     return (strain * roots)[order[np.searchsorted(edges, PLACES) - 1]]

@@ -35,7 +35,7 @@ def section() -> fl.Section:
 def residual(elements: int) -> float:
     """Seconds per element."""
     body = fl.AncfBeam.curve(lambda s: (s, 0.3 * s * s, 0.1 * s**3), section(), cells=elements)
-    term, out = fl.AncfBeam.assemble([body]), np.zeros((len(body.frames), 6))
+    term, out = body.model.assemble([body.model]), np.zeros((len(body.frames), 6))
     H = body.frames.copy()
     term.add_forces(H, out)
     start = process_time()
@@ -79,7 +79,7 @@ def twisted(cells: int) -> tuple[float, float]:
     scene = fl.Scene()
     scene.add(beam)
     scene.add(fl.PointLoad(beam.point("end"), moment=(torque, 0, 0)))
-    rows = fl.statics(scene).frames[-1][2 * beam.points_count - 1]
+    rows = fl.statics(scene).frames[-1][2 * beam.model.points_count - 1]
     x = length * np.sqrt(G * J / warping)
     part = 1 - np.tanh(x) / x
     angle = 0.5 * (rows[1, 2] - rows[2, 1])

@@ -81,7 +81,7 @@ def seconds(call: Callable[[], object]) -> float:
 
 def cost(name: str, shell: fl.AncfShell | fl.ThinShell) -> None:
     """Of 40 × 40 cells."""
-    assembly = type(shell).assemble([shell])
+    assembly = shell.model.assemble([shell.model])
     H, out = shell.frames.copy(), np.zeros(6 * len(shell.frames))
     assembly.reset_stress(H)
     calls = {

@@ -60,8 +60,8 @@ def rubber(options: Options) -> Built:
     fallen = fl.Scene((0, 0, -9.81), matrix_terms=options.choices)
     for body in scene.bodies:
         assert isinstance(body, fl.Beam)
-        body.stiffness = np.tile(soft.stiffness, (10, 1, 1))
-        body.density = np.tile(soft.inertia, (10, 1, 1))
+        body.model.stiffness = np.tile(soft.stiffness, (10, 1, 1))
+        body.model.density = np.tile(soft.inertia, (10, 1, 1))
         body.name = ""
         fallen.add(body)
     for joint in scene.joints:

@@ -91,7 +91,7 @@ def driven_body() -> fl.Scene:
     scene.add(fl.joints.Spherical(rope.point("end"), arm.point("start")))
     hinge = scene.add(fl.joints.Revolute(fl.ground(), arm.point("end"), axis=(0, 1, 0)))
     scene.add(fl.joints.Spring(hinge.angle, 1.0, 0.02))
-    arm.damping = fl.sections.Damping(mass=0.2, stiffness=1e-3)
+    arm.model.damping = fl.sections.Damping(mass=0.2, stiffness=1e-3)
     return scene
 
 

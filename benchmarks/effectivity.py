@@ -69,7 +69,7 @@ class Solved(NamedTuple):
         (shell,) = scene.bodies
         result = case.solve(scene)
         (fields,) = fields_of(result, shell, scene)
-        corners = case.places(shell.mesh, count)[shell.mesh.cells]
+        corners = case.places(shell.model.mesh, count)[shell.model.mesh.cells]
         return cls(scene, result, shell, fields, corners)
 
 
@@ -112,7 +112,7 @@ def all_shell_rows(
 def _own(coarse: Solved, fine: Solved, ratio: int) -> np.ndarray:
     """Stress of the coarse cells at the points of the fine ones, shape (m, q, 8)."""
     rule, _ = integration(fine.shell)
-    points = CellPoints.of(fine.shell.own_mesh, rule)
+    points = CellPoints.of(fine.shell.model.own_mesh, rule)
     low = np.rint(coarse.corners.min(axis=1)).astype(int)
     number = {tuple(corner): i for i, corner in enumerate(low.tolist())}
     inside = np.floor(fine.corners.min(axis=1) / ratio + 1e-9).astype(int)
@@ -299,7 +299,7 @@ def cost(estimate: fl.adaptivity.ErrorEstimate, repeats: int = 100) -> float:
     scene = hemisphere.pinched(0.04, hemisphere.quarter(32))
     result = fl.follow_loads(scene, [0.1])
     (shell,) = scene.bodies
-    assembly = fl.Shell.assemble([shell])
+    assembly = shell.model.assemble([shell.model])
     frames = np.empty_like(result.frames[-1])
     frames[assembly.order] = result.frames[-1]
     out, seconds = np.zeros((assembly.count, 6)), np.empty((repeats, 3))

@@ -110,8 +110,8 @@ BESIDE = ("bends", "corners", "warping", "coupling")
 def term_of(name: str, body: Any) -> Any:
     """The term of an element of a body."""
     if name == "drilling":
-        body.drills([])
-    term = type(body).assemble([body])
+        body.model.drills([])
+    term = body.model.assemble([body.model])
     beside = name.startswith(BESIDE) or name == "drilling"
     return term.beside[0] if beside else term
 
@@ -135,8 +135,10 @@ def measured(name: str, derived: bool) -> list[float]:
     body = bodies(derived)[name]()
     term, rng = term_of(name, body), np.random.default_rng(1)
     H, count = np.empty_like(body.frames), len(body.frames)
-    scale = 0.05 * body.size / CELLS
-    node_types.retract_all(body.node_types, body.frames, scale * rng.normal(size=(count, 6)), H)
+    scale = 0.05 * body.model.size / CELLS
+    node_types.retract_all(
+        body.model.node_types, body.frames, scale * rng.normal(size=(count, 6)), H
+    )
     # older packages have other names for it
     if getattr(term, "stress_update", None) is not None:
         term.stress_update.reset_stress(H)

@@ -24,7 +24,7 @@ class Timed:
     def __init__(self, cells: int) -> None:
         """Of so many meshes per side."""
         self.scene, net = square_net(cells)
-        self.elements, self.scheme = len(net.elements), fl.Explicit()
+        self.elements, self.scheme = len(net.model.elements), fl.Explicit()
         self.step = 0.9 * self.scheme.stable_step(self.scene)
         self.steps = max(20, WORK // self.elements)
         self.seconds(1)

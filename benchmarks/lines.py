@@ -133,7 +133,7 @@ def rolled_up(name: str, cells: int, slenderness: float) -> Found:
     point = body.point("end")
     if isinstance(body, fl.Cable | fl.SplineCable):
         tip = scene.add(fl.RigidBody(1.0, (1, 1, 1), position=TIP))
-        tip.held[0, 3] = True  # about the tangent
+        tip.model.held[0, 3] = True  # about the tangent
         scene.add(fl.joints.Revolute(tip.point("centre"), body.point("end"), axis=(1, 0, 0)))
         point = tip.point("centre")
     scene.add(fl.PointLoad(point, moment=moment))

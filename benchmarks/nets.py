@@ -76,9 +76,9 @@ def run(parts: int, step: float) -> Run:
     rows = np.rint(np.linspace(0, steps, 11)[1:]).astype(int)
     nodes = result.info.body(body.name).nodes[: (MESHES + 1) ** 2]
     knots = result.frames[rows][:, nodes, 0]
-    count = 3 * len(body.frames) - int(body.held[:, :3].sum())
+    count = 3 * len(body.frames) - int(body.model.held[:, :3].sum())
     per_step = int(result.iterations[-1]) / steps
-    return Run(len(body.lengths), count, knots, seconds, steps, per_step, result.k_updates)
+    return Run(len(body.model.lengths), count, knots, seconds, steps, per_step, result.k_updates)
 
 
 def row(found: Run, before: Run | None) -> str:

@@ -107,7 +107,7 @@ def swings(modulus: float, speed: float) -> dict[str, float]:
     size, record = amplitude(full, body), {}
     for parts, modes in ((1, 8), (2, 2), (4, 0)):
         rod = straight_rod(np.eye(3), CELLS, modulus)
-        rods = pieces(rod, body.sections[0], parts, modes, last=False)
+        rods = pieces(rod, body.model.sections[0], parts, modes, last=False)
         record[f"swing_{modulus:g}_{speed:g}_{parts}"] = (
             largest(swung(rods, speed * SPIN, 5e-4), full) / size
         )
@@ -147,7 +147,7 @@ def cranks(modulus: float) -> dict[str, float]:
     size = float(off_chord(full.frames[:, nodes, 0])[0].max())
     record = {f"crank_{modulus:g}_full_step": largest(fine.frames[::2, nodes, 0], full) / size}
     for parts, modes in ((1, 8), (2, 2), (4, 0)):
-        rods = pieces(whole, whole.sections[0], parts, modes, last=True)
+        rods = pieces(whole, whole.model.sections[0], parts, modes, last=True)
         found = scheme.run(cranked(rods), duration=1.0, step=5e-4)
         record[f"crank_{modulus:g}_{parts}"] = largest(places(found, rods), full) / size
     return record

@@ -72,9 +72,9 @@ def in_fixed_axes(
 ) -> np.ndarray:
     """Places (s, n, 3) of the same shapes with small rotations about the state at rest."""
     part = fl.Scene()
-    body = part.add(few.full)
+    body = part.add(few.model.full)
     rest, X, axes = LinearisedBody(part, None), body.frames, few.frames[0, 1:]
-    flat = few.shapes.reshape(*few.shapes.shape[:2], 2, 3) @ axes
+    flat = few.model.shapes.reshape(*few.model.shapes.shape[:2], 2, 3) @ axes
     turns = np.zeros((3, len(X), 2, 3))
     turns[:, :, 1] = np.eye(3)[:, np.newaxis]
     turns[:, :, 0] = np.cross(np.eye(3)[:, np.newaxis], X[:, 0] - X[0, 0])

@@ -122,7 +122,7 @@ def postures(cells: int, modes: int, count: int) -> dict[str, float]:
 def spinning(modes: int) -> dict[str, float]:
     """Largest errors of the first four frequencies of the blade, and seconds of both."""
     scene, beam = blade(16)
-    lag = float(np.sqrt(beam.stiffness[0, 5, 5] / beam.density[0, 0, 0])) / LENGTH**2
+    lag = float(np.sqrt(beam.model.stiffness[0, 5, 5] / beam.model.density[0, 0, 0])) / LENGTH**2
     began = time.perf_counter()
     basis = fl.reduction.craig_bampton(scene, [], modes)
     record = {f"blade_{modes}_set_up_seconds": time.perf_counter() - began}
@@ -137,7 +137,7 @@ def spinning(modes: int) -> dict[str, float]:
 def spinning_reduced(modes: int, stretching: bool = True) -> dict[str, float]:
     """Likewise of the blade as a reduced body on its clamp: tension is that of its modes."""
     scene, beam = blade(16)
-    lag = float(np.sqrt(beam.stiffness[0, 5, 5] / beam.density[0, 0, 0])) / LENGTH**2
+    lag = float(np.sqrt(beam.model.stiffness[0, 5, 5] / beam.model.density[0, 0, 0])) / LENGTH**2
     part, few = fl.Scene(), fl.Scene()
     section = fl.Section.rectangle(WIDTH, HEIGHT, STEEL)
     free = part.add(fl.Beam.straight((0, 0, 0), (LENGTH, 0, 0), section, cells=16))

@@ -53,7 +53,7 @@ def report(way: str, mesh: fl.mesh.SurfaceMesh, relative: float, since: float) -
 def by_patterns(tolerance: float) -> None:
     """By ``fl.adaptivity.adapt``, for several parts of the error that are cut."""
     for part in (0.3, 0.5, 0.7):
-        since, mesh = perf_counter(), effectivity.l_plate(4).bodies[0].mesh
+        since, mesh = perf_counter(), effectivity.l_plate(4).bodies[0].model.mesh
         found = fl.adaptivity.adapt(
             plate, mesh, tolerance=tolerance, solve=fl.statics, estimate=ESTIMATE, part=part
         )
@@ -70,12 +70,12 @@ def by_equal(tolerance: float) -> None:
             fl.statics(scene), scene.bodies[0], scene, estimate=ESTIMATE
         )
         relative = found.relative
-    report("equal", scene.bodies[0].mesh, relative, since)
+    report("equal", scene.bodies[0].model.mesh, relative, since)
 
 
 def by_gmsh(tolerance: float) -> None:
     """Meshed anew with sizes from the estimate, until it is met."""
-    since, mesh = perf_counter(), effectivity.l_plate(4).bodies[0].mesh
+    since, mesh = perf_counter(), effectivity.l_plate(4).bodies[0].model.mesh
     for _ in range(8):
         scene = plate(mesh)
         found = fl.adaptivity.space_error(

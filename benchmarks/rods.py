@@ -38,7 +38,7 @@ def cable(
 def residual(elements: int, element: fl.elements.BeamFormulation) -> float:
     """Seconds per element."""
     body = cable(elements, element, bow=0.1)
-    assembly = type(body).assemble([body])
+    assembly = body.model.assemble([body.model])
     H, out = np.empty_like(body.frames), np.zeros(6 * len(body.frames))
     H[assembly.order] = body.frames
     terms = [assembly, *assembly.beside]

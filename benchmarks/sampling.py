@@ -80,7 +80,7 @@ class Interpolated:
     def __init__(self, states: fl.reduction.ReducedStates, rank: int) -> None:
         """S. Chaturantabut & D. C. Sorensen, SIAM J. Sci. Comput. 32 (2010) 2737."""
         basis = states.basis
-        count, self.m = len(basis.body.elastic_cells), len(basis)
+        count, self.m = len(basis.body.model.elastic_cells), len(basis)
         every = ReducedCells(basis, np.arange(count), np.ones(count))
         snapshots = np.array([every.of_each(η).ravel() for η in states.coordinates])
         U = np.linalg.svd(snapshots, full_matrices=False)[2][:rank].T
@@ -144,7 +144,7 @@ class Case:
 
     def with_all(self, shapes: str, basis: fl.reduction.Basis) -> Row:
         """Forces of all cells."""
-        count = len(self.body.elastic_cells)
+        count = len(self.body.model.elastic_cells)
         every = ReducedCells(basis, np.arange(count), np.ones(count))
         return self.row(shapes, basis, every, count, loads_of(self.scene, basis))
 

@@ -101,9 +101,9 @@ class Layer(NamedTuple):
         (shell,) = scene.bodies
         x, w = hermite.gauss(POINTS)
         table = hermite.table(hermite.products(x, x))
-        lying, moved = shell.vectors(), shell.vectors(result.frames[-1])
+        lying, moved = shell.model.vectors(), shell.model.vectors(result.frames[-1])
         places = np.einsum("ga,maj->mgj", table[:, hermite.VALUE], lying)
-        a, b = shell.sizes[:, 0], shell.sizes[:, 1]
+        a, b = shell.model.sizes[:, 0], shell.model.sizes[:, 1]
         spans = np.stack([a * a, b * b, a * b])[:, :, np.newaxis]
         found = np.einsum("gka,ma->kmg", table[:, hermite.BENT_ALONG :], moved[:, :, 2]) / spans
         at = np.vectorize(deflection)

@@ -333,7 +333,7 @@ def membrane() -> fl.Scene:
     cells = fl.mesh.parametric_volume(cooks_membrane.place, (24, 24, 1))
     panel = fl.Solid(cells, fl.sections.NeoHooke(240.0, 0.3), name="panel")
     panel.clamp("a=0")
-    panel.held[:, 2] = True
+    panel.model.held[:, 2] = True
     scene = fl.Scene()
     scene.add(panel)
     scene.add(fl.loads.FaceLoad(panel, "a=1", (0, 10.0 / 16, 0)))

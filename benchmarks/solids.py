@@ -79,7 +79,7 @@ def residual(_: int) -> None:
             body = fl.Solid.brick(
                 (1.0, 1.0, 1.0), LAW, cells=(count,) * 3, cell=cell, degree=degree, name="block"
             )
-            assembly = fl.Solid.assemble([body])
+            assembly = body.model.assemble([body.model])
             H, out = body.frames.copy(), np.zeros(6 * len(body.frames))
             H[:, 0] += 0.01 * np.sin(3.0 * H[:, 0, [2, 0, 1]])
             H[assembly.order] = H.copy()
@@ -91,8 +91,8 @@ def residual(_: int) -> None:
                     assembly.add_forces(H, out)
                 times.append((process_time() - start) / 10)
             each = 1e6 * min(times)
-            cells, nodes = len(body.connectivity), len(body.frames)
-            what = f"{cell}, degree {degree}, {type(body.formulation).__name__}"
+            cells, nodes = len(body.model.connectivity), len(body.frames)
+            what = f"{cell}, degree {degree}, {type(body.model.formulation).__name__}"
             print(f"| {what} | {each / cells:.2f} | {each / nodes:.2f} |", flush=True)
 
 
@@ -120,7 +120,7 @@ def rise(nu: float, mesh: int, degree: int) -> float:
         name="panel",
     )
     panel.clamp("a=0")
-    panel.held[:, 2] = True
+    panel.model.held[:, 2] = True
     scene = fl.Scene()
     scene.add(panel)
     scene.add(fl.loads.FaceLoad(panel, "a=1", (0.0, SMALL / 16, 0.0)))

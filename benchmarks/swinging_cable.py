@@ -46,7 +46,9 @@ def laid(
     own = fl.Section.from_stiffness([STRETCH] * 3 + [EI] * 3, mass=1.0)
     mesh = curve(line, cells)
     plain = fl.Cable(mesh, own, formulation=ELEMENTS[element])
-    return fl.Cable(mesh, own, length=plain.lengths.sum() / stretch, formulation=ELEMENTS[element])
+    return fl.Cable(
+        mesh, own, length=plain.model.lengths.sum() / stretch, formulation=ELEMENTS[element]
+    )
 
 
 def hinged(cells: int, element: str, EI: float, spin: float) -> fl.Cable:
@@ -101,7 +103,7 @@ def places(cable: fl.Cable, times: np.ndarray, step: float) -> np.ndarray:
     scheme = fl.GeneralisedAlpha(radius=RADIUS)
     result = scheme.run(scene, duration=float(times[-1]), step=step)
     rows = np.rint(times / step).astype(int)
-    return result.frames[rows][:, :: len(cable.lengths) // PARTS, 0]
+    return result.frames[rows][:, :: len(cable.model.lengths) // PARTS, 0]
 
 
 def of_peer(python: Path, cable: fl.Cable, times: np.ndarray, step: float) -> np.ndarray:
@@ -111,13 +113,13 @@ def of_peer(python: Path, cable: fl.Cable, times: np.ndarray, step: float) -> np
     request = {
         "rows": cable.frames[:, :2].reshape(count, 6).tolist(),
         "rates": rates.reshape(count, 6).tolist(),
-        "lengths": cable.lengths.tolist(),
+        "lengths": cable.model.lengths.tolist(),
         "EA": STRETCH,
-        "EI": float(cable.stiffness[0, 4, 4]),
+        "EI": float(cable.model.stiffness[0, 4, 4]),
         "mass": 1.0,
         "gravity": GRAVITY,
-        "pinned": np.flatnonzero(cable.held[:, 0]).tolist(),
-        "asked": list(range(0, count, len(cable.lengths) // PARTS)),
+        "pinned": np.flatnonzero(cable.model.held[:, 0]).tolist(),
+        "asked": list(range(0, count, len(cable.model.lengths) // PARTS)),
         "times": times.tolist(),
         "step": step,
         "radius": RADIUS,

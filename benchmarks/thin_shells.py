@@ -43,7 +43,7 @@ def cost() -> None:
 
 def per_cell(shell: fl.ThinShell) -> dict[str, float]:
     """Microseconds."""
-    assembly, count = ThinShellAssembly([shell]), len(shell.connectivity)
+    assembly, count = ThinShellAssembly([shell]), len(shell.model.connectivity)
     H, out = shell.frames.copy(), np.zeros(6 * len(shell.frames))
     H[:, 0] += 0.01 * np.sin(3.0 * H[:, 0, [2, 0, 1]])
     assembly.reset_stress(H)

@@ -93,7 +93,7 @@ def pinched_cylinder(mesh: fl.mesh.SurfaceMesh) -> fl.Scene:
         shell.roller("b=1", direction)
     scene = fl.Scene()
     scene.add(shell)
-    pad = shell.areas()[mesh.group("pad")].sum()
+    pad = shell.model.areas()[mesh.group("pad")].sum()
     scene.add(fl.AreaLoad(shell, force=(0, 0, -0.25 / pad), cells="pad"))
     return scene
 

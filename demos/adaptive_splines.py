@@ -38,7 +38,7 @@ def square(cells: int) -> fl.mesh.SplineMesh:
 
 def middle(shell: fl.ThinShell) -> int:
     """The point under the force."""
-    away = np.linalg.norm(shell.frames[: shell.points_count, 0] - [0.5, 0.5, 0.0], axis=1)
+    away = np.linalg.norm(shell.frames[: shell.model.points_count, 0] - [0.5, 0.5, 0.0], axis=1)
     return int(away.argmin())
 
 

@@ -21,7 +21,7 @@ def lines(antenna: Antenna, result: fl.Result, row: int) -> list[tuple[np.ndarra
     places, info = result.frames[row, :, 0], result.info
     bays, found = len(antenna.uprights), []
     if antenna.net is not None:
-        ends = antenna.net.elements
+        ends = antenna.net.model.elements
         found.append((places[info.body("net").nodes[ends]], CORD, 0.3))
     bars = np.array([places[info.body(bar.name).nodes] for bar in antenna.bars])
     found.append((bars[:bays], UPRIGHT, 1.2))

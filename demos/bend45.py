@@ -107,7 +107,7 @@ def solve(
         "iterations": result.total_iterations,
         "failed_iterations": result.failed_iterations,
     }
-    if isinstance(beam, fl.AncfBeam) or not beam.formulation.bends:
+    if isinstance(beam, fl.AncfBeam) or not beam.model.formulation.bends:
         return record, result, None
     forces = fl.post.section_forces(result, beam, scene, states=[-1])
     for key, name in (("root_torque", "T"), ("root_moment", "My")):

@@ -67,7 +67,7 @@ def main(
     return {
         "ratio": ratio,
         "error": abs(ratio / wanted - 1),
-        "elements": len(rope.elements),
+        "elements": len(rope.model.elements),
         "iterations": int(result.iterations[-1]),
         "load_steps": len(result.factors),
     }

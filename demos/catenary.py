@@ -82,16 +82,16 @@ def hang(element: str, elements: int) -> tuple[dict[str, Any], fl.StaticResult, 
     """Both ends held; a record of numbers, and the equilibrium."""
     scene = fl.Scene(gravity=(0, -GRAVITY, 0))
     cable = scene.add(laid(element, elements))
-    s = np.concatenate([[0.0], np.cumsum(cable.consistent_lengths()[1].sum(axis=1))])
+    s = np.concatenate([[0.0], np.cumsum(cable.model.consistent_lengths()[1].sum(axis=1))])
     if isinstance(cable, fl.Rod):
         s *= LENGTH / s[-1]
         scene.add(fl.loads.Eigenstrain(cable, (1 / LONGER - 1, 0, 0, 0, 0, 0)))
-        cable.held[[0, -1], :3] = True
-        cable.held[0, 3] = True  # it would turn about itself
+        cable.model.held[[0, -1], :3] = True
+        cable.model.held[0, 3] = True  # it would turn about itself
     else:
         cable.pin(cable.point("start"), cable.point("end"))
     if isinstance(cable, fl.AncfBeam):
-        cable.held[len(s), 2] = True  # likewise: its section's second axis stays in the plane
+        cable.model.held[len(s), 2] = True  # likewise: its section's second axis stays in the plane
     result, (places, H, V) = fl.statics(scene), catenary()
     error = np.linalg.norm(result.frames[-1][: len(s), 0, :2] - places(s), axis=1).max()
     gap = np.linalg.norm(result.reactions[-1][0, :2] - (-H, V))

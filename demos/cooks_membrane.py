@@ -71,7 +71,7 @@ def solve(
     cells = fl.mesh.parametric_volume(place, (mesh, mesh, 1))
     panel = fl.Solid(cells, material, degree=degree, formulation=formulation, name="panel")
     panel.clamp("a=0")
-    panel.held[:, 2] = True
+    panel.model.held[:, 2] = True
     scene = fl.Scene()
     scene.add(panel)
     scene.add(fl.loads.FaceLoad(panel, "a=1", (0, load / 16, 0)))

@@ -27,7 +27,7 @@ def main(element: str = "cable", elements: int = 32) -> dict[str, Any]:
     mesh = fl.mesh.curve(lambda s: (0.0, 0.0, -LENGTH * s), elements)
     cable = fl.Cable(mesh, section, formulation=ELEMENTS[element])
     mass = fl.RigidBody(0.1 * LENGTH, (1e-3,) * 3, position=(0, 0, -LENGTH))
-    mass.held[0, 3:] = True
+    mass.model.held[0, 3:] = True
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
     for body in (cable, mass):
         scene.add(body)

@@ -71,7 +71,7 @@ def plate(
     for side, tilt in (("a=0", 3), ("a=1", 3), ("b=0", 4), ("b=1", 4)):
         shell.hinge(side)
         # nodal frames are along the edges: turning about e₁ tilts towards e₂, and the reverse
-        shell.held[shell.mesh.nodes(side), tilt] = True
+        shell.model.held[shell.model.mesh.nodes(side), tilt] = True
     scene = fl.Scene()
     scene.add(shell)
     scene.add(fl.AreaLoad(shell, force=(0, 0, load)))
@@ -85,7 +85,7 @@ def compare(
     found = fl.post.resultants(result, shell)
     info, pairs = result.info.body(shell.name), {}
     for name, (x, y) in PLACES.items():
-        node = int(np.linalg.norm(shell.mesh.points[:, :2] - [x, y], axis=1).argmin())
+        node = int(np.linalg.norm(shell.model.mesh.points[:, :2] - [x, y], axis=1).argmin())
         height = result.frames[-1][info.nodes[node], 0, 2]
         value = height if name == "w" else found.smooth(name)[node]
         pairs[name] = (float(value), navier(section, load, x, y)[name])

@@ -73,8 +73,8 @@ def strains(scene: fl.Scene, result: fl.Result, places: Any) -> Any:
     (body,) = scene.bodies
     assert isinstance(body, fl.Beam)
     frames = result.frames[-1][result.info.body(body.name).nodes]
-    start, end = body.elements[:, :2].T
-    d = fl.lie.se3_relative(frames[start], frames[end]) / body.lengths[:, np.newaxis]
+    start, end = body.model.elements[:, :2].T
+    d = fl.lie.se3_relative(frames[start], frames[end]) / body.model.lengths[:, np.newaxis]
     edges = np.sort(body.frames[:, 0, 0])
     order = np.argsort(body.frames[start, 0, 0])
     which = order[np.clip(np.searchsorted(edges, places) - 1, 0, len(order) - 1)]

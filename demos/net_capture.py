@@ -46,7 +46,7 @@ def picture(result: fl.Result, scene: fl.Scene) -> None:
         places, nodes = result.frames[row, :, 0] @ VIEW, result.info.body
         panel.add_patch(Circle((0.0, 0.0), BALL, color="#dddddd"))
         for body, colour, width in ((net, "#0072B2", 0.7), (rope, "#D55E00", 1.4)):
-            threads = list(places[nodes(body.name).nodes[body.elements]])
+            threads = list(places[nodes(body.name).nodes[body.model.elements]])
             panel.add_collection(LineCollection(threads, colors=colour, linewidths=width))
         at = np.array([places[nodes(mass.name).nodes[0]] for mass in masses])
         panel.plot(*at.T, "ko", ms=4)

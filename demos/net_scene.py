@@ -81,7 +81,7 @@ def capture(rings: int, cells: int, start: float) -> tuple[fl.Scene, int]:
     )
     pull = fl.loads.PiecewiseLinear((0.0, start, start + 0.01), (0.0, 0.0, PULL))
     scene.add(fl.PointLoad(masses[-1].point("centre"), force=(0.0, 0.0, -1.0), history=pull))
-    return scene, len(net.elements) + len(rope.elements)
+    return scene, len(net.model.elements) + len(rope.model.elements)
 
 
 def rope_path(places: np.ndarray, along: list[int], cells: int) -> np.ndarray:

@@ -59,7 +59,7 @@ def deflection(result: fl.Result, bar: fl.Beam) -> float:
     """Largest distance of a bar's nodes from the line through its ends, over its length."""
     every = max(1, len(result.times) // 1000)
     x = result.frames[::every, result.info.body(bar.name).nodes, 0]
-    return float(off_chord(x)[0].max() / bar.size)
+    return float(off_chord(x)[0].max() / bar.model.size)
 
 
 def of_equal_steps(result: fl.Result) -> dict[str, Any]:

@@ -80,7 +80,11 @@ def main(
     start = perf_counter()
     links = [few.add(reduced(x, name, modes)) for x, name in ((0.0, "one"), (LENGTH, "two"))]
     setup = perf_counter() - start
-    arrays = [a for link in links for a in (link.density, link.stiffness, link.quadratic)]
+    arrays = [
+        a
+        for link in links
+        for a in (link.model.density, link.model.stiffness, link.model.quadratic)
+    ]
     hinged(few, [link.point(k) for link in links for k in range(2)])
     scheme, steps = fl.GeneralisedAlpha(radius=0.8), round(duration / step)
     scheme.run(few, duration=step, step=step)  # compiles
@@ -98,7 +102,7 @@ def main(
     if pictures:
         draw(found, full.times, away)
     return {
-        "modes": len(links[0].stiffness),
+        "modes": len(links[0].model.stiffness),
         "motion_error": float(away[0].max()),
         "tip_error": float(away[1].max()),
         "moment_error": float(moment),

@@ -46,7 +46,7 @@ def campbell(
 ) -> tuple[np.ndarray, np.ndarray, fl.stability.Modes]:
     """First six frequencies at each speed over the first lag frequency scale, and references."""
     scene, beam = blade(elements)
-    D, mass = np.diag(beam.stiffness[0]), beam.density[0, 0, 0]
+    D, mass = np.diag(beam.model.stiffness[0]), beam.model.density[0, 0, 0]
     flap, lag = (np.sqrt(D[k] / mass) / LENGTH**2 for k in (4, 5))
     found, expected = [], []
     for speed in speeds:

@@ -44,7 +44,9 @@ def cell(thickness: float, mesh: int, slimness: float = 1.0) -> fl.Scene:
     wall.symmetry("b=1", (0, 0, 1))
     top = wall.points("b=1")
     for point in top:
-        wall.held[point.node, 0] = False  # along the axis, which is e1 there: the ring holds it
+        wall.model.held[point.node, 0] = (
+            False  # along the axis, which is e1 there: the ring holds it
+        )
     wall.symmetry("b=0", (0, 0, 1))
     wall.symmetry("a=0", (0, 1, 0))
     wall.symmetry("a=1", (-np.sin(width), np.cos(width), 0))

@@ -61,7 +61,7 @@ def main(
     # all that is kept takes time of its own
     _, seconds = timed(steps + 1, steps + 1)
     result, _ = timed(steps, max(1, steps // 50))
-    elements, energy = len(net.elements), result.total_energy
+    elements, energy = len(net.model.elements), result.total_energy
     third = len(energy) // 3
     early, late = energy[:third].mean(), energy[-third:].mean()
     record: dict[str, Any] = {

@@ -10,6 +10,8 @@ scenes are in :mod:`fem_lie` itself; this module has what scenes do not show.
   :func:`cell_data`, :class:`CellFunctions`, :data:`CELL_SIGNATURE`, the functions of :mod:`cell`,
   :class:`NodeType` and the compiled functions of all node types, the module :mod:`node_types`;
   vectors of three numbers in these, the module :mod:`tuples`; :func:`compiled`, :func:`callback`.
+* **Bodies**: :class:`ElementBody` of elements of your own; any other :class:`Body` has a
+  :class:`BodyModel`, which is what the assembly sees of it.
 * **Error estimates**: :class:`ElementErrors`, what an estimate returns for each state.
 * **Joints**: :func:`rows` selects entries of the relative motion.
 * **Contact surfaces**: :class:`PointSurface`, :class:`PlaneSurface`, :class:`LineSurface`,
@@ -39,6 +41,7 @@ from fem_lie._state import attributes
 from fem_lie.adaptivity.estimates.estimate import ElementErrors
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.cells.element_body import ElementBody
+from fem_lie.bodies.model import BodyModel
 from fem_lie.contact.pairs.balls import BallGapPair
 from fem_lie.contact.pairs.pair import ContactPair, PenaltyPair, register_contact_pair
 from fem_lie.contact.pairs.patch_surfaces import PatchSurface
@@ -95,6 +98,7 @@ __all__ = [
     "Array",
     "BallGapPair",
     "Body",
+    "BodyModel",
     "Carrier",
     "CellData",
     "CellFunctions",

@@ -129,7 +129,7 @@ def scene(damping: float) -> fl.Scene:
     """The pendulum, whose bars damp strains."""
     found = soft_pendulum()
     for bar in found.bodies:
-        bar.damping = fl.sections.Damping(stiffness=damping)
+        bar.model.damping = fl.sections.Damping(stiffness=damping)
     return found
 
 

@@ -15,7 +15,7 @@ class BodyAlone:
     size = 0.1
 
     def __init__(self, body, term):
-        self.body, self.term, self.kinds = body, term, body.node_types
+        self.body, self.term, self.kinds = body, term, body.model.node_types
         self.count = len(self.kinds)
         self.rng = np.random.default_rng(1)
 
@@ -43,5 +43,5 @@ class BodyAlone:
         moved = H @ motion[1:]
         moved[:, 0] += motion[0]
         # row 3 of the second nodes of plates is no vector: the body sets it
-        self.body.follower()(moved)
+        self.body.model.follower()(moved)
         return moved

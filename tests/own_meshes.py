@@ -16,4 +16,4 @@ def own_mesh(points, cells, cell: str, comm=MPI.COMM_SELF) -> dolfinx.mesh.Mesh:
 
 def mesh_of(body) -> dolfinx.mesh.Mesh:
     """Mesh of the forms of a body that is alone."""
-    return type(body).assemble([body]).forms.increment.function_space.mesh
+    return body.model.assemble([body.model]).forms.increment.function_space.mesh

@@ -308,7 +308,7 @@ def test_quadrilaterals_by_all_patterns():
 
 def test_quadrilaterals_are_refined_where_stress_is_rough():
     """A corner of a plate, re-entrant: fewer cells than with equal ones, and names are kept."""
-    mesh = effectivity.l_plate(4).bodies[0].mesh
+    mesh = effectivity.l_plate(4).bodies[0].model.mesh
     build, estimate = refined_quadrilaterals.plate, fl.adaptivity.ResidualEstimate()
     found = fl.adaptivity.adapt(build, mesh, tolerance=0.2, solve=fl.statics, estimate=estimate)
     assert found.error.relative <= 0.2
@@ -393,8 +393,10 @@ def test_estimates_are_multiplied_by_what_was_missed(values, estimates, factor):
 
         def found(self, result, bodies, scene):
             (beam,) = bodies
-            k = len(beam.elements) - 2
-            return values[k], [np.full(len(beam.elements), estimates[k] / len(beam.elements))]
+            k = len(beam.model.elements) - 2
+            return values[k], [
+                np.full(len(beam.model.elements), estimates[k] / len(beam.model.elements))
+            ]
 
     line = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 2)
     with pytest.raises(fl.ConvergenceError, match="more than 24 unknowns") as caught:

@@ -27,7 +27,7 @@ class Alone(BodyAlone):
 
     def __init__(self, cells=2, element=None, section=SECTION):
         body = fl.AncfBeam.curve(bowed, section, cells=cells, formulation=element)
-        super().__init__(body, fl.AncfBeam.assemble([body]))
+        super().__init__(body, body.model.assemble([body.model]))
 
 
 @every_element
@@ -111,7 +111,7 @@ def test_small_deflections_are_those_of_timoshenko(cells):
     across = [small * (L**3 / (3 * EI) + L / GA) for EI, GA in ((D[5], D[1]), (D[4], D[2]))]
     expected = np.array([small * L / D[0], *across])
     np.testing.assert_allclose(moved - (L, 0, 0), expected, rtol=5e-5)
-    node = beam.points_count - 1
+    node = beam.model.points_count - 1
     rows = result.frames[-1][2 * node + 1]
     # the moment acts on one slope, and so shears the section a little
     assert 0.5 * (rows[1, 2] - rows[2, 1]) == pytest.approx(small * L / D[3], rel=1e-4)
@@ -177,8 +177,8 @@ def test_the_limit_of_the_bend_is_that_of_beams_whose_sections_stay():
 def test_a_stretched_beam_pulls():
     """Laid a hundredth longer than it is: Green's strain, and half as much stress again."""
     beam = fl.AncfBeam.straight((0, 0, 0), (1.01, 0, 0), SECTION, cells=3, length=1.0)
-    assert beam.lengths.sum() == pytest.approx(1.0, rel=1e-14)
-    strains = fl.AncfBeam.assemble([beam]).strains(beam.frames)
+    assert beam.model.lengths.sum() == pytest.approx(1.0, rel=1e-14)
+    strains = beam.model.assemble([beam.model]).strains(beam.frames)
     np.testing.assert_allclose(strains[:, [0, 3, 6]], 0.5 * (1.01**2 - 1), rtol=1e-12)
     np.testing.assert_allclose(np.delete(strains, [0, 3, 6], axis=1), 0.0, atol=1e-14)
 
@@ -250,7 +250,7 @@ def test_restrained_warping_is_that_of_vlasov(slenderness):
     for cells in (8, 24):
         beam = fl.AncfBeam.straight((0, 0, 0), (L, 0, 0), own, cells=cells, warping=EIw)
         _, result = tip(beam, moment=(T, 0, 0))
-        rows = result.frames[-1][2 * beam.points_count - 1]
+        rows = result.frames[-1][2 * beam.model.points_count - 1]
         twist = 0.5 * (rows[1, 2] - rows[2, 1])
         exact = T * L / GJ * (1 - np.tanh(slenderness) / slenderness)
         errors.append(abs(twist / exact - 1))

@@ -133,7 +133,7 @@ def test_clamp_joint_and_motion_on_a_node_that_follows():
         for support in ("clamp", "joint", "motion"):
             scene = fl.Scene()
             beam = scene.add(fl.Beam(mesh_of(BRANCH), SECTION, up=UP))
-            assert beam.masters.tolist() == [0, 1, 2, 3, 4, 5, 2, 2]
+            assert beam.model.masters.tolist() == [0, 1, 2, 3, 4, 5, 2, 2]
             corner = beam.point(node)
             if support == "clamp":
                 scene.add(fl.Clamp(corner))

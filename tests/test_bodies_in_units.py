@@ -129,8 +129,8 @@ def flown(u: UnitSystem, scheme: str, name: str) -> tuple[np.ndarray, int, int]:
         scene, duration=u.time(5 * step), step=u.time(step), progress=False
     )
     places = (
-        result.frames[-1][fl.extend.node_types.has_position(body.node_types), 0]
-        - body.frames[fl.extend.node_types.has_position(body.node_types), 0]
+        result.frames[-1][fl.extend.node_types.has_position(body.model.node_types), 0]
+        - body.frames[fl.extend.node_types.has_position(body.model.node_types), 0]
     )
     each = np.diff(result.iterations)
     return u.inverse.length(places), int(each.sum() - each.max()), int(result.divided)

@@ -120,7 +120,7 @@ def error_of_catenary(cells: int, EA: float = 1e6) -> float:
     scene, cable = hung(cells, EA, 1e-6)
     H = fl.statics(scene).frames[-1]
     shape, _ = elastic_catenary(EA)
-    s = np.concatenate([[0.0], np.cumsum(cable.lengths)])
+    s = np.concatenate([[0.0], np.cumsum(cable.model.lengths)])
     return float(np.abs(H[:, 0, :2] - shape(s)).max())
 
 
@@ -137,7 +137,7 @@ def test_published_forces_of_an_elastic_catenary():
     found = fl.statics(scene).reactions[-1]
     np.testing.assert_allclose(found[0, :2], (-forces[0], forces[1]), rtol=1e-4)
     np.testing.assert_allclose(found[:, :3].sum(axis=0), (0, WEIGHT * LENGTH, 0), atol=1e-7)
-    assert cable.size == pytest.approx(LENGTH)
+    assert cable.model.size == pytest.approx(LENGTH)
 
 
 def test_line_load_is_that_of_gravity():
@@ -237,7 +237,7 @@ def test_tension_of_a_slack_cable(strain):
         length=1.0,
         formulation=SLACK,
     )
-    assembly = fl.Cable.assemble([cable])
+    assembly = cable.model.assemble([cable.model])
     forces, H = np.zeros((3, 6)), np.empty((3, 4, 3))
     H[assembly.order] = cable.frames
     assembly.add_forces(H, forces.reshape(-1))
@@ -255,7 +255,7 @@ def test_slack_cables_find_the_only_equilibrium_from_anywhere():
         scene.add(cable)
         cable.pin(cable.point("start"), cable.point("end"))
         result = fl.statics(scene)
-        s = np.concatenate([[0.0], np.cumsum(cable.lengths)])
+        s = np.concatenate([[0.0], np.cumsum(cable.model.lengths)])
         error = np.abs(result.frames[-1][:, 0, :2] - elastic_catenary(EA)[0](s)).max()
         assert error < 1e-5 and (result.negative_pivots == 0).all()
 
@@ -267,7 +267,7 @@ def test_one_of_two_guys_goes_slack():
     mast = scene.add(fl.RigidBody(1.0, (1, 1, 1), position=(0, 0, 1)))
     foot = fl.joints.Spherical(fl.ground(), mast.point((0, 0, 0)))
     scene.add(foot)
-    mast.held[0, [3, 5]] = True
+    mast.model.held[0, [3, 5]] = True
     for side in (-1.0, 1.0):
         guy = fl.Cable(
             fl.mesh.straight_line((side, 0, 0), (0, 0, 1), 4),
@@ -317,7 +317,7 @@ class Bent:
     def __init__(self) -> None:
         rng = np.random.default_rng(2)
         self.cable = fl.Cable.straight((0, 0, 0), (3, 1, 2), section(1e3, 10.0), cells=3)
-        self.assembly = fl.Cable.assemble([self.cable])
+        self.assembly = self.cable.model.assemble([self.cable.model])
         self.kinds = np.full(4, fl.extend.node_types.POSITION_GRADIENT)
         start = np.empty((4, 4, 3))
         start[self.assembly.order] = self.cable.frames
@@ -368,7 +368,7 @@ def every_kind() -> dict[str, fl.Cable]:
 @pytest.mark.parametrize("name", every_kind())
 def test_closed_forces_are_those_of_the_energy(name):
     cable, rng = every_kind()[name], np.random.default_rng(3)
-    assembly, n = type(cable).assemble([cable]), len(cable.frames)
+    assembly, n = cable.model.assemble([cable.model]), len(cable.frames)
     start, H = np.empty((2, n, 4, 3))
     start[assembly.order] = cable.frames
     slopes = np.full(n, fl.extend.node_types.POSITION_GRADIENT)
@@ -578,7 +578,7 @@ def test_joints_hold_a_cable_as_pins_do():
     """Spherical joints to the ground at both ends, against places that are held."""
     scene, cable = hung(8, 1e6, 1e-3)
     pinned = fl.statics(scene)
-    cable.held[:] = False
+    cable.model.held[:] = False
     jointed = fl.Scene(gravity=(0, -WEIGHT, 0))
     jointed.add(cable)
     joints = [

@@ -23,9 +23,9 @@ def flung(body: fl.extend.Body, spin=(0.3, 2.0, 3.0)) -> fl.extend.Body:
     # waves that steps resolve, along all axes of the nodes
     waves = 0.5 * np.sin(2.0 * x[:, [1, 0, 0]] + [0.1, 0.4, 1.0])
     body.velocities[:, :3] += (
-        waves * fl.extend.node_types.has_position(body.node_types)[:, np.newaxis]
+        waves * fl.extend.node_types.has_position(body.model.node_types)[:, np.newaxis]
     )
-    body.velocities[fl.extend.node_types.has_position(body.node_types), 0] += 1.0
+    body.velocities[fl.extend.node_types.has_position(body.model.node_types), 0] += 1.0
     return body
 
 
@@ -106,7 +106,7 @@ def test_damping_of_mass_takes_what_it_says(name):
     """Energy falls by the loss alone, momentum as that of a point under the trapezoidal rule."""
     rate, step, steps = 0.8, 4e-3, 60
     body = flung(BODIES[name]())
-    body.damping = fl.sections.Damping(mass=rate)
+    body.model.damping = fl.sections.Damping(mass=rate)
     scene = fl.Scene()
     scene.add(body)
     result = SCHEME.run(scene, duration=steps * step, step=step)
@@ -125,7 +125,7 @@ def test_damping_of_mass_takes_what_it_says(name):
 def test_damping_of_strain_takes_what_it_says(name):
     """Energy falls by the loss alone, which is never negative; momenta stay."""
     body = flung(BODIES[name]())
-    body.damping = fl.sections.Damping(stiffness=2e-3)
+    body.model.damping = fl.sections.Damping(stiffness=2e-3)
     scene = fl.Scene()
     scene.add(body)
     result = SCHEME.run(scene, duration=0.24, step=4e-3)
@@ -140,7 +140,7 @@ def test_damping_of_strain_takes_what_it_says(name):
 def test_damping_of_strain_is_that_of_generalised_alpha():
     def run(scheme: fl.EnergyMomentum | fl.GeneralisedAlpha, step: float) -> fl.Result:
         body = flung(BODIES["cable"]())
-        body.damping = fl.sections.Damping(stiffness=2e-3)
+        body.model.damping = fl.sections.Damping(stiffness=2e-3)
         scene = fl.Scene()
         scene.add(body)
         return scheme.run(scene, duration=0.04, step=step, save_every=10**6)
@@ -156,7 +156,7 @@ def swinging() -> fl.Scene:
     """A cable on a pin in gravity, drawn by a force that comes and goes."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     cable = scene.add(line(fl.elements.HermiteCable()))
-    cable.pin(cable.point("start"))
+    cable.model.pin(cable.point("start"))
     scene.add(fl.LineLoad(cable, (0, 0.5, 0), history=lambda t: np.sin(9.0 * t)))
     return scene
 
@@ -165,7 +165,7 @@ def clamped() -> fl.Scene:
     """A discrete cable whose end keeps its direction."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     cable = scene.add(line(fl.elements.DiscreteCable()))
-    cable.clamp(cable.point("start"))
+    cable.model.clamp(cable.point("start"))
     return scene
 
 
@@ -173,7 +173,7 @@ def standing() -> fl.Scene:
     """A brick on its foot."""
     scene = fl.Scene(gravity=(0, 3.0, -9.81))
     body = scene.add(brick(SAINT_VENANT))
-    body.clamp("a=0")
+    body.model.clamp("a=0")
     return scene
 
 

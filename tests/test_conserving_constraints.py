@@ -118,7 +118,7 @@ def test_travel_that_is_driven_does_work():
     scene = fl.Scene()
     beam = scene.add(line())
     bead = scene.add(fl.RigidBody(0.5, (0.002, 0.003, 0.004), tuple(beam.frames[2, 0])))
-    reached = float(beam.lengths[:2].sum())
+    reached = float(beam.model.lengths[:2].sum())
     scene.add(
         fl.joints.Collar(
             beam, bead.point("centre"), travel=lambda t: reached + 0.3 * np.sin(8 * t) ** 2

@@ -83,7 +83,7 @@ def beams() -> fl.Scene:
     """A beam with damping that turns on a hinge with a spring."""
     scene = fl.Scene()
     beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), BAR, cells=4))
-    beam.damping = fl.sections.Damping(mass=0.2, stiffness=1e-3)
+    beam.model.damping = fl.sections.Damping(mass=0.2, stiffness=1e-3)
     hinge = scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0)))
     scene.add(fl.joints.Spring(hinge.angle, 1.0, 0.02))
     beam.add_velocity(omega=(0, 3.0, 0), about=(0, 0, 0))

@@ -35,7 +35,7 @@ def body_of(name: str, label: str, shift: np.ndarray) -> fl.extend.Body:
 
 def last_node(body: fl.extend.Body) -> fl.extend.Point:
     """The last one that has a position."""
-    number = np.flatnonzero(np.isin(body.node_types, WITH_POSITION))[-1]
+    number = np.flatnonzero(np.isin(body.model.node_types, WITH_POSITION))[-1]
     return fl.extend.Point(body, int(number))
 
 

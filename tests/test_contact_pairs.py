@@ -218,7 +218,9 @@ class Model:
         n, self.count = len(first.frames), len(first.frames) + len(second.frames)
         numbers = {first: np.arange(n), second: np.arange(n, self.count)}
         self.term = scene.contacts[0].term(numbers.__getitem__)
-        self.kinds = np.concatenate([body.node_types for body in (first, second)]).astype(np.int64)
+        self.kinds = np.concatenate([body.model.node_types for body in (first, second)]).astype(
+            np.int64
+        )
         self.rng = np.random.default_rng(5)
         down = np.concatenate([first.frames, second.frames])
         down[n:, 0, 2] -= DEPTH

@@ -40,7 +40,7 @@ BODIES = {"slopes": cable, "places": discrete, "net": net}
 
 def tangent(body, rows) -> np.ndarray:
     """Blocks of the matrix, with the true stress, in the axes of the rows."""
-    assembly = type(body).assemble([body])
+    assembly = body.model.assemble([body.model])
     H, found = np.empty_like(rows), []
     H[assembly.order] = rows
     for term in (assembly, *assembly.further_terms):
@@ -56,7 +56,7 @@ def tangent(body, rows) -> np.ndarray:
 def test_matrix_does_not_feel_a_rigid_motion(make):
     """Bent otherwise than at the start, then moved far and turned, about tangents, too."""
     body, rng = make(), np.random.default_rng(5)
-    follow = body.follow().follower()
+    follow = body.follow().model.follower()
     assert follow is not None
     rows = body.frames.copy()
     rows[:, 0] += 0.05 * rng.normal(size=rows[:, 0].shape)

@@ -179,10 +179,10 @@ def test_diaphragm_meets_a_plane_of_symmetry():
         if not first:
             shell.symmetry("b=0", (0, 1, 0))
         shells.append(shell)
-    corner = shells[0].mesh.named_points["10"][0]
+    corner = shells[0].model.mesh.named_points["10"][0]
     for shell in shells:
-        assert shell.held[corner, :3].sum() == 2
-        held = shell.supports[corner][shell.held[corner, :3]]
+        assert shell.model.held[corner, :3].sum() == 2
+        held = shell.model.supports[corner][shell.model.held[corner, :3]]
         assert np.abs(held[:, 0]).max() < 1e-12  # x is free
     with pytest.raises(ValueError, match="must not be zero"):
         shells[0].roller("a=1", (0, 0, 0))

@@ -61,7 +61,7 @@ def ring(cells: int, natural: bool) -> tuple[fl.Net, float]:
         section(1e4, 3.0),
         formulation=fl.elements.DiscreteCable(natural=natural),
     )
-    assembly = fl.Net.assemble([net])
+    assembly = net.model.assemble([net.model])
     H = np.empty_like(net.frames)
     H[assembly.order] = net.frames
     (springs,) = assembly.further_terms
@@ -123,7 +123,7 @@ def test_slack_net_hangs():
     scene.add(net)
     net.pin(*(net.point(k) for k in (0, 4, 20, 24)))
     result = fl.statics(scene)
-    weight = 9.81 * net.lengths.sum()
+    weight = 9.81 * net.model.lengths.sum()
     np.testing.assert_allclose(result.reactions[-1][:, :3].sum(axis=0), (0, 0, weight), atol=1e-6)
     places = np.array([result.position(net.point(k))[-1] for k in range(25)]).reshape(5, 5, 3)
     np.testing.assert_allclose(places[:, :, 2], places[::-1, :, 2], atol=1e-7)
@@ -150,7 +150,7 @@ def test_fall_of_a_net():
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
     result = scheme.run(scene, duration=0.2, step=1e-3)
     change = result.momentum - result.momentum[:1]
-    weight = 9.81 * 0.2 * net.lengths.sum()
+    weight = 9.81 * 0.2 * net.model.lengths.sum()
     expected = np.outer(result.times, (0, 0, -weight))
     np.testing.assert_allclose(change, expected, atol=1e-6 * weight)
     assert result.energy_error < 1e-4
@@ -168,7 +168,7 @@ class Bent:
         element = fl.elements.DiscreteCable(natural=natural)
         self.cable = fl.Cable(line, section(1e3, 10.0), formulation=element)
         self.cable.clamp(self.cable.point("start"), self.cable.point("end"))
-        assembly = fl.Cable.assemble([self.cable])
+        assembly = self.cable.model.assemble([self.cable.model])
         (self.springs,) = assembly.further_terms
         H = np.empty_like(self.cable.frames)
         H[assembly.order] = self.cable.frames
@@ -202,7 +202,7 @@ def test_forces_and_matrix_are_derivatives_of_the_energy(natural):
 def test_springs_do_not_feel_rigid_motions():
     """Those between edges; what is clamped is so in space."""
     net, _ = ring(7, True)
-    assembly = fl.Net.assemble([net])
+    assembly = net.model.assemble([net.model])
     (springs,) = assembly.further_terms
     H = np.empty_like(net.frames)
     H[assembly.order] = net.frames

@@ -222,7 +222,7 @@ def test_free_flight_is_exact_in_translation_with_translations_apart(parametrisa
     """A parabola, in 20 large steps of a spinning body."""
     scene = fl.Scene(gravity=(0, 0, -G))
     body = scene.add(fl.RigidBody(2.0, (0.1, 0.2, 0.25), (0, 0, 1)))
-    assert body.group is fl.lie.Group.R3xSO3
+    assert body.model.group is fl.lie.Group.R3xSO3
     body.add_velocity((1, 2, 3))
     body.add_velocity(omega=(0.3, 6, 0.2), about=body.point("centre"))
     scheme = fl.GeneralisedAlpha(parametrisation=parametrisation)

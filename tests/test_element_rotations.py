@@ -39,7 +39,7 @@ def moments(formulation: fl.elements.BeamFormulation, turns: np.ndarray) -> np.n
         cells=1,
         formulation=formulation,
     )
-    assembly = fl.Beam.assemble([beam])
+    assembly = beam.model.assemble([beam.model])
 
     def energy(turn: float) -> float:
         H = np.empty_like(beam.frames)
@@ -167,7 +167,7 @@ def test_shells_have_a_limit_too(degree):
     scene = fl.Scene()
     scene.add(shell)
     scene.add(fl.loads.EdgeLoad(shell, "a=1", moment=(0, -CIRCLE / WIDTH, 0)))
-    turning = shell.turning()
+    turning = shell.model.turning()
     assert turning.limit == (np.pi / 2 if degree == 1 else 3.0)
     assert turning.nodes.shape == (8, degree + 1)
     wanted = [0.8 / np.pi, 0.93 / np.pi] if degree == 1 else [1.5 / np.pi, 1.0]

@@ -50,8 +50,8 @@ def bent(name: str) -> fl.Scene:
     """A body of points that are two nodes each; it flies, turns and vibrates."""
     built = build(free(name))
     body = built.bodies["body"]
-    bends = body.frames[: body.points_count, 0] @ (3.0, 1.0, 0.5)
-    body.velocities[: body.points_count, 2] += 2.0 * np.sin(bends)
+    bends = body.frames[: body.model.points_count, 0] @ (3.0, 1.0, 0.5)
+    body.velocities[: body.model.points_count, 2] += 2.0 * np.sin(bends)
     built.scene.gravity[:] = 0.0
     return built.scene
 
@@ -113,13 +113,13 @@ def test_a_strip_of_points_vibrates_as_a_beam(name):
     ends = []
     for scheme, step in ((SCHEME, 2e-5), (fl.GeneralisedAlpha(), 1e-3)):
         body = POINTS[name](fl.Section.rectangle(0.1, 0.01, fl.Material(1e7, 0.0, 1000.0)))
-        body.clamp(*((body.point("start"),) if name == "ANCF beam" else ("a=0",)))
-        x = body.frames[: body.points_count, 0, 0]
-        body.velocities[: body.points_count, 2] = 0.1 * x**2
+        body.model.clamp(*((body.point("start"),) if name == "ANCF beam" else ("a=0",)))
+        x = body.frames[: body.model.points_count, 0, 0]
+        body.velocities[: body.model.points_count, 2] = 0.1 * x**2
         scene = fl.Scene()
         scene.add(body)
         result = scheme.run(scene, duration=0.15, step=step, save_every=10**6)
-        ends.append(result.frames[-1][: body.points_count, 0])
+        ends.append(result.frames[-1][: body.model.points_count, 0])
     moved = np.abs(ends[1][:, 2]).max()
     assert moved > 3e-3
     np.testing.assert_allclose(ends[0], ends[1], atol=0.03 * moved)
@@ -183,7 +183,7 @@ def test_damping_of_mass(name):
     step = 0.4 * SCHEME.stable_step(scene)
     rate = 1e-3 / step
     for body in scene.bodies:
-        body.damping = fl.sections.Damping(mass=rate)
+        body.model.damping = fl.sections.Damping(mass=rate)
     runs = [
         SCHEME.run(scene, duration=200 * step, step=step / parts, save_every=10 * parts)
         for parts in (1, 2)

@@ -63,7 +63,7 @@ def plan(scene: fl.Scene, steps: int) -> dict[str, float]:
 def damped_rope() -> fl.Scene:
     """The cable is damped, and the ball is not."""
     scene = rope()
-    scene.bodies[0].damping = fl.sections.Damping(mass=50.0)
+    scene.bodies[0].model.damping = fl.sections.Damping(mass=50.0)
     return scene
 
 

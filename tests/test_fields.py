@@ -126,13 +126,13 @@ def test_moments_of_a_thin_shell_are_linear_under_an_end_force():
     scene.add(fl.loads.EdgeLoad(strip, "a=1", force=(0, 0, 0.4)))
     fields = fl.post.thin_resultants(fl.statics(scene), strip)
     at_points = LENGTH - fields.positions[..., 0]
-    points = LENGTH - strip.frames[: strip.points_count, 0, 0]
+    points = LENGTH - strip.frames[: strip.model.points_count, 0, 0]
     for values, arms in (
         (fields.mean("M11"), at_points.mean(axis=1)),
         (fields.smooth("M11"), points),
     ):
         np.testing.assert_allclose(np.abs(values), 0.4 * arms, atol=2e-3 * 0.4)
-    assert fields.smooth("M11").shape == (strip.points_count,)
+    assert fields.smooth("M11").shape == (strip.model.points_count,)
     outside = 6 * 0.4 * points / THICKNESS**2
     np.testing.assert_allclose(fields.smooth("von Mises top"), outside, atol=2e-3 * outside.max())
     with pytest.raises(ValueError, match="has no quantity 'Q1'"):

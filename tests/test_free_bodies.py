@@ -55,7 +55,7 @@ def general(options: fl.GeneralisedAlpha, scene: fl.Scene, steps: int, step: flo
 
 def as_r3xso3(options: fl.GeneralisedAlpha, scene: fl.Scene, steps: int, step: float) -> fl.Result:
     for body in scene.bodies:
-        body.group = fl.lie.Group.R3xSO3
+        body.model.group = fl.lie.Group.R3xSO3
     run = free_bodies.Run(options, fl.extend.Equations(scene, dynamics=True), step)
     return run.run(EqualSteps(Saving(), steps, step), False, None)
 
@@ -276,7 +276,7 @@ def test_thousand_bodies_are_thousand_single_runs():
 
 def test_invariants_are_sums_over_bodies():
     result = fl.GeneralisedAlpha().run(loaded(5), duration=0.1, step=0.01)
-    mass = np.array([body.mass_matrix[0, 0] for body in loaded(5).bodies])
+    mass = np.array([body.model.mass_matrix[0, 0] for body in loaded(5).bodies])
     R, v = result.frames[:, :, 1:], result.velocities
     speed = np.einsum("tnkj,tnk->tnj", R, v[..., :3])
     spin = np.einsum("tnkj,tnk->tnj", R, v[..., 3:] @ FULL)
@@ -407,7 +407,7 @@ def test_translation_is_exact_on_r3xso3_whatever_the_spin():
     path = start[0] + t * (start[1:].T @ v[:3]) + 0.5 * t**2 * [1, 0, -10]
     np.testing.assert_allclose(result.position(0), path, rtol=0, atol=1e-12)
     assert result.momentum_error < 1e-13, "gravity has an impulse"
-    scene.bodies[0].group = fl.lie.Group.SE3
+    scene.bodies[0].model.group = fl.lie.Group.SE3
     other = fl.GeneralisedAlpha().run(scene, duration=1.0, step=0.02)
     assert np.abs(other.position(0) - path).max() > 1e-5
 
@@ -440,7 +440,7 @@ def test_matrix_is_the_derivative_of_the_residual(group):
 
 def test_axes_that_are_held_do_not_move():
     body = fl.RigidBody(1.0, np.ones(3), (0, 0, 0))
-    body.held[0, 2] = True
+    body.model.held[0, 2] = True
     scene = fl.Scene(gravity=(1, 0, -9.81))
     scene.add(body)
     result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.1, step=1e-2, progress=False)

@@ -16,7 +16,7 @@ PLANE = lie.so3_exp([0.3, -0.5, 0.7])
 
 def successive(beam: fl.Beam) -> np.ndarray:
     """Relative motion of the ends of each element, shape (m, 6)."""
-    a, b = beam.frames[beam.elements[:, :2]].transpose(1, 0, 2, 3)
+    a, b = beam.frames[beam.model.elements[:, :2]].transpose(1, 0, 2, 3)
     return lie.se3_relative(a, b)
 
 
@@ -50,7 +50,7 @@ def test_on_circles_they_do_not_twist_at_all_and_lengths_are_arcs(cells):
     # tangents are differences: 1e-11
     np.testing.assert_allclose(d[:, 3], 0.0, atol=1e-10)
     np.testing.assert_allclose(np.linalg.norm(d[:, 3:], axis=1), 2.5 / cells, rtol=1e-10)
-    np.testing.assert_allclose(beam.lengths, 5.0 / cells, rtol=1e-10)
+    np.testing.assert_allclose(beam.model.lengths, 5.0 / cells, rtol=1e-10)
 
 
 def test_on_a_helix_they_turn_against_the_torsion_with_fourth_order():
@@ -86,12 +86,12 @@ def test_a_closed_circle_closes_and_another_ring_has_one_step():
     """In a plane frames come back; in space they have turned, and one node more follows."""
     flat = fl.Beam(closed(lambda p: PLANE @ [np.cos(p), np.sin(p), 0], 12), SECTION)
     assert len(flat.frames) == 12
-    np.testing.assert_allclose(flat.lengths.sum(), 2 * np.pi, rtol=1e-12)
+    np.testing.assert_allclose(flat.model.lengths.sum(), 2 * np.pi, rtol=1e-12)
     bent = closed(lambda p: [np.cos(p), np.sin(p), 0.3 * np.sin(2 * p) + 0.2 * np.cos(3 * p)], 48)
     ring = fl.Beam(bent, SECTION)
     assert len(ring.frames) == 49
-    (follower,) = np.flatnonzero(ring.masters != np.arange(49))
-    step = lie.se3_relative(ring.frames[ring.masters[follower]], ring.frames[follower])
+    (follower,) = np.flatnonzero(ring.model.masters != np.arange(49))
+    step = lie.se3_relative(ring.frames[ring.model.masters[follower]], ring.frames[follower])
     # about the tangent alone, and by a real angle
     assert abs(step[3]) > 0.01 and np.abs(np.delete(step, 3)).max() < 1e-9
 
@@ -109,11 +109,11 @@ def test_up_is_nearest_to_e3_for_all_or_for_groups():
     up = {"first": (0.2, 1, 1), "second": (1, -1, 0.3)}
     beam = fl.Beam(mesh, SECTION, up=up)
     for group, direction in up.items():
-        frames = beam.frames[beam.elements[mesh.group(group)]]
+        frames = beam.frames[beam.model.elements[mesh.group(group)]]
         np.testing.assert_allclose(frames[:, :, 2] @ direction, 0.0, atol=1e-14)
         assert (frames[:, :, 3] @ direction > 0).all()
     # two changes of direction at one tangent each: two nodes more
-    assert beam.masters.tolist() == [*range(9), 3, 6]
+    assert beam.model.masters.tolist() == [*range(9), 3, 6]
     # the rest has no direction and does not twist
     np.testing.assert_allclose(successive(beam)[6:, 3], 0.0, atol=1e-12)
     with pytest.raises(ValueError, match=r"no group of cells 'third'; it has: first, second"):
@@ -130,7 +130,7 @@ def test_twist_is_a_rate_along_straight_bars_and_comes_on_top_on_others():
     bar = fl.Beam.straight(
         (0, 0, 0), (1, 2, 2), SECTION, cells=4, up=fl.sections.Twisted(lambda s: rate * s)
     )
-    strain = successive(bar) / bar.lengths[:, np.newaxis]
+    strain = successive(bar) / bar.model.lengths[:, np.newaxis]
     np.testing.assert_allclose(strain, [[1, 0, 0, rate, 0, 0]] * 4, atol=1e-14)
     plain, twisted = (
         fl.Beam.curve(arc(2.0), SECTION, cells=6, up=fl.sections.Twisted(twist))
@@ -262,19 +262,21 @@ def test_a_gmsh_frame_has_its_sections_points_and_nodes(tmp_path):
     beam = fl.Beam(mesh, sections, up={"outrigger": (0, 0, 1)})
     np.testing.assert_array_equal(mesh.branching_points, mesh.named("middle"))
     assert len(mesh.points) == 16 and len(beam.frames) == 19
-    attached = np.flatnonzero(beam.masters != np.arange(19))
+    attached = np.flatnonzero(beam.model.masters != np.arange(19))
     places = [beam.point(name).node for name in ("left corner", "right corner", "middle")]
-    assert sorted(beam.masters[attached]) == sorted(places)
-    np.testing.assert_array_equal(beam.frames[attached, 0], mesh.points[beam.masters[attached]])
+    assert sorted(beam.model.masters[attached]) == sorted(places)
+    np.testing.assert_array_equal(
+        beam.frames[attached, 0], mesh.points[beam.model.masters[attached]]
+    )
     for k, group in enumerate(sections):
-        cells = beam.cells_of(group)
+        cells = beam.model.cells_of(group)
         assert len(cells) == (6, 6, 3)[k]
         np.testing.assert_array_equal(
-            beam.stiffness[cells], [(k + 1) * SECTION.stiffness] * len(cells)
+            beam.model.stiffness[cells], [(k + 1) * SECTION.stiffness] * len(cells)
         )
         # every element of the group lies along its own frames
         relative = successive(beam)[cells]
-        np.testing.assert_allclose(relative[:, 0], beam.lengths[cells], rtol=1e-12)
+        np.testing.assert_allclose(relative[:, 0], beam.model.lengths[cells], rtol=1e-12)
         np.testing.assert_allclose(relative[:, 1:], 0.0, atol=1e-12)
     np.testing.assert_allclose(beam.point("end").position, [2, 2, 3], atol=1e-12)
     with pytest.raises(ValueError, match="6 cells have no section, the first is cell 3"):
@@ -295,7 +297,7 @@ def test_without_rotary_inertia_mass_and_its_centre_stay():
     inertia[0, 1:] = inertia[1:, 0] = mass * centre
     section = fl.Section.from_stiffness(SECTION.stiffness, inertia)
     mesh = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 1)
-    (reduced,) = fl.Beam(mesh, section, rotary_inertia=False).density
+    (reduced,) = fl.Beam(mesh, section, rotary_inertia=False).model.density
     np.testing.assert_allclose(reduced[0], inertia[0], atol=1e-15)
     about_centre = reduced[1:, 1:] - mass * np.outer(centre, centre)
     # J = tr(G) I − G

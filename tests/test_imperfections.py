@@ -66,9 +66,9 @@ def plate(waves: int, cells: int) -> fl.Scene:
         name="plate",
     )
     for name in ("a=0", "a=1", "b=0", "b=1"):
-        shell.held[[p.node for p in shell.points(name)], 2] = True
-    shell.held[[p.node for p in shell.points("a=0")], 0] = True
-    shell.held[shell.point("00").node, 1] = True
+        shell.model.held[[p.node for p in shell.points(name)], 2] = True
+    shell.model.held[[p.node for p in shell.points("a=0")], 0] = True
+    shell.model.held[shell.point("00").node, 1] = True
     scene = fl.Scene()
     scene.add(shell)
     bryan = 4 * np.pi**2 * t**3 / (12 * (1 - nu**2))
@@ -136,9 +136,9 @@ def test_what_follows_an_imperfect_node_goes_with_it(imperfection):
     if imperfection == "mode":
         given = fl.stability.ModeImperfection(fl.buckling(scene, 1), 1, 0.05)
     frames = fl.stability.apply_imperfections(scene, given).bodies[0].frames
-    (attached,) = np.nonzero(beam.masters != np.arange(len(beam.frames)))
+    (attached,) = np.nonzero(beam.model.masters != np.arange(len(beam.frames)))
     assert len(attached) == 1
-    masters = beam.masters[attached]
+    masters = beam.model.masters[attached]
     moved = np.linalg.norm(frames[masters, 0] - beam.frames[masters, 0])
     assert moved > 0.02
     before, after = (
@@ -166,7 +166,7 @@ def topheavy(length: float = 1.0):
     beam = scene.add(
         fl.Beam.straight((0, 0, 0), (length, 0, 0), section, cells=20, up=(0, 0, 1), name="shaft")
     )
-    beam.held[:, 1:3] = True
+    beam.model.held[:, 1:3] = True
     scene.add(fl.Clamp(beam.point("start")))
     scene.add(fl.PointLoad(beam.point("end"), force=(1.0, 0, 0)))
     return scene, beam

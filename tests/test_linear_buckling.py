@@ -233,7 +233,7 @@ def on_forks() -> tuple[fl.Scene, float]:
     scene.add(
         fl.joints.Universal(fl.ground(), beam.point("start"), axis=(0, 1, 0), second=(0, 0, 1))
     )
-    beam.held[beam.point("end").node, 1:4] = True
+    beam.model.held[beam.point("end").node, 1:4] = True
     scene.add(fl.PointLoad(beam.point("start"), moment=(0, 1, 0)))
     scene.add(fl.PointLoad(beam.point("end"), moment=(0, -1, 0)))
     return scene, np.pi * np.sqrt(0.5)
@@ -243,7 +243,7 @@ def with_guided_end() -> tuple[fl.Scene, float]:
     """A force that follows an end that does not turn: ``π² EI/L²``."""
     scene, beam = cantilever(stiff(strong=100.0, axial=1e8))
     scene.add(fl.PointLoad(beam.point("end"), force=(-1, 0, 0), following=True))
-    beam.held[beam.point("end").node, 3:] = True
+    beam.model.held[beam.point("end").node, 3:] = True
     return scene, np.pi**2
 
 
@@ -253,9 +253,9 @@ def ring(*, plane: bool) -> tuple[fl.Scene, float]:
     beam, scene = fl.Beam(mesh, stiff(), up=(0, 0, 1)), fl.Scene()
     scene.add(beam)
     held = [int(np.argmax(beam.frames[:, 0] @ axis)) for axis in ((1, 0, 0), (-1, 0, 0), (0, 1, 0))]
-    beam.held[held, 0] = True
-    beam.held[:, 2:5] |= plane
-    beam.held[held, 2] = True
+    beam.model.held[held, 0] = True
+    beam.model.held[:, 2:5] |= plane
+    beam.model.held[held, 2] = True
     inward = beam.frames[0, 1:] @ -beam.frames[0, 0]
     scene.add(fl.loads.PressureLoad(beam, 1.0, direction=(0, *np.round(inward[1:], 12))))
     return scene, 3.0

@@ -48,7 +48,7 @@ def test_a_sewn_plate_is_unstressed_as_it_lies_and_moves_rigidly():
 def test_parameters_that_agree_need_no_coupling_and_get_none():
     """Points with the same slopes are one."""
     shell = sewn(patch(lambda a, b: (1 + a, b, 0)))
-    assert shell.points_count == 15
+    assert shell.model.points_count == 15
 
 
 def test_without_a_coupling_it_is_refused():

@@ -29,8 +29,10 @@ def assert_same_beam(given, beam, **tolerance):
     places, frames = np.array(given["places"]), np.array(given["frames"])
     np.testing.assert_allclose(places, beam.frames[:, 0], rtol=0, atol=1e-12)
     np.testing.assert_allclose(frames, beam.frames[:, 1:].transpose(0, 2, 1), rtol=0, atol=1e-9)
-    np.testing.assert_allclose(beam.lengths, given["element_length"], rtol=1e-12)
-    np.testing.assert_allclose(beam.stiffness, [np.diag(given["stiffness"])] * len(beam.lengths))
+    np.testing.assert_allclose(beam.model.lengths, given["element_length"], rtol=1e-12)
+    np.testing.assert_allclose(
+        beam.model.stiffness, [np.diag(given["stiffness"])] * len(beam.model.lengths)
+    )
 
 
 @pytest.mark.parametrize("case", [1, 2, 3])
@@ -39,7 +41,7 @@ def test_double_pendulum_is_that_of_the_demo(case):
     for described, beam in zip(given["beams"], beams, strict=True):
         assert_same_beam(described, beam)
         mass_matrix = fl.sections.director_mass_matrix(described["mass"], described["inertia"])
-        np.testing.assert_allclose(beam.density, [mass_matrix] * 4, rtol=1e-12, atol=1e-18)
+        np.testing.assert_allclose(beam.model.density, [mass_matrix] * 4, rtol=1e-12, atol=1e-18)
         R = np.array(described["frames"])
         along = np.einsum("nji,nj->ni", R, described["velocities"])
         turning = R.transpose(0, 2, 1) @ described["spin"]
@@ -66,7 +68,7 @@ def test_rigid_bodies_are_ours(given, scene):
         np.testing.assert_allclose(body.frames[0, 0], described["centre"], atol=1e-15)
         np.testing.assert_array_equal(body.frames[0, 1:], np.eye(3))
         mass_matrix = fl.sections.director_mass_matrix(described["mass"], described["inertia"])
-        np.testing.assert_allclose(body.mass_matrix, mass_matrix, rtol=1e-12, atol=1e-18)
+        np.testing.assert_allclose(body.model.mass_matrix, mass_matrix, rtol=1e-12, atol=1e-18)
         np.testing.assert_allclose(body.velocities[0, 3:], described["spin"], atol=1e-15)
     assert len(given["joints"]) == len(scene.joints)
     np.testing.assert_array_equal(scene.gravity, given["gravity"])
@@ -76,7 +78,7 @@ def test_rigid_bodies_are_ours(given, scene):
     ("given", "mesh"),
     [
         (descriptions.pinched(0.04, 4), quarter(4)),
-        (descriptions.plate(4), plate(4).bodies[0].mesh),
+        (descriptions.plate(4), plate(4).bodies[0].model.mesh),
     ],
     ids=["hemisphere", "plate"],
 )

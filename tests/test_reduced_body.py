@@ -168,7 +168,7 @@ def test_inertial_modes_respond_to_weight_as_the_full_body():
         scene.add(fl.Clamp(body.point("start")))
         scene.add(fl.Clamp(body.point("end")))
         frames = fl.statics(scene).frames[-1]
-        places.append(body.expand(frames[np.newaxis])[0] if len(places) == 0 else frames)
+        places.append(body.model.expand(frames[np.newaxis])[0] if len(places) == 0 else frames)
     found, wanted = (frames[:, 0] - reduced()[1].frames[:, 0] for frames in places)
     assert np.abs(found - wanted).max() < 1e-5 * np.abs(wanted).max()
 
@@ -320,19 +320,25 @@ def test_bad_input():
     body = fl.reduction.reduced_order_body(scene, [beam.point("start"), beam.point("end")], 3)
     with pytest.raises(ValueError, match="interfaces 0 … 1"):
         body.point(2)
-    matrices = body.interfaces, body.stiffness, body.density, body.shapes, beam
+    matrices = (
+        body.model.interfaces,
+        body.model.stiffness,
+        body.model.density,
+        body.model.shapes,
+        beam,
+    )
     with pytest.raises(ValueError, match="quadratic must have shape"):
         fl.reduction.ReducedOrderBody(*matrices, points={}, quadratic=np.zeros((2, 2, 2)))
-    few, size = body.stiffness[:4, :4], np.abs(body.stiffness).max()
-    uneven = body.stiffness + 1e-6 * size * np.eye(len(body.stiffness), k=1)
+    few, size = body.model.stiffness[:4, :4], np.abs(body.model.stiffness).max()
+    uneven = body.model.stiffness + 1e-6 * size * np.eye(len(body.model.stiffness), k=1)
     for wrong, message in (
-        ((body.interfaces, uneven, *matrices[2:]), "stiffness must be symmetric"),
+        ((body.model.interfaces, uneven, *matrices[2:]), "stiffness must be symmetric"),
         ((*matrices[:2], np.eye(5), *matrices[3:]), "density must be finite and of shape"),
         (
-            (*matrices[:2], np.full_like(body.density, np.nan), *matrices[3:]),
+            (*matrices[:2], np.full_like(body.model.density, np.nan), *matrices[3:]),
             "density must be finite",
         ),
-        ((body.interfaces, few, np.eye(16), *matrices[3:]), "have 6 coordinates, got 4"),
+        ((body.model.interfaces, few, np.eye(16), *matrices[3:]), "have 6 coordinates, got 4"),
     ):
         with pytest.raises(ValueError, match=message):
             fl.reduction.ReducedOrderBody(*wrong, points={})
@@ -384,7 +390,7 @@ def test_a_part_is_kept_in_a_file(tmp_path):
     path = tmp_path / "part.h5"
     fl.reduction.save_reduced(body, path)
     again = fl.reduction.load_reduced(path, full)
-    assert again.point_names == body.point_names and again.name == body.name
+    assert again.model.point_names == body.model.point_names and again.name == body.name
     here, there = (swing(each).frames for each in (body, again))
     np.testing.assert_array_equal(here, there)
     with pytest.raises(ValueError, match="another mesh: 9 nodes and 8 cells"):

@@ -216,7 +216,7 @@ def test_clamps_have_reactions():
     result = fl.EnergyMomentum().run(scene, duration=0.1, step=1e-3)
     assert result.balance_error < 1e-12
     assert result.momentum_error < 1e-11
-    weight = 9.81 * 2000.0 * 0.02 * 0.03 * bowed()[1].lengths.sum()
+    weight = 9.81 * 2000.0 * 0.02 * 0.03 * bowed()[1].model.lengths.sum()
     gained = result.momentum[-1, 2] - result.momentum[0, 2]
     lift = -weight * 0.1
     assert result.impulses[-1, 0, 2] == pytest.approx(lift, rel=1e-3)

@@ -31,9 +31,9 @@ def test_what_is_missed_is_how_far_nodes_go_elsewhere():
     for merged in (False, True):
         scene = rod()
         (body,) = scene.bodies
-        body.start_frames = fl.lie.se3_retract(body.frames, bent)
+        body.model.start_frames = fl.lie.se3_retract(body.frames, bent)
         if merged:
-            body.masters = one
+            body.model.masters = one
             body.velocities[:] = rigid_twists(bent)
         result = fl.GeneralisedAlpha().run(scene, duration=0.02, step=5e-4, progress=False)
         ends.append(result.frames[-1, :, 0])
@@ -124,7 +124,7 @@ def test_weights_are_positive_and_forces_those_of_training(name):
         assert (sample.weights > 0.0).all()
         assert (np.diff(sample.cells) > 0).all()
         sizes.append(len(sample.cells))
-    count = len(basis.body.elastic_cells)
+    count = len(basis.body.model.elastic_cells)
     assert sizes[0] < sizes[1] <= count // 2
     each = forces_of_training(ReducedCells(basis, np.arange(count), np.ones(count)), states)
     assert each.shape == (states.coordinates.size, count)

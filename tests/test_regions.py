@@ -29,10 +29,10 @@ def test_merged_nodes_keep_the_deformation_at_the_start():
     (body,) = scene.bodies
     bent = np.zeros((9, 6))
     bent[:, 1] = 0.02 * np.linspace(0.0, 1.0, 9) ** 2
-    body.start_frames = fl.lie.se3_retract(body.frames, bent)
+    body.model.start_frames = fl.lie.se3_retract(body.frames, bent)
     body.velocities[:] = 0.0
     free = fl.GeneralisedAlpha().run(scene, duration=1e-3, step=1e-3, progress=False)
-    body.masters = np.zeros(9, dtype=int)
+    body.model.masters = np.zeros(9, dtype=int)
     tied = fl.GeneralisedAlpha().run(scene, duration=1e-2, step=1e-3, progress=False)
     assert free.elastic[0] > 0.0
     np.testing.assert_allclose(tied.elastic, free.elastic[0], rtol=1e-9)

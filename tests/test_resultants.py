@@ -129,7 +129,7 @@ def test_bending_twist_and_shear_patches_are_exact(cell, degree, formulation):
     shell = distorted(cell, degree, formulation, ANGLE_PLY)
     size = 1e-7
     kappa, shear = size * np.array([[2.0, 0.5], [0.5, -1.0]]), size * np.array([0.7, -0.4])
-    if shell.formulation.measures_for(cell, degree).bubble:
+    if shell.model.formulation.measures_for(cell, degree).bubble:
         shear *= 0.0  # without a change of moments it is no equilibrium, and the bubble says so
     x = shell.frames[:, 0].copy()
     slope = -x[:, :2] @ kappa  # of w = −½ x·κx
@@ -281,11 +281,11 @@ def test_the_order_of_cells_and_nodes_does_not_matter():
     shell = arch_shell(along=around)
     H = crumpled(shell)
     rng = np.random.default_rng(8)
-    cells = rng.permutation(len(shell.mesh.cells))
+    cells = rng.permutation(len(shell.model.mesh.cells))
     number = rng.permutation(len(H))  # new number of each node
     node = np.argsort(number)
     mesh = fl.mesh.SurfaceMesh.from_cells(
-        shell.mesh.points[node], number[shell.mesh.cells[cells]], "quadrilateral"
+        shell.model.mesh.points[node], number[shell.model.mesh.cells[cells]], "quadrilateral"
     )
     shuffled = fl.Shell(mesh, LAYER, director=outward, along=around)
     one = fl.post.resultants(states(shell, H), shell)
@@ -470,7 +470,7 @@ def test_cantilever_under_end_shear(cell, degree, formulation, at_nodes, in_cell
     def error(values, x):
         return np.abs(values + FORCE / WIDTH * (LENGTH - x)).max() / largest
 
-    x, area = shell.mesh.points[:, 0], found.areas.sum(axis=1)
+    x, area = shell.model.mesh.points[:, 0], found.areas.sum(axis=1)
     centre = (found.areas * found.points[..., 0]).sum(axis=1) / area
     assert error(found.smooth("M11"), x) <= at_nodes + 1e-6
     assert error(found.mean("M11"), centre) <= in_cells + 1e-6
@@ -486,8 +486,8 @@ def test_moment_at_the_clamp_in_large_bending():
     found = fl.post.resultants(result, shell)
     x = result.frames[-1][result.info.body(shell.name).nodes, 0]
     assert x[:, 2].max() > 0.4 * LENGTH
-    end = x[shell.mesh.nodes("a=1")].mean(axis=0)
-    middle = x[shell.mesh.cells].mean(axis=1)
+    end = x[shell.model.mesh.nodes("a=1")].mean(axis=0)
+    middle = x[shell.model.mesh.cells].mean(axis=1)
     exact = -2.0 * (end[0] - middle[:, 0])
     np.testing.assert_allclose(found.mean("M11"), exact, atol=2e-3 * np.abs(exact).max())
     # each cut carries the load; N alone does not, for the shell is bent much
@@ -566,14 +566,14 @@ def test_functions_interpolate_the_values(cell, degree, formulation):
     found = fl.post.resultants(states(shell, H), shell)
     f = found.function("M11")
     places = f.function_space.tabulate_dof_coordinates()
-    nearest = np.linalg.norm(shell.mesh.points - places[:, np.newaxis], axis=2).argmin(axis=1)
+    nearest = np.linalg.norm(shell.model.mesh.points - places[:, np.newaxis], axis=2).argmin(axis=1)
     np.testing.assert_array_equal(f.x.array, found.smooth("M11")[nearest])
     moved = found.function(deformed=True)
     places = moved.function_space.tabulate_dof_coordinates()
     nearest = np.linalg.norm(H[:, 0] - places[:, np.newaxis], axis=2).argmin(axis=1)
     np.testing.assert_array_equal(moved.x.array.reshape(-1, 8), found.nodal[nearest])
     # integrals by DOLFINx and by our own areas
-    measures = shell.formulation.measures_for(cell, degree)
+    measures = shell.model.formulation.measures_for(cell, degree)
     dx = ufl.Measure("dx", found.mesh, metadata={"quadrature_degree": measures.quadrature_degree})
     exact = (found.areas[..., np.newaxis] * found.at_points).sum(axis=(0, 1))
     points = found.point_function()
@@ -619,7 +619,7 @@ def test_cells_of_second_degree_are_drawn_as_they_are(tmp_path, cell, degree):
     fl.post.resultants(states(shell, shell.frames), shell).write_vtk(tmp_path / "arch.vtu")
     cells = pyvista.read(tmp_path / "arch.vtu").tessellate(max_n_subdivide=3)
     area = cells.compute_cell_sizes(length=False, volume=False)["Area"].sum()
-    assert area == pytest.approx(shell.areas().sum(), rel=2e-3)
+    assert area == pytest.approx(shell.model.areas().sum(), rel=2e-3)
 
 
 def test_hdf5_file_holds_everything(tmp_path):
@@ -635,7 +635,7 @@ def test_hdf5_file_holds_everything(tmp_path):
             np.testing.assert_array_equal(file[name], getattr(found, name))
         np.testing.assert_array_equal(file["axes"], found.stress_points.shared)
         places = file["positions"][()][file["cells"][()]]
-        np.testing.assert_array_equal(places, shell.mesh.points[shell.mesh.cells])
+        np.testing.assert_array_equal(places, shell.model.mesh.points[shell.model.mesh.cells])
 
 
 def test_picture(tmp_path):
@@ -652,7 +652,7 @@ def test_picture(tmp_path):
 
 def test_bad_input_is_named():
     shell, result = cantilever("quadrilateral", 1, None)
-    other = fl.Shell(shell.mesh, ANGLE_PLY, name="other")
+    other = fl.Shell(shell.model.mesh, ANGLE_PLY, name="other")
     with pytest.raises(ValueError, match=r"no body 'other'"):
         fl.post.resultants(result, other)
     with pytest.raises(ValueError, match="has 1 states, got state 1"):

@@ -27,7 +27,7 @@ def _scene():
     section = fl.Section.rectangle(0.04, 0.04, fl.Material(1.0, 0.3, 1.0))
     rod = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=NODES - 1, name="rod"))
     tip = scene.add(fl.RigidBody(1.0, (1, 1, 1), (1.25, 0, 0), name="tip"))
-    tip.box = np.array([0.5, 0.2, 0.1])
+    tip.model.box = np.array([0.5, 0.2, 0.1])
     scene.add(fl.joints.Cylindrical(rod.point("start"), fl.ground(), name="hinge"))
     scene.add(fl.joints.Fixed(tip.point("centre"), rod.point("end"), at=(1, 0, 0), name="weld"))
     return scene

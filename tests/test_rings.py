@@ -58,11 +58,11 @@ def test_curves_of_ropes_are_exact_between_uneven_nodes(kind, backwards):
         p = np.polynomial.Polynomial([0.3, -1.0, 2.0, -0.7])
     nodes = list(range(len(body.frames)))[:: -1 if backwards else 1]
     rope = fl.contact.Rope(body, nodes)
-    ends = np.cumsum([0.0, *rope.lengths])
+    ends = np.cumsum([0.0, *rope.model.lengths])
     places = body.frames[nodes, 0, 0]
     np.testing.assert_allclose(ends, np.abs(places - places[0]), rtol=1e-12)
     rows, (slots, powers) = np.stack([p(ends), p.deriv()(ends)]), rope.powers()
-    for k, length in enumerate(rope.lengths):
+    for k, length in enumerate(rope.model.lengths):
         found = np.einsum("akq,ka->q", powers[k], rows[:, slots[k]])  # of no node: zero
         s = np.linspace(0.0, 1.0, 7)
         wanted = p(ends[k] + s * length)

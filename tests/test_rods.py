@@ -89,7 +89,7 @@ def test_a_rod_along_a_spline_is_this_spline_with_more_knots(cells):
     rod = fl.Rod(fl.mesh.Spline.of(spline, 2 * cells).mesh(), section(100.0))
     u = np.linspace(0, 4, 100001)
     arc = np.linalg.norm(np.diff(spline(u), axis=0), axis=1).sum()
-    assert rod.lengths.sum() == pytest.approx(arc, rel=1e-7)
+    assert rod.model.lengths.sum() == pytest.approx(arc, rel=1e-7)
     again = fl.Rod(fl.mesh.Spline.of(spline.insert_knot(2.0, m=2), cells).mesh(), section(100.0))
     np.testing.assert_allclose(again.frames[-1, :2], rod.frames[-1, :2], atol=1e-13)
 
@@ -130,7 +130,7 @@ def test_closed_forces_are_those_of_the_energy(turn, slopes):
     own = fl.Section.from_stiffness(root @ root.T + np.eye(6))
     mesh = fl.mesh.curve(lambda s: (s, 0.2 * s * s, 0.1 * s**3), cells=2)
     rod = fl.Rod(replace(mesh, slopes=slopes and np.array(slopes) / 2), own)
-    assembly = fl.Rod.assemble([rod])
+    assembly = rod.model.assemble([rod.model])
     assembly.set_eigenstrain(0.05 * rng.normal(size=(2, 6)))
     H, axis = rod.frames.copy(), rng.normal(size=3)
     for k in range(1, 3):
@@ -207,7 +207,7 @@ def test_rigid_motion_changes_no_forces_or_matrix_of_edges():
         cells=4,
         formulation=fl.elements.DiscreteRod(),
     )
-    springs = fl.Rod.assemble([arc]).further_terms[0]
+    springs = arc.model.assemble([arc.model]).further_terms[0]
     twists = 0.2 * np.random.default_rng(0).normal(size=(5, 6))
     H = lie.se3_retract(arc.frames, twists)
     turned = H @ lie.so3_exp(1000 * np.array([0.6, 0.0, 0.8])).T

@@ -48,7 +48,7 @@ def trained(name, modes, force=None):
 @BOTH
 def test_few_cells_have_the_equilibrium_of_all(name):
     scene, basis, states = trained(name, 4)
-    count = len(basis.body.elastic_cells)
+    count = len(basis.body.model.elastic_cells)
     every = fl.reduction.CellSample(basis, np.arange(count), np.ones(count), 0.0)
     full = fl.statics(scene)
     full = full.frames[-1, full.info.body(basis.body.name).nodes, 0]
@@ -70,7 +70,7 @@ def test_all_cells_in_all_shapes_are_the_full_model(make, wide):
     free = np.flatnonzero(body.frames[:, 0, 0] > 1e-12)
     shapes = np.zeros((len(free) * wide, len(body.frames), 6))
     shapes[:, free, :wide] = np.eye(len(shapes)).reshape(-1, len(free), wide)
-    count = len(body.elastic_cells)
+    count = len(body.model.elastic_cells)
     sample = fl.reduction.CellSample(
         fl.reduction.Basis(body, shapes), np.arange(count), np.ones(count), 0.0
     )
@@ -138,4 +138,4 @@ def test_what_cannot_be_sampled_is_said():
         fl.reduction.sampled_statics(scene, sample)
     cable = fl.Cable.straight((0, 0, 0), (1, 0, 0), fl.Section.circle(0.01, RUBBER), cells=2)
     with pytest.raises(ValueError, match="individually"):
-        cable.weighted_cells(np.arange(2), np.ones(2))
+        cable.model.weighted_cells(np.arange(2), np.ones(2))

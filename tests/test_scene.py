@@ -43,7 +43,7 @@ def test_a_shell_has_five_parameters_in_one_scene_and_six_in_another():
 
 def test_two_shells_of_one_kind_may_differ_in_parameters():
     scene = fl.Scene()
-    five, six = scene.add(plate()), scene.add(fl.Shell(plate().mesh, LAYER, name="other"))
+    five, six = scene.add(plate()), scene.add(fl.Shell(plate().model.mesh, LAYER, name="other"))
     scene.add(fl.PointLoad(six.point("11"), moment=(0, 0, 1)))
     unknowns = fl.extend.Equations(scene, dynamics=True).unknowns
     held = unknowns.held[:, 5]

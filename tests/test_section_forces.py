@@ -93,20 +93,20 @@ def test_each_section_carries_what_acts_beyond_it(formulation):
     result = fl.statics(scene, load_steps=2)
     found = fl.post.section_forces(result, beam, scene)
     assert found.times.tolist() == result.factors.tolist()
-    ends = beam.elements[:, :2]
+    ends = beam.model.elements[:, :2]
     for k, factor in enumerate(result.factors):
         x = found.frames[k, ends, 0]
-        lever = found.frames[k, beam.elements[-1, 1], 0] - x
+        lever = found.frames[k, beam.model.elements[-1, 1], 0] - x
         expected = factor * (moment + np.cross(lever, force))
         # Newton's tolerance, times an axial stiffness of 1e4
         np.testing.assert_allclose(
             found.cut_forces[k], np.broadcast_to(factor * force, x.shape), atol=1e-6
         )
         np.testing.assert_allclose(found.cut_moments[k], expected, atol=1e-6)
-        nodes = found.frames[k, beam.elements]
+        nodes = found.frames[k, beam.model.elements]
         half = 0.5 * lie.se3_relative(nodes[:, 0], nodes[:, 1])
         middle = nodes[:, 2] if nodes.shape[1] == 3 else lie.se3_retract(nodes[:, 0], half)
-        lever = found.frames[k, beam.elements[-1, 1], 0] - middle[:, 0]
+        lever = found.frames[k, beam.model.elements[-1, 1], 0] - middle[:, 0]
         expected = np.stack(
             [factor * force + 0 * lever, factor * (moment + np.cross(lever, force))]
         )
@@ -159,7 +159,9 @@ def test_what_meets_at_a_node_is_the_residual_of_the_scene(seed):
     )
     found = fl.post.section_forces(motion, beam, scene, states=[-1])
     total, numbers = np.zeros((damped.count, 6)), motion.info.body(beam.name).nodes
-    for (start, end), (first, second) in zip(numbers[beam.elements], found.ends[0], strict=True):
+    for (start, end), (first, second) in zip(
+        numbers[beam.model.elements], found.ends[0], strict=True
+    ):
         for node, wrench in ((start, -first), (end, second)):
             turn = lie.se3_adjoint(lie.se3_inverse(tables.offset[node]))
             total[tables.master[node]] += turn.T @ wrench
@@ -267,7 +269,7 @@ def test_stress_of_the_geodesic_element_is_the_mean_of_its_section_forces(seed):
     rng = np.random.default_rng(seed)
     H = lie.se3_retract(beam.frames, 0.3 * rng.normal(size=(len(beam.frames), 6)))
     found = in_frames(scene, beam, H)
-    a, b = H[beam.elements].transpose(1, 0, 2, 3)
+    a, b = H[beam.model.elements].transpose(1, 0, 2, 3)
     T = lie.se3_tangent(lie.se3_relative(a, b))
     mean = np.einsum("mji,mj->mi", T, found.ends[0, :, 1])
     scale = np.abs(mean).max()
@@ -351,7 +353,7 @@ def test_a_beam_on_a_hub(formulation):
     for cells in (4, 8):
         scene, beam = cantilever(cells, section, formulation)
         found = fl.post.section_forces(fl.statics(scene, spin=(0, 0, spin)), beam, scene)
-        scale = beam.density[0, 0, 0] * spin**2 / 2
+        scale = beam.model.density[0, 0, 0] * spin**2 / 2
         a, b = found.arc.T
         mean = scale * (LENGTH**2 - (a**2 + a * b + b**2) / 3)
         # the stretched place is N/EA = 1e-5 further out
@@ -374,7 +376,7 @@ def test_spin_up_in_time():
     # large steps damp the axial vibration that starts with the load
     result = fl.GeneralisedAlpha(radius=0.0).run(scene, duration=0.5, step=0.01)
     found = fl.post.section_forces(result, beam, scene)
-    scale = beam.density[0, 0, 0] * spin**2 / 2
+    scale = beam.model.density[0, 0, 0] * spin**2 / 2
     a, b = found.arc.T
     mean = scale * (LENGTH**2 - (a**2 + a * b + b**2) / 3)
     np.testing.assert_allclose(found.mean("N")[-1], mean, rtol=2e-3, atol=2e-3 * scale)
@@ -511,8 +513,10 @@ def test_diagram(tmp_path):
     above, below = figure.axes
     assert (above.get_ylabel(), below.get_ylabel()) == ("N [kN]", "My [kN m]")
     lines = [line for line in above.get_lines() if len(line.get_xdata()) > 2 or line.get_alpha()]
-    assert len(lines) == 2 * len(beam.chains.first)
-    np.testing.assert_allclose(lines[1].get_ydata()[:2], found.raw("N")[1, beam.chains.order[0]])
+    assert len(lines) == 2 * len(beam.model.chains.first)
+    np.testing.assert_allclose(
+        lines[1].get_ydata()[:2], found.raw("N")[1, beam.model.chains.order[0]]
+    )
     assert len(found.plot(smooth=True).axes) == 6
 
 

@@ -81,12 +81,12 @@ def pushes(system: Assembled, H: np.ndarray) -> np.ndarray:
 
 def volume(shell: fl.Shell, nodes: np.ndarray, H: np.ndarray, gradient=(0, 0, 0)) -> float:
     """``∫ x·n/3 + (g·x) (x·n)/4`` over the current surface: ``∫ 1 + g·x dV`` if it is closed."""
-    cell, degree = basix.CellType[shell.mesh.cell], shell.mesh.degree
+    cell, degree = basix.CellType[shell.model.mesh.cell], shell.model.mesh.degree
     points, weights = basix.make_quadrature(cell, 5 * degree)
     element = basix.create_element(
         basix.ElementFamily.P, cell, degree, basix.LagrangeVariant.gll_warped
     )
-    x = H[nodes, 0][shell.mesh.cells]
+    x = H[nodes, 0][shell.model.mesh.cells]
     places, along, across = np.einsum("dgk,ckj->dcgj", element.tabulate(1, points)[..., 0], x)
     normals = weights[:, np.newaxis] * np.cross(along, across)
     density = 1 / 3 + places @ np.asarray(gradient, dtype=float) / 4
@@ -213,7 +213,7 @@ def test_matrix_is_known_to_be_symmetric_where_the_pressure_has_a_potential(name
 
 def sphere(count: int) -> tuple[fl.Shell, fl.Scene]:
     """Closed, of radius 1; by symmetry it does not leave the planes of coordinates."""
-    bare = box("quadrilateral", 1, count).mesh
+    bare = box("quadrilateral", 1, count).model.mesh
     planes = {f"{k}": np.flatnonzero(np.abs(bare.points[:, k]) < 1e-9) for k in range(3)}
     mesh = fl.mesh.SurfaceMesh.from_cells(bare.points, bare.cells, bare.cell, named_points=planes)
     shell = fl.Shell(mesh, LAYER, director=lambda x: x / np.linalg.norm(x))
@@ -412,7 +412,7 @@ def test_an_end_moment_rolls_a_strip_up(following):
     # held in its plane by nothing, it turns over sideways before the circle is full
     with pytest.warns(fl.stability.UnstableEquilibriumWarning, match="at load factor 1 "):
         result = fl.follow_loads(scene_with(shell, load), [0.25, 0.5, 0.75, 1.0])
-    ends = shell.mesh.nodes("a=1")
+    ends = shell.model.mesh.nodes("a=1")
     turned = result.frames[:, result.info.body("strip").nodes[ends], 3]
     angle = 2 * np.pi * result.factors
     expected = np.column_stack([-np.sin(angle), 0 * angle, np.cos(angle)])

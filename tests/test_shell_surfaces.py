@@ -196,7 +196,7 @@ def test_what_shell_surfaces_refuse():
     ):
         with pytest.raises(ValueError, match=message):
             fl.contact.Contact(a, b, how).check()
-    five = fl.Shell(one.mesh, LAYER, drilling=False)
+    five = fl.Shell(one.model.mesh, LAYER, drilling=False)
     scene = fl.Scene()
     scene.add(five)
     scene.add(ball)
@@ -253,8 +253,8 @@ def test_a_sheet_sticks_or_slides_on_a_slope(degrees, sticks):
     angle, k, g, stiff = np.radians(degrees), 1e8, 9.81, fl.Material(1e10, 0.3, 1000.0)
     layer = fl.ShellSection.layer(THICK, stiff)
     rests = THICK * (1 - 1e3 * g * np.cos(angle) / k)
-    lower = fl.Shell(plate(0, (4, 3)).mesh, layer)
-    upper = fl.Shell(plate(rests, (2, 2), 0.21, 0.4).mesh, layer)
+    lower = fl.Shell(plate(0, (4, 3)).model.mesh, layer)
+    upper = fl.Shell(plate(rests, (2, 2), 0.21, 0.4).model.mesh, layer)
     for edge in ("a=0", "a=1", "b=0", "b=1"):
         lower.clamp(edge)
     scene = fl.Scene(gravity=(g * np.sin(angle), 0, -g * np.cos(angle)))

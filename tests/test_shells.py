@@ -52,11 +52,11 @@ def test_areas_masses_and_edges_are_those_of_the_surface(cell, degree):
             fl.elements.MITC3_PLUS if (cell, degree) == ("triangle", 1) else None
         ),
     )
-    assert shell.areas().sum() == pytest.approx(2.0)
-    nodes, lengths = shell.edges("a=1")
+    assert shell.model.areas().sum() == pytest.approx(2.0)
+    nodes, lengths = shell.model.edges("a=1")
     assert lengths.sum() == pytest.approx(1.0)
     np.testing.assert_allclose(shell.frames[nodes, 0, 0], 2.0)
-    mass = shell.element_inertia()
+    mass = shell.model.element_inertia()
     assert mass[:, :, 0, :, 0].sum() == pytest.approx(2.0 * 0.1 * 2.0)
     assert mass[:, :, 3, :, 3].sum() == pytest.approx(2.0 * 0.1**3 / 12 * 2.0)
 
@@ -167,7 +167,7 @@ def test_guide_holds_a_direction_in_space_as_a_joint_does():
         scene = loaded()
         shell = scene.bodies[0]
         if guided:
-            shell.roller("11", (1, 0, 1))
+            shell.model.roller("11", (1, 0, 1))
         else:
             scene.add(fl.joints.InPlane(fl.ground(), shell.point("11"), axis=(1, 0, 1)))
         return places(fl.follow_loads(scene))
@@ -343,7 +343,10 @@ CASES = {
         r"kink or branch at .*drilling=False",
     ),
     "branch with five parameters": (lambda: branched(**FIVE), r"branch at .*drilling=False"),
-    "kink for means of normals": (lambda: kinked().mesh.directors(), "a kink of more than 40°"),
+    "kink for means of normals": (
+        lambda: kinked().model.mesh.directors(),
+        "a kink of more than 40°",
+    ),
     "one director for a branch": (lambda: branched(director=lambda x: (0, 0, 1)), "branches"),
     "sharp tip": (
         lambda: fl.Shell(

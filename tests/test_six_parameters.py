@@ -33,7 +33,7 @@ def scene_with(*items) -> fl.Scene:
 
 
 def nearest(shell: fl.Shell, place) -> fl.extend.Point:
-    return shell.point(int(np.linalg.norm(shell.mesh.points - place, axis=1).argmin()))
+    return shell.point(int(np.linalg.norm(shell.model.mesh.points - place, axis=1).argmin()))
 
 
 def machine(*, clamped: bool, links: bool = True, loaded: bool = False) -> fl.Scene:
@@ -66,14 +66,14 @@ def machine(*, clamped: bool, links: bool = True, loaded: bool = False) -> fl.Sc
 
 def test_both_sides_of_a_kink_have_directors_of_their_own():
     shell = folded()
-    assert shell.drills()
-    assert len(shell.frames) == len(shell.mesh.points) + 3
+    assert shell.model.drills()
+    assert len(shell.frames) == len(shell.model.mesh.points) + 3
     at = np.flatnonzero(np.abs(shell.frames[:, 0, 0] - 1) + shell.frames[:, 0, 2] < 1e-12)
     directors = np.unique(np.round(shell.frames[at, 3], 12), axis=0)
     np.testing.assert_allclose(directors, [[-1, 0, 0], [0, 0, 1]], atol=1e-12)
     # a fold of less than the angle is smooth
     smooth = folded(kink_angle=np.pi / 1.9)
-    assert len(smooth.frames) == len(smooth.mesh.points) and not smooth.drills()
+    assert len(smooth.frames) == len(smooth.model.mesh.points) and not smooth.model.drills()
 
 
 def tee(cell="quadrilateral") -> fl.mesh.SurfaceMesh:
@@ -96,11 +96,11 @@ def tee(cell="quadrilateral") -> fl.mesh.SurfaceMesh:
 @pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
 def test_a_flange_goes_on_through_the_branch(cell):
     shell = fl.Shell(tee(cell), LAYER)
-    assert shell.drills()
+    assert shell.model.drills()
     assert len(shell.frames) == 20 + 5  # the web has nodes of its own along the branch
     joint = np.abs(shell.frames[:, 0, [0, 2]]).max(axis=1) < 1e-12
     np.testing.assert_allclose(np.abs(shell.frames[joint, 3].sum(axis=0)), [5, 0, 5], atol=1e-12)
-    np.testing.assert_array_equal(shell.mesh.nodes("root"), [0, 1, 2, 15])
+    np.testing.assert_array_equal(shell.model.mesh.nodes("root"), [0, 1, 2, 15])
 
 
 def test_flipped_cells_are_refused_on_smooth_sides_only():
@@ -110,7 +110,7 @@ def test_flipped_cells_are_refused_on_smooth_sides_only():
     shell = fl.Shell(fl.mesh.SurfaceMesh.from_cells(mesh.points, cells, "quadrilateral"), LAYER)
     assert len(shell.frames) == len(mesh.points) + 2
     with pytest.raises(ValueError, match="opposite sides"):
-        fl.Shell(shell.mesh, LAYER, kink_angle=np.pi / 1.9)
+        fl.Shell(shell.model.mesh, LAYER, kink_angle=np.pi / 1.9)
 
 
 def test_automatic_is_five_until_something_takes_hold_of_a_rotation():
@@ -187,8 +187,8 @@ def hemisphere(drilling, *, scale=1.0, cell="quadrilateral", degree=1, cells=16)
         else fl.elements.DisplacementBased(),
         drilling=drilling,
     )
-    default = shell.drilling_stiffness
-    shell.drilling_stiffness = lambda holds: scale * default(holds)
+    default = shell.model.drilling_stiffness
+    shell.model.drilling_stiffness = lambda holds: scale * default(holds)
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (1, 0, 0))
     shell.roller("00", (0, 0, 1))
@@ -296,7 +296,7 @@ def test_one_mesh_is_its_parts_with_rigid_links(mesh):
     point = nearest(parts[1], far.position)
     # where one thing holds many nodes there is no patch about each
     for part in parts:
-        part.drilling_stiffness = lambda holds, own=part.drilling_stiffness: own(())
+        part.model.drilling_stiffness = lambda holds, own=part.model.drilling_stiffness: own(())
     scene.add(fl.PointLoad(point, force=force))
     two = fl.follow_loads(scene).position(point)[-1]
     assert np.linalg.norm(one - far.position) > 0.05

@@ -39,7 +39,7 @@ def rolled_up(make, cells: int, slenderness: float) -> tuple[float, float]:
     """
     cable, scene = make(cells, slenderness), fl.Scene()
     tip = fl.RigidBody(1.0, (1, 1, 1), position=(LENGTH, 0, 0))
-    tip.held[0, 3] = True  # about the tangent
+    tip.model.held[0, 3] = True  # about the tangent
     for body in (cable, tip):
         scene.add(body)
     scene.add(fl.Clamp(cable.point("start")))

@@ -217,13 +217,15 @@ def test_travel_is_driven_and_the_end_is_an_error():
 def test_every_place_on_a_beam_is_found(along, seed):
     """Near a node as well, where the nearest sample point is on its other side."""
     beam, rng = rail(), np.random.default_rng(seed)
-    k = rng.integers(len(beam.lengths))
-    a, b = beam.elements[k, :2]
+    k = rng.integers(len(beam.model.lengths))
+    a, b = beam.model.elements[k, :2]
     twist = lie.se3_relative(beam.frames[a], beam.frames[b])
     place = lie.se3_retract(beam.frames[a], along * twist)[0]
     bead = fl.RigidBody(1.0, (1.0, 1.0, 1.0), place)
     definition = fl.joints.Sliding(beam, bead.point("centre")).sliding_definition()
-    assert definition.arclength == pytest.approx(beam.lengths[:k].sum() + along * beam.lengths[k])
+    assert definition.arclength == pytest.approx(
+        beam.model.lengths[:k].sum() + along * beam.model.lengths[k]
+    )
 
 
 def test_bad_places_and_beams_are_refused():

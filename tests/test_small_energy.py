@@ -100,7 +100,7 @@ class Alone(BodyAlone):
 
     def __init__(self, name):
         body = random_body(name)
-        super().__init__(body, fl.extend.ElementBody.assemble([body]))
+        super().__init__(body, body.model.assemble([body.model]))
 
     def viscous(self, H, v):
         out = np.zeros((self.count, 6))
@@ -219,7 +219,7 @@ def test_the_element_of_the_page_is_that_of_the_package():
     EA, EI = section.stiffness[0, 0], section.stiffness[4, 4]
     own = page["cable"](4, EA, EI, 1.0)
     cable = fl.Cable.straight((0, 0, 0), (1, 0, 0), section, cells=4)
-    alone = [BodyAlone(body, type(body).assemble([body])) for body in (own, cable)]
+    alone = [BodyAlone(body, body.model.assemble([body.model])) for body in (own, cable)]
     H = alone[0].deformed()
     first, second = (each.forces(H) for each in alone)
     close(first, second, 1e-12)
@@ -276,11 +276,11 @@ def test_bodies_whose_parts_do_not_fit_are_refused(change, message):
     body = random_body("function of products, with a law")
     given = {
         "rows": body.frames,
-        "node_types": body.node_types,
-        "cells": body.element_nodes,
+        "node_types": body.model.node_types,
+        "cells": body.model.element_nodes,
         "element": body.element,
         "functions": body.functions,
-        "data": body.element_data(),
+        "data": body.model.element_data(),
     }
     with pytest.raises(ValueError, match=message):
         fl.extend.ElementBody(**(given | change))

@@ -96,7 +96,7 @@ def test_patch(element, material):
     start = body.frames[:, 0].copy()
     for face in ("a=0", "a=1", "b=0", "b=1", "c=0", "c=1"):
         body.clamp(face)
-    free = ~body.held[:, 0]
+    free = ~body.model.held[:, 0]
     assert free.any()
     body.frames[:, 0] = start @ F.T
     body.frames[free, 0] += 0.02 * np.random.default_rng(0).normal(size=(free.sum(), 3))
@@ -201,7 +201,7 @@ def test_the_mean_dilatation_is_the_volume_of_the_cell():
     system = system_of(body, dynamics=False)
     H = bent(system, 0.2)
     before, after = (
-        np.array([volume(rows[:, 0]) for rows in of[body.connectivity]])
+        np.array([volume(rows[:, 0]) for rows in of[body.model.connectivity]])
         for of in (body.frames, H[system.equations.unknowns.bodies[body]])
     )
     assert np.ptp(after / before) > 0.01
@@ -239,14 +239,14 @@ def bulged_error(element, n):
 
     for face in ("a=0", "a=1", "b=0", "b=1", "c=0", "c=1"):
         body.clamp(face)
-    exact = bulge(body.places)
+    exact = bulge(body.model.places)
     body.frames[:, 0] = exact
     scene = fl.Scene()
     scene.add(body)
     scene.add(fl.loads.BulkLoad(body, force))
     found = fl.statics(scene)
     gap = found.frames[-1, found.info.bodies[0].nodes, 0] - exact
-    return np.sqrt((gap[~body.held[:, 0]] ** 2).sum(axis=1).mean())
+    return np.sqrt((gap[~body.model.held[:, 0]] ** 2).sum(axis=1).mean())
 
 
 @pytest.mark.parametrize(

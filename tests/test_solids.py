@@ -114,7 +114,7 @@ def test_a_face_carries_a_force_per_area():
     body = brick((3, 2, 2), lengths=(1.0, 2.0, 3.0), cell="tetrahedron", degree=2)
     forces = fl.loads.FaceLoad(body, "a=1", lambda x: (x[1], 0.0, x[2])).nodal()
     np.testing.assert_allclose(forces.sum(axis=0)[:3], (6.0, 0, 9.0), atol=1e-12)
-    moment = np.cross(body.places, forces[:, :3]).sum(axis=0)
+    moment = np.cross(body.model.places, forces[:, :3]).sum(axis=0)
     # ∫ (y z, z y − x z, −y²) dA with x = 1
     np.testing.assert_allclose(moment, (4.5 * 2, 4.5 * 2 - 9.0, -8.0), atol=1e-12)
     bulk = fl.loads.BulkLoad(body, lambda x: (x[0], 1.0, 0.0)).nodal().sum(axis=0)
@@ -367,14 +367,14 @@ def gmsh_box(model, hexahedra, order):
 def test_named_groups_of_gmsh(model, hexahedra, order):
     gmsh_box(model, hexahedra, order)
     body = fl.Solid(fl.mesh.read_gmsh_volume(), {"all": RUBBER})
-    assert body.degree == order
-    assert body.volume == pytest.approx(6.0, rel=1e-12)
+    assert body.model.degree == order
+    assert body.model.volume == pytest.approx(6.0, rel=1e-12)
     x = body.frames[:, 0]
     np.testing.assert_array_equal(body.nodes("left"), np.flatnonzero(x[:, 0] < 1e-12))
     on_edge = (x[:, 0] < 1e-12) & (x[:, 1] < 1e-12)
     np.testing.assert_array_equal(body.nodes("edge"), np.flatnonzero(on_edge))
     assert body.point("corner").position[:2] == pytest.approx((0, 0), abs=1e-12)
-    faces = body.facets("left")
+    faces = body.model.facets("left")
     assert faces.consistent_areas(x).sum() == pytest.approx(6.0, rel=1e-12)
     normals = faces.outward[:, None] * faces.rule.normals(x, faces.nodes).sum(axis=1)
     np.testing.assert_allclose(normals.sum(axis=0), (-6.0, 0, 0), atol=1e-12)
@@ -394,9 +394,9 @@ def test_two_materials_by_groups_of_cells():
         "stiff": fl.sections.NeoHooke(5.0, 0.0, 3.0),
     }
     body = fl.Solid(volume, given)
-    assert body.mesh.mesh is mesh
-    assert (body.density * body.rule.volumes.sum(axis=1)).sum() == pytest.approx(5.0)
-    assert body.parameters[volume.group("stiff"), 1] == pytest.approx(2.5)
+    assert body.model.mesh.mesh is mesh
+    assert (body.model.density * body.model.rule.volumes.sum(axis=1)).sum() == pytest.approx(5.0)
+    assert body.model.parameters[volume.group("stiff"), 1] == pytest.approx(2.5)
 
 
 # --- bad input ---
@@ -418,7 +418,7 @@ def test_bad_input():
     with pytest.raises(ValueError, match=r"no face, curve, point or group 'top'; it has: .*a=0"):
         body.clamp("top")
     with pytest.raises(ValueError, match="no group of cells"):
-        fl.Solid(body.mesh, {"stiff": RUBBER})
+        fl.Solid(body.model.mesh, {"stiff": RUBBER})
     with pytest.raises(ValueError, match="for hexahedra of degree 1"):
         brick((1, 1, 1), cell="tetrahedron", formulation=fl.elements.MeanDilatation())
     with pytest.raises(ValueError, match="degree must be 1 or 2"):
@@ -442,7 +442,7 @@ def test_loads_and_attachments_refuse():
         fl.loads.FaceLoad("body", "a=1", (1, 0, 0))
     with pytest.raises(ValueError, match="FaceLoad on"):
         scene.add(fl.loads.FaceLoad(body, "a=1", (1, 0)))
-    inside = fl.mesh.VolumeMesh(body.mesh.mesh, faces={"cut": inner_facets(body)})
+    inside = fl.mesh.VolumeMesh(body.model.mesh.mesh, faces={"cut": inner_facets(body)})
     with pytest.raises(ValueError, match="lies between cells"):
         cut = fl.Solid(inside, RUBBER)
         scene_of(cut).add(fl.loads.FacePressure(cut, "cut", 1.0))
@@ -455,7 +455,7 @@ def test_loads_and_attachments_refuse():
 
 
 def inner_facets(body):
-    mesh = body.mesh.mesh
+    mesh = body.model.mesh.mesh
     mesh.topology.create_connectivity(2, 3)
     count = mesh.topology.index_map(2).size_local
     cells = mesh.topology.connectivity(2, 3)
@@ -489,11 +489,13 @@ def test_linear_tetrahedra_of_rubber_are_refused():
         with pytest.raises(ValueError, match=r"tetrahedra of degree 1 lock .* 50 times"):
             brick((1, 1, 1), material=material, cell="tetrahedron")
     given = {"cell": "tetrahedron", "formulation": fl.elements.Isoparametric()}
-    assert brick((1, 1, 1), material=rubber, **given).formulation == fl.elements.Isoparametric()
+    plain = brick((1, 1, 1), material=rubber, **given)
+    assert plain.model.formulation == fl.elements.Isoparametric()
     assert brick((1, 1, 1), material=rubber, cell="tetrahedron", degree=2).degree == 2
     mesh = fl.mesh.parametric_volume(lambda a, b, c: (a, b, c), (2, 1, 1), cell="tetrahedron")
     assert (
-        fl.Solid(mesh, fl.sections.NeoHooke(1.0, 0.45)).formulation == fl.elements.Isoparametric()
+        fl.Solid(mesh, fl.sections.NeoHooke(1.0, 0.45)).model.formulation
+        == fl.elements.Isoparametric()
     )
 
 

@@ -17,8 +17,8 @@ SPLINE = BSpline(KNOTS, CONTROL, 3)
 
 def cubic(cable: fl.SplineCable, cell: int, ξ: float) -> np.ndarray:
     """A place on the curve between two nodes."""
-    a, b = cable.frames[cable.elements[cell]]
-    h = cable.lengths[cell]
+    a, b = cable.frames[cable.model.elements[cell]]
+    h = cable.model.lengths[cell]
     return (
         (1 - ξ) ** 2 * (1 + 2 * ξ) * a[0]
         + ξ**2 * (3 - 2 * ξ) * b[0]
@@ -29,7 +29,7 @@ def cubic(cable: fl.SplineCable, cell: int, ξ: float) -> np.ndarray:
 
 def energy(cable: fl.SplineCable) -> float:
     """As it is laid."""
-    assembly = fl.SplineCable.assemble([cable])
+    assembly = cable.model.assemble([cable.model])
     H = np.empty_like(cable.frames)
     H[assembly.order] = cable.frames
     return float(assembly.energy(H))
@@ -50,7 +50,7 @@ def test_more_knots_leave_the_curve_as_it_is(cells):
     assert energy(fl.SplineCable.of(SPLINE, stretch, cells=cells)) < 1e-10
     u = np.linspace(0, 4, 200001)
     arc = np.linalg.norm(np.diff(SPLINE(u), axis=0), axis=1).sum()
-    _, shares = cable.consistent_lengths()
+    _, shares = cable.model.consistent_lengths()
     assert shares.sum() == pytest.approx(arc, rel=1e-3)
 
 
@@ -65,7 +65,7 @@ def test_circle():
     errors, energies = [], []
     for cells in (4, 8, 16):
         ring = fl.SplineCable.circle((1, 2, 3), 2.0, (0, 1, 1), SECTION, cells=cells)
-        assert len(ring.frames) == cells and len(ring.elements) == cells
+        assert len(ring.frames) == cells and len(ring.model.elements) == cells
         places = [cubic(ring, k, 0.3) - (1, 2, 3) for k in range(cells)]
         errors.append(np.abs(np.linalg.norm(places, axis=1) / 2.0 - 1).max())
         energies.append(energy(ring) / (np.pi * 2.0 / 2.0) - 1)
@@ -81,7 +81,7 @@ def test_interpolated_points_are_passed_and_closed():
     assert len(ring.frames) == 24
     np.testing.assert_array_equal(ring.frames[::2, 0], points[:-1])
     line = fl.SplineCable.through(points[:5], SECTION)
-    assert len(line.frames) == 5 and "end" in line.point_names
+    assert len(line.frames) == 5 and "end" in line.model.point_names
 
 
 def test_weight_is_that_of_the_curve():
@@ -182,7 +182,7 @@ def test_a_rational_curve_from_a_file_is_followed_to_fourth_order(tmp_path, endi
         middle = 0.5 * (places[:-1] + places[1:]) + h * (slopes[:-1] - slopes[1:]) / 8
         gaps.append(np.abs(np.linalg.norm(middle, axis=1) - 1).max())
         cable = fl.SplineCable(u, places, slopes, SECTION)
-        lengths.append(abs(cable.consistent_lengths()[1].sum() - np.pi))
+        lengths.append(abs(cable.model.consistent_lengths()[1].sum() - np.pi))
     assert (np.log2(np.array(gaps[:-1]) / gaps[1:]) > 3.6).all()
     assert lengths[-1] < 2e-6
 

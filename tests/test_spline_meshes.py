@@ -44,14 +44,14 @@ def random_function(mesh, seed=1):
     surface = mesh.surface()
     body = fl.ThinShell(mesh, LAYER)
     rows = np.random.default_rng(seed).normal(size=surface.rows.shape)
-    fourth, _ = body.fourth(surface._replace(rows=rows))
+    fourth, _ = body.model.fourth(surface._replace(rows=rows))
     frames = body.frames.copy()
-    count = body.points_count
+    count = body.model.points_count
     frames[:count, :2], frames[count:, 1], frames[count:, 2] = rows[:, :2], fourth, rows[:, 2]
     a, b = mesh.sizes.T
     scales = np.stack([np.ones_like(a), a, b, a * b], axis=1)[:, np.newaxis, :, np.newaxis]
     filled = mesh.rows.copy()
-    filled[mesh.cells] = body.vectors(frames).reshape(-1, 4, 4, 3) / scales
+    filled[mesh.cells] = body.model.vectors(frames).reshape(-1, 4, 4, 3) / scales
     return replace(mesh, rows=filled)
 
 
@@ -66,9 +66,9 @@ def values(mesh, cells, at, *order):
 def basis(mesh):
     """Values of all functions at points of Gauss of all cells, (m g, 4 n), and their weights."""
     body, (x, w) = fl.ThinShell(mesh, LAYER), gauss_points(4)
-    parts = bicubic(x) @ body.extraction()
-    points = body.connectivity[:, :4]
-    found = np.zeros((*parts.shape[:2], body.points_count, 4))
+    parts = bicubic(x) @ body.model.extraction()
+    points = body.model.connectivity[:, :4]
+    found = np.zeros((*parts.shape[:2], body.model.points_count, 4))
     for corner in range(4):
         for cell, point in enumerate(points[:, corner]):
             found[cell, :, point] += parts[cell][:, 4 * corner : 4 * corner + 4]
@@ -103,9 +103,11 @@ def test_functions_are_truncated():
     places = np.einsum(
         "ga,maj->mgj",
         bicubic(gauss_points(4)[0]),
-        body.vectors(),
+        body.model.vectors(),
     ).reshape(-1, 3)
-    (corner,) = np.flatnonzero((body.frames[: body.points_count, 0] == [1.5, 1.0, 0]).all(axis=1))
+    (corner,) = np.flatnonzero(
+        (body.frames[: body.model.points_count, 0] == [1.5, 1.0, 0]).all(axis=1)
+    )
     in_corner = (places[:, 0] < 0.75) & (places[:, 1] < 0.5)
     assert np.abs(N[in_corner, 4 * corner]).max() == 0.0
     assert np.abs(N[~in_corner, 4 * corner]).max() > 0.9
@@ -123,13 +125,13 @@ def test_bicubics_are_in_the_space_exactly():
         for i, j in ((0, 0), (1, 0), (0, 1), (1, 1))
     ]
     rows = np.repeat(np.stack(derivative, axis=1)[:, :, np.newaxis], 3, axis=2)
-    fourth, _ = body.fourth(surface._replace(rows=rows))
-    frames, n = body.frames.copy(), body.points_count
+    fourth, _ = body.model.fourth(surface._replace(rows=rows))
+    frames, n = body.frames.copy(), body.model.points_count
     frames[:n, :2], frames[n:, 1], frames[n:, 2] = rows[:, :2], fourth, rows[:, 2]
     at = rng.random((5, 2))
     table = bicubic(at)
-    found = np.einsum("ga,ma->mg", table, body.vectors(frames)[..., 0])
-    places = np.einsum("ga,maj->mgj", table, body.vectors())
+    found = np.einsum("ga,ma->mg", table, body.model.vectors(frames)[..., 0])
+    places = np.einsum("ga,maj->mgj", table, body.model.vectors())
     wanted = polynomial.polyval2d(places[..., 0] / 3.0, places[..., 1] / 2.0, c)
     np.testing.assert_allclose(found, wanted, atol=1e-12 * np.abs(wanted).max())
 
@@ -146,7 +148,7 @@ def test_spaces_are_nested():
     a, b = finer.sizes.T
     scales = np.stack([np.ones_like(a), a, b, a * b], axis=1)[:, np.newaxis, :, np.newaxis]
     whole = (finer.rows[finer.cells] * scales).reshape(-1, 16, 3)
-    np.testing.assert_allclose(body.vectors(), whole, atol=1e-13 * np.abs(whole).max())
+    np.testing.assert_allclose(body.model.vectors(), whole, atol=1e-13 * np.abs(whole).max())
     assert again.rows.shape == finer.rows.shape and len(surface.hanging) == len(finer.cells)
 
 
@@ -200,8 +202,8 @@ class Shell(BodyAlone):
 
     def __init__(self, function=wavy, section=UNSYMMETRIC):
         body = fl.ThinShell(cut_anyhow(function, (2, 2), 3), section)
-        assert (body.sizes[:, 3] > 0).sum() > 5
-        super().__init__(body, fl.ThinShell.assemble([body]))
+        assert (body.model.sizes[:, 3] > 0).sum() > 5
+        super().__init__(body, body.model.assemble([body.model]))
 
 
 def test_forces_are_the_gradient_of_the_energy():
@@ -237,7 +239,7 @@ def test_rigid_motion_strains_nothing_and_forces_turn_along():
 def test_patch_test_across_levels(exact):
     """Constant strain or curvature has no forces but at the edges: of the matrix, exactly."""
     shell = Shell(flat, LAYER)
-    body, n = shell.body, shell.body.points_count
+    body, n = shell.body, shell.body.model.points_count
     x, y = body.frames[:n, 0, :2].T
     zero, one = np.zeros(n), np.ones(n)
     if exact == "stretch":
@@ -247,12 +249,12 @@ def test_patch_test_across_levels(exact):
         field = [zero, zero, x * x + 0.4 * x * y], [zero, zero, 2 * x + 0.4 * y]
         field += [zero, zero, 0.4 * x], [zero, zero, 0.4 * one]
     rows = np.array(field).transpose(2, 0, 1)
-    fourth, _ = body.fourth(body_surface(body)._replace(rows=rows))
+    fourth, _ = body.model.fourth(body_surface(body)._replace(rows=rows))
     d = np.zeros((2 * n, 2, 3))
     # axes are those of space: the plate is flat, along x and y
     d[:n, 0], d[:n, 1], d[n:, 1], d[n:, 0] = rows[:, 0], rows[:, 1], rows[:, 2], fourth
     f = (shell.matrix(body.frames) @ d.ravel()).reshape(2 * n, 6)
-    outer = np.unique(np.concatenate([edge.points for edge in body._edges.values()]))
+    outer = np.unique(np.concatenate([edge.points for edge in body.model._edges.values()]))
     inner = np.setdiff1d(np.arange(n), outer)
     assert len(inner) > 10
     assert np.abs(f[inner]).max() < 1e-10 * np.abs(f).max()
@@ -285,7 +287,7 @@ def test_all_cells_cut_are_the_grid_that_is_twice_as_fine():
         strip((8, 2)),
     ):
         shell, scene = cantilever(mesh)
-        lying = shell.frames[: shell.points_count, 0].round(6)
+        lying = shell.frames[: shell.model.points_count, 0].round(6)
         order = np.lexsort(lying.T)
         bodies.append(lying[order])
         places.append(fl.statics(scene).frames[-1][order, 0])
@@ -316,7 +318,7 @@ def test_loads_on_areas_have_their_resultant_where_corners_hang():
     assert load.nodal()[:, 2].sum() == pytest.approx(2.0 * 6.0, rel=1e-13)
     moment = (body.frames[:, 0, 0] * load.nodal()[:, 2]).sum()
     slopes = load.on_directors()
-    moment += (slopes[:, 0, 2] * body.frames[:, 1, 0])[: body.points_count].sum()
+    moment += (slopes[:, 0, 2] * body.frames[:, 1, 0])[: body.model.points_count].sum()
     assert moment == pytest.approx(2.0 * 6.0 * 1.5, rel=1e-12)
 
 
@@ -355,7 +357,7 @@ def test_first_frequency_of_a_hinged_plate_across_levels():
         shell.hinge(name)
     wanted = 2 * np.pi**2 * np.sqrt(section.stiffness[3, 3] / 78.0)
     error = fl.vibrations(scene, count=1).frequencies[0] / wanted - 1
-    assert shell.sizes[:, 3].any()
+    assert shell.model.sizes[:, 3].any()
     assert 0 < error < 2e-4
 
 
@@ -373,7 +375,7 @@ def test_names_stay_and_patches_are_cut_across_their_edge():
         places = np.array([p.body.frames[p.node, 0] for p in shell.points(name)])
         np.testing.assert_allclose(places[:, 0], at)
         assert (np.diff(places[:, 1]) > 0).all()
-        edge = shell.on_edge(name)
+        edge = shell.model.on_edge(name)
         assert edge.weights.sum() == pytest.approx(1.0, rel=1e-13)
         np.testing.assert_allclose(edge.places[..., 0], at, atol=1e-13)
         assert (edge.weights * edge.places[..., 1] ** 2).sum() == pytest.approx(1 / 3, rel=1e-12)

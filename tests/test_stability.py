@@ -81,7 +81,7 @@ def test_flat_plate_buckles_at_the_load_of_a_column_and_of_bryan():
         fl.ShellSection.layer(t, fl.Material(1.0, nu, 1.0)),
         name="plate",
     )
-    z = plate.held
+    z = plate.model.held
     for name in ("a=0", "a=1", "b=0", "b=1"):
         z[[p.node for p in plate.points(name)], 2] = True
     z[[p.node for p in plate.points("a=0")], 0] = True

@@ -151,7 +151,7 @@ def test_curved_and_twisted_beam_is_free_of_stress_unloaded(formulation):
         formulation=formulation,
         up=fl.sections.Twisted(lambda s: 0.3 * s),
     )
-    assembly = fl.Beam.assemble([beam])
+    assembly = beam.model.assemble([beam.model])
     H, forces = np.empty_like(beam.frames), np.zeros(6 * len(beam.frames))
     H[assembly.order] = beam.frames
     assembly.add_forces(H, forces)
@@ -170,7 +170,7 @@ def test_viscous_forces_are_those_of_the_tangent(formulation):
         formulation=formulation,
         damping=fl.sections.Damping(stiffness=tau),
     )
-    assembly = fl.Beam.assemble([beam])
+    assembly = beam.model.assemble([beam.model])
     count = len(beam.frames)
     H, v = np.empty_like(beam.frames), rng.normal(size=(count, 6))
     H[assembly.order] = beam.frames
@@ -198,13 +198,13 @@ def test_viscous_forces_are_those_of_the_tangent(formulation):
 def test_consistent_inertia_of_a_curved_beam(formulation):
     """Momentum of a beam that moves without turning: all its mass, m = ρA times the arc."""
     beam = fl.Beam.curve(helix, SECTION, cells=5, formulation=formulation)
-    assembly = fl.Beam.assemble([beam])
+    assembly = beam.model.assemble([beam.model])
     mass = assembly.inertia.mass
-    assert abs(mass[:, 0, 0].sum() / (SECTION.inertia[0, 0] * beam.lengths.sum()) - 1) < 1e-12
+    assert abs(mass[:, 0, 0].sum() / (SECTION.inertia[0, 0] * beam.model.lengths.sum()) - 1) < 1e-12
     # and the shares of a line load are the row sums of the mass
     rows = np.repeat(np.arange(len(beam.frames)), np.diff(assembly.indptr))
     nodal = np.bincount(rows, mass[:, 0, 0])[assembly.order]
-    elements, shares = beam.consistent_lengths()
+    elements, shares = beam.model.consistent_lengths()
     carried = np.bincount(elements.ravel(), shares.ravel())
     np.testing.assert_allclose(nodal, SECTION.inertia[0, 0] * carried, rtol=1e-12)
 
@@ -400,10 +400,10 @@ def test_statics_without_gravity_needs_no_density(name):
         scene = fl.Scene()
         scene.add(body)
         if name == "ancf":
-            body.clamp(body.point("start"))
+            body.model.clamp(body.point("start"))
             tip = body.point("end")
         elif name in ("shell", "solid"):
-            body.clamp("a=0")
+            body.model.clamp("a=0")
             tip = body.point("11") if name == "shell" else body.point("111")
         else:
             scene.add(fl.Clamp(body.point("start")))

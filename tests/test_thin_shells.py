@@ -40,7 +40,7 @@ class Shell(BodyAlone):
     def __init__(self, function=wavy, cells=(2, 2), element=None, section=UNSYMMETRIC):
         make = fl.AncfShell if isinstance(element, fl.elements.AncfPlate) else fl.ThinShell
         body = make(fl.mesh.smooth_patch(function, cells), section, formulation=element)
-        super().__init__(body, make.assemble([body]))
+        super().__init__(body, body.model.assemble([body.model]))
 
 
 @every_element
@@ -108,7 +108,7 @@ def test_constant_strains_are_in_equilibrium():
 
     shell, strain = Shell(skew, (3, 2)), np.array([[1.01, 0.02, 0], [-0.01, 0.98, 0], [0, 0, 1.0]])
     H = shell.body.frames.copy()
-    count = shell.body.points_count
+    count = shell.body.model.points_count
     H[:count, :2] @= strain.T
     H[count:, 1:3] @= strain.T
     E = shell.term.strains(H)
@@ -196,12 +196,15 @@ def test_held_components_stay_exactly():
     result = fl.statics(scene)
     for name, k in (("a=0", 1), ("a=1", 0)):
         points = body.edge(name).points
-        first, second = result.frames[-1][points], result.frames[-1][points + body.points_count]
+        first, second = (
+            result.frames[-1][points],
+            result.frames[-1][points + body.model.points_count],
+        )
         assert np.abs(first[:, :1, k]).max() < 1e-10
         others = [i for i in range(3) if i != k]
         assert np.abs(first[:, 1][:, others]).max() < 1e-10  # ∂u is across
         assert np.abs(second[:, 2, k]).max() < 1e-10  # ∂v is within
-    moved = body.follower()
+    moved = body.model.follower()
     assert body.axes_are_held()[body.edge("a=0").points].all()
     rows = result.frames[-1].copy()
     moved(rows)
@@ -221,7 +224,7 @@ def test_patches_joined_are_one_surface():
     def pinched(patches, corner):
         body = fl.ThinShell(patches, LAYER, name="half")
         for name in ("a=0", "left.a=0"):
-            if name in body._edges:
+            if name in body.model._edges:
                 body.clamp(name)
         scene = fl.Scene()
         scene.add(body)
@@ -242,8 +245,8 @@ def test_a_closed_cylinder_is_joined_to_itself():
         return [np.cos(2 * np.pi * a), np.sin(2 * np.pi * a), b]
 
     patch = fl.mesh.smooth_patch(round_, (6, 2))
-    assert fl.ThinShell(patch, LAYER).points_count == 7 * 3
-    assert fl.ThinShell(patch, LAYER, joined=True).points_count == 6 * 3
+    assert fl.ThinShell(patch, LAYER).model.points_count == 7 * 3
+    assert fl.ThinShell(patch, LAYER, joined=True).model.points_count == 6 * 3
 
 
 def test_gravity_is_the_weight_of_all():
@@ -311,10 +314,12 @@ def test_pressure_on_a_closed_cylinder():
     scene = fl.Scene()
     scene.add(body)
     # nor does it turn about the corner
-    across = np.abs(body.frames[: body.points_count, 0] - (-1.0, 0.0, 0.0)).sum(axis=1).argmin()
+    across = (
+        np.abs(body.frames[: body.model.points_count, 0] - (-1.0, 0.0, 0.0)).sum(axis=1).argmin()
+    )
     scene.add(fl.joints.InPlane(fl.ground(), body.point(int(across)), axis=(0, 1, 0)))
     scene.add(fl.loads.SurfacePressure(body, 1.0))
-    places = fl.statics(scene).frames[-1][: body.points_count, 0]
+    places = fl.statics(scene).frames[-1][: body.model.points_count, 0]
     middle = places[:, :2].mean(axis=0)
     radius = np.linalg.norm(places[:, :2] - middle, axis=1)
     assert np.ptp(radius) < 1e-10
@@ -359,7 +364,7 @@ def test_moments_balance_the_load():
 def test_a_joint_holds_the_surface():
     """A strip hung by a fixed joint within a cell, against a clamp; moments balance."""
     body, scene = strip(4, 0.1), fl.Scene()
-    body.held[:] = False
+    body.model.held[:] = False
     scene.add(body)
     at = body.point_in_cell(0, 0.3, 0.5)
     joint = scene.add(fl.joints.Fixed(at, fl.ground(), name="hold"))
@@ -390,7 +395,7 @@ def kinked():
         (lambda: Shell().body.clamp("c=0"), "no edge or corner 'c=0'; it has: a=0"),
         (lambda: Shell(flat).body.symmetry("a=0", (0, 1, 0)), "not on a plane of symmetry"),
         (lambda: Shell(flat).body.symmetry("00", (0, 1, 0)), "needs an edge"),
-        (lambda: Shell(wavy).body.cells_of("roof"), "no patch 'roof'"),
+        (lambda: Shell(wavy).body.model.cells_of("roof"), "no patch 'roof'"),
         (
             lambda: fl.ThinShell(fl.mesh.smooth_patch(flat, (1, 1)), LAYER, along=(0, 0, 1)),
             "normal to",
@@ -423,7 +428,7 @@ def loaded_point(load, *, on_body: bool):
         scene.add(fl.joints.Fixed(at, other.point("centre")))
         at = other.point("centre")
     scene.add(fl.PointLoad(at, **load))
-    return fl.statics(scene).frames[-1][: body.points_count, 0]
+    return fl.statics(scene).frames[-1][: body.model.points_count, 0]
 
 
 @pytest.mark.parametrize(

@@ -75,7 +75,7 @@ def at_rest(scene):
 
 def begun(scene, frames, velocities):
     beam = scene.bodies[0]
-    beam.start_frames, beam.velocities = frames, velocities
+    beam.model.start_frames, beam.velocities = frames, velocities
     return at_rest(scene)
 
 
@@ -87,8 +87,8 @@ def test_rigid_motions_are_transferred_exactly(mesh):
     moved = rigid_motion(beam.frames)
     twists = lie.se3_adjoint(lie.se3_inverse(moved)) @ spin
     fl.adaptivity.transfer(begun(coarse, moved, twists), coarse, fine, state=0)
-    np.testing.assert_allclose(finer.start_frames, rigid_motion(finer.frames), atol=1e-13)
-    wanted = lie.se3_adjoint(lie.se3_inverse(finer.start_frames)) @ spin
+    np.testing.assert_allclose(finer.model.start_frames, rigid_motion(finer.frames), atol=1e-13)
+    wanted = lie.se3_adjoint(lie.se3_inverse(finer.model.start_frames)) @ spin
     # the inertia of curved lines is that of their meshes, and momenta are kept
     allowed = 1e-12 if mesh is LINE else 5e-3
     np.testing.assert_allclose(finer.velocities, wanted, atol=allowed * np.abs(wanted).max())
@@ -106,7 +106,7 @@ def test_constant_strain_is_transferred_exactly():
     beam, finer = coarse.bodies[0], fine.bodies[0]
     still = np.zeros((len(beam.frames), 6))
     changes = fl.adaptivity.transfer(begun(coarse, screw(beam), still), coarse, fine, state=0)
-    np.testing.assert_allclose(finer.start_frames, screw(finer), atol=1e-13)
+    np.testing.assert_allclose(finer.model.start_frames, screw(finer), atol=1e-13)
     assert changes.elastic[1] == pytest.approx(changes.elastic[0], rel=1e-11)
 
 
@@ -118,7 +118,7 @@ def test_refined_and_made_coarse_again(kind):
     fl.adaptivity.transfer(result, coarse, fine)
     fl.adaptivity.transfer(at_rest(fine), fine, again, state=0)
     body = again.bodies[0]
-    np.testing.assert_allclose(body.start_frames, result.frames[-1], atol=1e-13)
+    np.testing.assert_allclose(body.model.start_frames, result.frames[-1], atol=1e-13)
     np.testing.assert_allclose(body.velocities, result.velocities[-1], rtol=1e-9, atol=1e-9)
 
 
@@ -212,7 +212,7 @@ def test_bodies_that_are_others():
 
 def test_frames_to_begin_at_that_are_none():
     scene = free(LINE)
-    scene.bodies[0].start_frames = np.zeros((2, 4, 3))
+    scene.bodies[0].model.start_frames = np.zeros((2, 4, 3))
     with pytest.raises(ValueError, match="start_frames of"):
         at_rest(scene)
 

@@ -15,7 +15,7 @@ def test_an_unstable_equilibrium_says_so():
     column = fl.Beam.straight(
         (0, 0, 0), (0, 0, 1), fl.Section.circle(0.01, fl.Material(2e11, 0.3, 7850.0)), cells=8
     )
-    scene, euler = fl.Scene(), np.pi**2 / 4 * column.stiffness[0, 4, 4]
+    scene, euler = fl.Scene(), np.pi**2 / 4 * column.model.stiffness[0, 4, 4]
     scene.add(column)
     scene.add(fl.Clamp(column.point("start")))
     scene.add(fl.PointLoad(column.point("end"), (0, 0, -2 * euler)))

@@ -63,7 +63,9 @@ def test_a_shell_is_on_the_mesh_that_it_was_given(comm, cell):
     shell = fl.Shell(mesh, LAYER)
     # triangles have been turned round
     assert (mesh_of(shell) is mesh) == (cell == "quadrilateral")
-    other = fl.Shell(fl.mesh.SurfaceMesh.from_cells(mesh.geometry.x, shell.mesh.cells, cell), LAYER)
+    other = fl.Shell(
+        fl.mesh.SurfaceMesh.from_cells(mesh.geometry.x, shell.model.mesh.cells, cell), LAYER
+    )
     assert mesh_of(other) is not mesh
     np.testing.assert_allclose(tip(shell), tip(other), atol=1e-9)
 
@@ -118,9 +120,9 @@ def test_a_line_along_a_mesh_of_another_dimension_is_refused(kind):
 
 def test_two_bodies_of_a_kind_are_assembled_on_one_mesh_of_their_own():
     bodies = [fl.Shell(plate(MPI.COMM_SELF, "quadrilateral"), LAYER) for _ in range(2)]
-    assert [mesh_of(body) for body in bodies] == [body.source for body in bodies]
-    mesh = fl.Shell.assemble(bodies).forms.increment.function_space.mesh
-    assert mesh not in [body.source for body in bodies]
+    assert [mesh_of(body) for body in bodies] == [body.model.source for body in bodies]
+    mesh = bodies[0].model.assemble([b.model for b in bodies]).forms.increment.function_space.mesh
+    assert mesh not in [body.model.source for body in bodies]
 
 
 def test_a_body_that_was_moved_from_its_mesh_is_not_on_it():

@@ -153,7 +153,7 @@ def test_rotating_beam(speed):
     """Flap and lag of a slender beam on a hub, ω_lag² = ω_flap² − Ω², by Chebyshev collocation."""
     length = 10.0
     scene, body = beam(length)
-    D, mass = np.diag(body.stiffness[0]), body.density[0, 0, 0]
+    D, mass = np.diag(body.model.stiffness[0]), body.model.density[0, 0, 0]
     flap, lag = (np.sqrt(D[k] / mass) / length**2 for k in (4, 5))
     spin = speed * lag
     across = flap * flapping(spin / flap, 5)
@@ -238,7 +238,7 @@ def test_axial_force(load):
     scene, body = beam(20.0, clamped=False)
     for point in (body.point("start"), body.point("end")):
         scene.add(fl.joints.Revolute(point, fl.ground(), axis=(0, 1, 0)))
-    EI, mass = body.stiffness[0, 4, 4], body.density[0, 0, 0]
+    EI, mass = body.model.stiffness[0, 4, 4], body.model.density[0, 0, 0]
     wave = np.pi * np.arange(1, 4) / 20.0
     critical = EI * wave[0] ** 2
     scene.add(fl.loads.PreStress(body, (load * critical, 0, 0, 0, 0, 0)))
@@ -251,7 +251,7 @@ def test_axial_force(load):
 
 def test_buckled_column_is_unstable(caplog):
     scene, body = beam(20.0)
-    critical = body.stiffness[0, 5, 5] * (np.pi / 40) ** 2
+    critical = body.model.stiffness[0, 5, 5] * (np.pi / 40) ** 2
     scene.add(fl.PointLoad(body.point("end"), force=(-1.1 * critical, 0, 0)))
     with pytest.warns(fl.stability.UnstableEquilibriumWarning):
         modes = fl.vibrations(scene, 2)
@@ -269,7 +269,7 @@ def test_free_beam():
     modes = fl.vibrations(scene, 10)
     assert not modes.eigenvalues[:6].any()
     beta = np.array([brentq(lambda x: np.cos(x) - 1 / np.cosh(x), *b) for b in INTERVALS])
-    D, mass = np.diag(body.stiffness[0]), body.density[0, 0, 0]
+    D, mass = np.diag(body.model.stiffness[0]), body.model.density[0, 0, 0]
     expected = [np.sqrt(D[k] / mass) * (beta / 10.0) ** 2 for k in (4, 5)]
     np.testing.assert_allclose(modes.frequencies[6:], np.sort(np.ravel(expected))[:4], rtol=2e-4)
 
@@ -296,7 +296,7 @@ def test_cantilever_of_two_bodies_is_the_cantilever_of_one():
             np.testing.assert_allclose(
                 found, np.abs(expected.shapes[:, single.node(other)]), atol=1e-5
             )
-    assert np.abs(expected.shapes[0, :, :3]).max() == pytest.approx(body.size)
+    assert np.abs(expected.shapes[0, :, :3]).max() == pytest.approx(body.model.size)
 
 
 def test_pendulum():
@@ -348,7 +348,7 @@ def test_damping(mass, stiffness):
 def test_becks_column(load, flutters):
     """A following force makes the stiffness asymmetric: flutter at 20.05 EI/L² (Beck 1952)."""
     scene, body = beam(10.0)
-    force = load * body.stiffness[0, 5, 5] / 100
+    force = load * body.model.stiffness[0, 5, 5] / 100
     scene.add(fl.PointLoad(body.point("end"), force=(-force, 0, 0), following=True))
     modes = fl.vibrations(scene, 4)
     assert modes.unstable.any() == flutters
@@ -360,7 +360,7 @@ def test_slenderness(clamped):
     """Up to 1e5: axial stiffness is 1e13 times that of the slowest mode, and is not felt."""
     scene, body = beam(1e3, 0.01, 0.02, clamped=clamped)
     modes = fl.vibrations(scene, 8)
-    unit = np.sqrt(body.stiffness[0, 5, 5] / body.density[0, 0, 0]) / 1e6
+    unit = np.sqrt(body.model.stiffness[0, 5, 5] / body.model.density[0, 0, 0]) / 1e6
     start = [3.51602, 7.03203] if clamped else [0.0] * 6 + [22.3733, 44.7466]
     np.testing.assert_allclose(modes.frequencies[: len(start)] / unit, start, rtol=1e-4)
     assert modes.residuals.max() < 1e-10
@@ -377,7 +377,7 @@ def test_free_damped_beam_has_six_rigid_motions():
 def test_time_integration_swings_with_the_frequency():
     """A column under half its critical load starts with the velocity of its slowest mode."""
     scene, body = beam(1.0, 0.002, 0.004, cells=6)
-    critical = body.stiffness[0, 5, 5] * (np.pi / 2) ** 2
+    critical = body.model.stiffness[0, 5, 5] * (np.pi / 2) ** 2
     scene.add(fl.PointLoad(body.point("end"), force=(-0.5 * critical, 0, 0)))
     modes = fl.vibrations(scene, 1)
     shape, omega = modes.shapes[0].real, modes.frequencies[0]

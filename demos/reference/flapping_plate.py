@@ -45,7 +45,7 @@ def energy_error(result: fl.Result, scene: fl.Scene, amplitude: float) -> float:
     """Energy against the work of the moment at the root, by the trapezoidal rule."""
     (wing,) = scene.bodies
     assert isinstance(wing, fl.Shell)
-    edges, lengths = wing.edges("a=0")
+    edges, lengths = wing.model.edges("a=0")
     nodes = result.info.body("wing").nodes[edges]
     axes, local = result.frames[:, nodes, 1:], result.velocities[:, nodes, 3:]
     rate = np.einsum("ek,teki,teki->t", lengths, axes[..., 1], local)

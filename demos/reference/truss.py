@@ -50,7 +50,7 @@ def bending(
     length = np.linalg.norm(chord, axis=-1, keepdims=True)
     away = np.linalg.norm(np.cross(x - x[:, :, :1], chord / length), axis=-1)
     deflection = away.max(axis=2) / length[:, :, 0, 0]
-    rest = np.array([bar.lengths for bar in bars])[..., np.newaxis]
+    rest = np.array([bar.model.lengths for bar in bars])[..., np.newaxis]
     strain = 0.0
     for frames in result.frames[:, nodes]:
         moved = lie.se3_relative(frames[:, :-1], frames[:, 1:]) / rest

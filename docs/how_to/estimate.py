@@ -30,15 +30,17 @@ def moment_jumps(
 ) -> list[ElementErrors]:
     """Squares of errors and the energy norm of the stress, in each of these states."""
     found = fl.post.section_forces(result, beam, scene, states=steps)
-    compliance = np.linalg.inv(beam.stiffness)
+    compliance = np.linalg.inv(beam.model.stiffness)
     errors = []
     for state in range(len(steps)):
         stress = found.at_points(state).mean(axis=1)
         inner = np.diff(stress[:, 3:], axis=0)
         both = np.concatenate([inner[:1], inner, inner[-1:]])
         jump = 0.5 * (both[:-1] + both[1:])
-        squares = np.einsum("mi,mij,mj->m", jump, compliance[:, 3:, 3:], jump) * beam.lengths / 12
-        energy = np.einsum("mi,mij,mj,m->", stress, compliance, stress, beam.lengths)
+        squares = (
+            np.einsum("mi,mij,mj->m", jump, compliance[:, 3:, 3:], jump) * beam.model.lengths / 12
+        )
+        energy = np.einsum("mi,mij,mj,m->", stress, compliance, stress, beam.model.lengths)
         errors.append(ElementErrors(squares, float(energy)))
     return errors
 

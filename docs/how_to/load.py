@@ -37,9 +37,13 @@ class RampLoad(NodalLoad):
 
     def nodal(self) -> np.ndarray:
         """Forces with the moments of the distributed ones, shape (n, 6)."""
-        ends = self.beam.elements[:, :2]
-        parts = 1.0 - self.beam.chains.arc / self.beam.lengths.sum()  # at both ends of elements
-        shares = parts @ np.array([[2.0, 1.0], [1.0, 2.0]]) * self.beam.lengths[:, np.newaxis] / 6
+        ends = self.beam.model.elements[:, :2]
+        parts = (
+            1.0 - self.beam.model.chains.arc / self.beam.model.lengths.sum()
+        )  # at both ends of elements
+        shares = (
+            parts @ np.array([[2.0, 1.0], [1.0, 2.0]]) * self.beam.model.lengths[:, np.newaxis] / 6
+        )
         values = np.zeros((len(self.beam.frames), 6))
         np.add.at(values[:, :3], ends, shares[..., np.newaxis] * np.asarray(self.force))
         return values

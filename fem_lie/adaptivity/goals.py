@@ -73,11 +73,11 @@ def goal_error(
                 f"goals are estimated for beams and shells, not for thin shells such as "
                 f"{body.label}: omit the goal, for the error in the energy norm"
             )
-        if getattr(getattr(body, "formulation", None), "bending_flexibility", False):
+        if getattr(getattr(body.model, "formulation", None), "bending_flexibility", False):
             raise ValueError(
                 f"elements of {body.label} have the flexibility of forces that vary within, and "
                 "displacements better than their stress: estimate goals with "
-                f"{type(body.formulation).__name__}(bending_flexibility=False)"
+                f"{type(body.model.formulation).__name__}(bending_flexibility=False)"
             )
     value, parts = goal.found(result, bodies, scene)
     states = [result.frames[-1][nodes_in(result.info, body)] for body in bodies]

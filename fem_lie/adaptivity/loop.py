@@ -220,10 +220,10 @@ def adapt(
 
 def _unknowns(body: Body, *, drilling: bool) -> int:
     """Number of unknowns of the nodes of a body in a scene, including fixed ones."""
-    count = np.array([TRAITS[NodeType(kind)].unknowns for kind in body.node_types])
-    there = (np.arange(6) < count[:, np.newaxis]) & ~body.absent
+    count = np.array([TRAITS[NodeType(kind)].unknowns for kind in body.model.node_types])
+    there = (np.arange(6) < count[:, np.newaxis]) & ~body.model.absent
     there[:, 5] &= drilling
-    leads = body.masters == np.arange(len(body.frames))
+    leads = body.model.masters == np.arange(len(body.frames))
     return int(there[leads].sum())
 
 
@@ -310,5 +310,5 @@ def named_body(
 
 def _elements(body: Estimated) -> int:
     if isinstance(body, Beam):
-        return len(body.elements)
-    return len(body.connectivity if isinstance(body, ThinShell) else body.mesh.cells)
+        return len(body.model.elements)
+    return len(body.model.connectivity if isinstance(body, ThinShell) else body.model.mesh.cells)

@@ -317,7 +317,7 @@ def order_of(body: Estimated) -> int:
     """Order of convergence of the error in the energy norm in the size of elements."""
     if isinstance(body, ThinShell):
         return _OF_BICUBICS
-    return body.elements.shape[1] - 1 if isinstance(body, Beam) else body.mesh.degree
+    return body.model.elements.shape[1] - 1 if isinstance(body, Beam) else body.model.mesh.degree
 
 
 def _middles(mesh: LineMesh | SurfaceMesh | SplineMesh) -> tuple[Array, Array]:

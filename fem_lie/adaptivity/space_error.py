@@ -67,7 +67,7 @@ def draw_error(
     """
     target_of(path, ".png")
     if isinstance(body, Beam):
-        _over_arc(body, np.sqrt(squares / body.lengths), path, title, units)
+        _over_arc(body, np.sqrt(squares / body.model.lengths), path, title, units)
     else:
         _in_colours(body, frames, squares, path, title, units)
 
@@ -76,7 +76,7 @@ def _over_arc(
     beam: Beam, density: Array, path: str | os.PathLike[str], title: str, units: Units
 ) -> None:
     figure, (axes,) = figure_of_rows(1, title, units)
-    chains, start = beam.chains, 0.0
+    chains, start = beam.model.chains, 0.0
     for k, cells in enumerate(np.split(chains.order, chains.first[1:])):
         arc = start + chains.arc[cells]
         axes.plot(arc.ravel(), np.repeat(density[cells], 2), color=COLOURS[k % len(COLOURS)])
@@ -97,11 +97,11 @@ def _in_colours(
     # disconnected, so that each cell has one colour and visible edges
     if isinstance(shell, ThinShell):
         kind: CellKind = _Quadrilateral()
-        areas = shell.on_cells().weights.sum(axis=1)
+        areas = shell.model.on_cells().weights.sum(axis=1)
         places, pieces = _curved(shell, frames)
     else:
-        kind, areas = shell.own_mesh, shell.areas().sum(axis=1)
-        places = frames[shell.own_mesh.cells, 0]
+        kind, areas = shell.model.own_mesh, shell.model.areas().sum(axis=1)
+        places = frames[shell.model.own_mesh.cells, 0]
         pieces = np.arange(places.shape[1])[np.newaxis]
     m, k, _ = places.shape
     density = np.sqrt(squares / areas)
@@ -119,7 +119,7 @@ def _curved(shell: ThinShell, frames: Array) -> tuple[Array, Indices]:
     """Positions in each cell (m, p, 3), so that edges of cells of several sizes match; pieces."""
     x: Array = np.arange(_PIECES + 1.0) / _PIECES
     table = hermite.table(hermite.products(x, x))[:, hermite.VALUE]
-    places = np.einsum("ga,maj->mgj", table, shell.vectors(frames))
+    places = np.einsum("ga,maj->mgj", table, shell.model.vectors(frames))
     number = np.arange(len(table)).reshape(len(x), len(x))
     corners = number[:-1, :-1], number[1:, :-1], number[:-1, 1:], number[1:, 1:]
     return places, np.stack(corners, axis=-1).reshape(-1, 4)

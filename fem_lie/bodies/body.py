@@ -6,10 +6,10 @@ with all bodies of its kind. It does not depend on unknowns, solvers or other bo
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -18,19 +18,8 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Indices, choice, instance, number, text, vector
 from fem_lie._summary import Summarised
 from fem_lie.attachments.attachment import AttachmentFrame
-from fem_lie.bodies.nodes import HeldRotation, Nodes
+from fem_lie.bodies.model import BodyModel, MaterialPoint
 from fem_lie.lie.motions import Group
-from fem_lie.lie.node_types import NodeType
-
-if TYPE_CHECKING:
-    import dolfinx
-
-    from fem_lie.forms.assembly import BodyTerm
-
-Holds: TypeAlias = Mapping["Body", Sequence[HeldRotation]]
-"""Rotations of nodes of each body that joints, motions and moments act on, if any."""
-
-NO_HOLDS: Holds = MappingProxyType({})
 
 Where: TypeAlias = str | int | npt.ArrayLike
 """Point of a body: its name, the number of a node, or a position, shape (3,)."""
@@ -42,57 +31,56 @@ _NEAR = 1e-6
 AnyBody = TypeVar("AnyBody", bound="Body")
 
 
-class Body(Summarised, Nodes):
+class Body(Summarised):
     """Body with nodes and named points.
 
     Attributes:
-        cells: Pairs of nodes, for drawing, shape (m, 2).
-        outline: Outline of the section in (e₂, e₃), shape (k, 2), or of that of each cell, shape
-            (m, k, 2), nan where there is none; or ``None``: for drawing.
-        box: Edges of a box about a rigid body's frame, shape (3,), or ``None``: for drawing.
-        size: Characteristic length of the body, for tolerances.
-        group: Group on which its nodes move in time integration, see :meth:`set_group`.
-        faces: Corners of surface cells, for drawing, shape (m, 3 or 4).
-        thickness: Thickness of these cells, for drawing, shape (m,).
-        source: DOLFINx mesh from which the body was made, if any.
-        name: Name in messages and results; the scene chooses one if it is empty.
+        model: What the assembly sees of the body: elements, constraints, data of the cells.
     """
 
-    group: Group = Group.SE3
-    source: dolfinx.mesh.Mesh | None = None
+    model: BodyModel
 
-    def __init__(
-        self,
-        frames: Array,
-        *,
-        cells: npt.NDArray[np.int64],
-        outline: Array | None,
-        size: float,
-        points: dict[str, int],
-        box: Array | None = None,
-        masters: npt.NDArray[np.int64] | None = None,
-        name: str = "",
-    ) -> None:
-        """Keep copies of the frames; velocities start at zero.
+    def __init__(self, model: BodyModel) -> None:
+        """Take the model of the body.
 
         Args:
-            frames: Nodal frames in the reference configuration, shape (n, 4, 3).
-            cells: Pairs of nodes, for drawing, shape (m, 2).
-            outline: Outline of the cross-section, see :attr:`outline`, or ``None``.
-            size: Characteristic length of the body, for tolerances.
-            points: Node of each named point.
-            box: Edges of a box about a rigid body's frame, shape (3,), or ``None``.
-            masters: Master node of each node, its own number if it is independent, shape (n,);
-                default: all nodes are independent.
-            name: Name in messages and results.
+            model: Nodes, elements and how they are assembled.
         """
-        text(name, f"{type(self).__name__}: name")
-        super().__init__(frames, masters)
-        self.cells, self.outline, self.box = cells, outline, box
-        self.size, self.name = size, name
-        self.faces: npt.NDArray[np.int64] = np.empty((0, 4), dtype=np.int64)
-        self.thickness: Array = np.empty(0)
-        self._points = points
+        self.model = model
+
+    def __copy__(self: AnyBody) -> AnyBody:
+        """Body with a copy of the model; both models share their arrays."""
+        other = type(self).__new__(type(self))
+        Body.__init__(other, copy(self.model))
+        return other
+
+    @property
+    def name(self) -> str:
+        """Name in messages and results; the scene chooses one if it is empty."""
+        return self.model.name
+
+    @name.setter
+    def name(self, name: str) -> None:
+        self.model.name = name
+
+    @property
+    def label(self) -> str:
+        """Name of the body, or its class if it has none yet."""
+        return self.model.label
+
+    @property
+    def frames(self) -> Array:
+        """Initial frames of the nodes, shape (n, 4, 3), see :mod:`fem_lie.lie`."""
+        return self.model.frames
+
+    @property
+    def velocities(self) -> Array:
+        """Initial local velocities (translation, rotation), shape (n, 6)."""
+        return self.model.velocities
+
+    @velocities.setter
+    def velocities(self, velocities: Array) -> None:
+        self.model.velocities = velocities
 
     def set_group(self: AnyBody, group: Group) -> AnyBody:
         """Choose the group on which the nodes move in time integration, and return the body.
@@ -103,46 +91,8 @@ class Body(Summarised, Nodes):
         Raises:
             ValueError: ``group`` is not a member of :class:`Group`.
         """
-        self.group = choice(group, Group, f"{type(self).__name__}: group")
+        self.model.group = choice(group, Group, f"{type(self).__name__}: group")
         return self
-
-    @property
-    def kind(self) -> Hashable:
-        """Key of bodies that are assembled together by :meth:`assemble`."""
-        return type(self).__name__
-
-    @classmethod
-    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm | None:
-        """Assembly of all bodies of one kind, or ``None`` if they are rigid.
-
-        Args:
-            bodies: Bodies of one :attr:`kind`; either all or none of them have drilling rotations.
-            holds: Rotations of their nodes that joints, motions and moments act on.
-        """
-        return None
-
-    @property
-    def elastic_cells(self) -> Indices:
-        """Nodes of each cell for :meth:`weighted_cells`, shape (m, k); default: none."""
-        return np.empty((0, 0), dtype=np.int64)
-
-    def weighted_cells(self, cells: Indices, weights: Array) -> BodyTerm:
-        """Assembly of some elastic cells with weighted energies, each on copies of its nodes.
-
-        Args:
-            cells: Indices of the cells, shape (s,).
-            weights: Factors of their energies, shape (s,).
-
-        Returns:
-            Term on s k nodes, in the order of :attr:`elastic_cells`.
-
-        Raises:
-            ValueError: Cells of this body cannot be assembled individually.
-        """
-        raise ValueError(
-            f"cells of {self.label} cannot be assembled individually: expected a beam or a shell "
-            "whose nodes are frames"
-        )
 
     def point(self, where: Where, *, tolerance: float | None = None) -> Point:
         """Point with a name, at a node or at a position, for joints, loads and results.
@@ -150,20 +100,22 @@ class Body(Summarised, Nodes):
         Args:
             where: Name of a point such as "end"; or the number of a node; or a position in the
                 reference configuration, shape (3,), for the closest material point.
-            tolerance: Largest distance from a position, a length; default: 1e-6 of :attr:`size`.
+            tolerance: Largest distance from a position, a length; default: 1e-6 of the size of the
+                body.
 
         Raises:
             ValueError: There is no such point; the message lists those that exist, or gives the
                 distance of the closest one.
             TypeError: It is neither a name, nor a whole number, nor a position.
         """
-        limit = _NEAR * self.size if tolerance is None else number(tolerance, "point: tolerance")
+        size = self.model.size
+        limit = _NEAR * size if tolerance is None else number(tolerance, "point: tolerance")
         if isinstance(where, str):
-            return self._named(where)
+            return self._at(self.model.named(where))
         if isinstance(where, int | np.integer):
-            return self._numbered(int(where))
+            return self._at(self.model.numbered(int(where)))
         position = vector(where, 3, f"a name, a node or the position of a point of {self.label}")
-        found = self._closest(position)
+        found = self._at(self.model.closest(position))
         away = float(np.linalg.norm(found.position - position))
         if away > limit:
             raise ValueError(
@@ -182,26 +134,7 @@ class Body(Summarised, Nodes):
             ValueError: There is no such set; the message lists what exists.
             TypeError: It is not a name.
         """
-        return [self._numbered(int(node)) for node in self.nodes(where)]
-
-    def _named(self, name: str) -> Point:
-        """Point with a name; raises as :meth:`point`."""
-        if name not in self._points:
-            known = ", ".join(sorted(self._points)) or "none"
-            raise ValueError(f"{self.label} has no point {name!r}; it has: {known}")
-        return Point(self, self._points[name], name)
-
-    def _numbered(self, node: int) -> Point:
-        """Point at a node; raises as :meth:`point`."""
-        if not -len(self.frames) <= node < len(self.frames):
-            raise ValueError(f"{self.label} has nodes 0 … {len(self.frames) - 1}, got {node}")
-        return Point(self, node % len(self.frames), f"node {node}")
-
-    def _closest(self, position: Array) -> Point:
-        """Material point closest to a position, among those that joints can act on: nodes."""
-        nodes = np.flatnonzero(self.node_types < NodeType.MIXED_DERIVATIVE)
-        away = np.linalg.norm(self.frames[nodes, 0] - position, axis=1)
-        return self._numbered(int(nodes[away.argmin()]))
+        return [self._at(self.model.numbered(int(node))) for node in self.nodes(where)]
 
     def nodes(self, where: str) -> Indices:
         """Numbers of the nodes of a named set; arguments and errors as of :meth:`points`.
@@ -210,24 +143,19 @@ class Body(Summarised, Nodes):
             where: Name of the point, curve, face or group.
         """
         text(where, f"the name of a set of points of {self.label}")
-        return np.array([self._named(where).node])
+        return self.model.nodes(where)
 
-    @property
-    def label(self) -> str:
-        """Name of the body, or its class if it has none yet."""
-        return self.name or type(self).__name__
+    def _at(self, found: MaterialPoint) -> Point:
+        """Point of this body at a material point of its model."""
+        return Point(self, *found)
 
     def _summary(self) -> Iterator[tuple[str, object]]:
         """Name, numbers of nodes and cells, named points."""
+        model = self.model
         yield "name", self.name
-        yield "nodes", len(self.frames)
-        yield from (("cells", len(self.cells)),) if len(self.cells) else ()
-        yield "points", sorted(self._points)
-
-    @property
-    def point_names(self) -> dict[str, int]:
-        """Named points and their nodes."""
-        return dict(self._points)
+        yield "nodes", len(model.frames)
+        yield from (("cells", len(model.cells)),) if len(model.cells) else ()
+        yield "points", sorted(model.point_names)
 
     def add_velocity(
         self,
@@ -253,7 +181,7 @@ class Body(Summarised, Nodes):
                 "leaves at rest"
             )
         centre = np.zeros(3) if about is None else _position_of(about)
-        self.add_rigid_motion(translation, spin, centre)
+        self.model.add_rigid_motion(translation, spin, centre)
 
 
 @dataclass(frozen=True, eq=False)
@@ -326,7 +254,7 @@ class Point:
         if self.body is None:
             return None
         if self.attachment is None:
-            return self.body.attachment_of(self.node)
+            return self.body.model.attachment_of(self.node)
         return None if self.attachment.kind.rigid else self.attachment
 
     def same(self, other: Point) -> bool:
@@ -346,7 +274,7 @@ class Point:
     @property
     def size(self) -> float:
         """Characteristic length of the body."""
-        return 1.0 if self.body is None else self.body.size
+        return 1.0 if self.body is None else self.body.model.size
 
     @property
     def label(self) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fem_lie.bodies.body import Body, Point
+from fem_lie.bodies.model import BodyModel
 
 _OF_A_BODY = (
     "frames",
@@ -40,7 +41,7 @@ class CanonicalBytes:
 
     def __init__(self, bodies: Iterable[Body]) -> None:
         """Bodies are represented by their numbers in this order."""
-        self._number = {body: number for number, body in enumerate(bodies, start=1)}
+        self._number = {body.model: number for number, body in enumerate(bodies, start=1)}
 
     def of(self, value: Any) -> bytes:
         """Bytes of a value; numbers are exact."""
@@ -49,6 +50,8 @@ class CanonicalBytes:
                 return repr(value.tolist()).encode()
             return b"%r %r " % (value.shape, value.dtype.str) + value.tobytes()
         if isinstance(value, Body):
+            return self.of(value.model)
+        if isinstance(value, BodyModel):
             return b"body %d" % self._number[value]
         if isinstance(value, Point):
             if value.body is None:
@@ -89,4 +92,5 @@ def attributes(value: Any) -> list[tuple[str, Any]]:
 
 def data_of_body(body: Body) -> list[tuple[str, Any]]:
     """Names and values of the data of a body on which the equations depend."""
-    return [(name, getattr(body, name)) for name in _OF_A_BODY if hasattr(body, name)]
+    model = body.model
+    return [(name, getattr(model, name)) for name in _OF_A_BODY if hasattr(model, name)]

@@ -17,6 +17,7 @@ from fem_lie.lie.node_types import NodeType
 
 if TYPE_CHECKING:
     from fem_lie.bodies.body import Body, Point
+    from fem_lie.bodies.model import BodyModel
 
 
 class Labelled(Protocol):
@@ -64,27 +65,28 @@ class BodyInfo(Summarised):
     @classmethod
     def of(cls, body: Body, nodes: Indices) -> BodyInfo:
         """Record of a body whose nodes have the numbers ``nodes``."""
+        model = body.model
         return cls(
-            name=body.name,
+            name=model.name,
             kind=type(body).__name__,
             nodes=nodes,
-            cells=nodes[body.cells],
-            outline=body.outline,
-            box=body.box,
-            points={key: int(nodes[node]) for key, node in body.point_names.items()},
-            faces=nodes[body.faces],
-            thickness=body.thickness,
-            node_types=_recorded_kinds(body),
-            undeformed=body.frames.copy(),
+            cells=nodes[model.cells],
+            outline=model.outline,
+            box=model.box,
+            points={key: int(nodes[node]) for key, node in model.point_names.items()},
+            faces=nodes[model.faces],
+            thickness=model.thickness,
+            node_types=_recorded_kinds(model),
+            undeformed=model.frames.copy(),
         )
 
 
-def _recorded_kinds(body: Body) -> Indices:
+def _recorded_kinds(model: BodyModel) -> Indices:
     """Node types, with FRAME only for nodes whose axes follow from their velocities."""
-    kinds = body.node_types
-    if body.follower() is None:
+    kinds = model.node_types
+    if model.follower() is None:
         return kinds
-    set_by_body = (kinds == NodeType.FRAME) & body.held[:, 3:].any(axis=1)
+    set_by_body = (kinds == NodeType.FRAME) & model.held[:, 3:].any(axis=1)
     return np.where(set_by_body, int(NodeType.POSITION), kinds)
 
 

@@ -8,7 +8,8 @@ import numpy.typing as npt
 from fem_lie import lie
 from fem_lie._arrays import Array, numbers, vector
 from fem_lie.attachments.at_nodes import at_node
-from fem_lie.bodies.body import Body, Point
+from fem_lie.bodies.body import Body
+from fem_lie.bodies.model import BodyModel, MaterialPoint
 from fem_lie.lie.motions import Group
 from fem_lie.sections.properties import director_mass_matrix
 
@@ -24,6 +25,42 @@ def _proper(rotation: npt.ArrayLike) -> Array:
     return R
 
 
+class RigidBodyModel(BodyModel):
+    """Node and inertia of a rigid body.
+
+    Attributes:
+        mass_matrix: Constant mass matrix of (x, d₁, d₂, d₃), shape (4, 4).
+    """
+
+    group = Group.R3xSO3
+
+    def __init__(
+        self, frame: Array, mass_matrix: Array, size: float, class_name: str, name: str
+    ) -> None:
+        """Take the frame at the centre of mass, shape (4, 3), and the mass matrix."""
+        self.mass_matrix = mass_matrix
+        super().__init__(
+            frame[np.newaxis],
+            class_name=class_name,
+            size=size,
+            points={"centre": 0},
+            # the box of uniform density with the same second moments, m b²/12 each
+            box=np.sqrt(12.0 * np.diag(mass_matrix)[1:].clip(0.0) / mass_matrix[0, 0]),
+            name=name,
+        )
+
+    def closest(self, position: Array) -> MaterialPoint:
+        """Material point at any position, with the axes of the body.
+
+        Args:
+            position: Position in the reference configuration, shape (3,).
+        """
+        H = self.frames[0]
+        offset = np.vstack([H[1:] @ (position - H[0]), np.eye(3)])
+        name = ", ".join(f"{component:g}" for component in position)
+        return MaterialPoint(0, f"at ({name})", at_node(0, offset))
+
+
 class RigidBody(Body):
     """Rigid body with its frame at the centre of mass.
 
@@ -33,9 +70,6 @@ class RigidBody(Body):
     ``point("centre")`` is the centre of mass, ``point((x, y, z))`` the material point at a
     position, with the axes of the body.
 
-    Attributes:
-        mass_matrix: Constant mass matrix of (x, d₁, d₂, d₃), shape (4, 4).
-
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
         >>> wheel.add_velocity(omega=(0, 0, 3), about=(0, 0, 0))
@@ -43,7 +77,7 @@ class RigidBody(Body):
         array([[0., 3., 0., 0., 0., 3.]])
     """
 
-    group = Group.R3xSO3
+    model: RigidBodyModel
 
     def __init__(
         self,
@@ -70,23 +104,9 @@ class RigidBody(Body):
         """
         tensor = numbers(inertia, "inertia")
         tensor = np.diag(tensor) if tensor.shape == (3,) else tensor
-        self.mass_matrix = director_mass_matrix(mass, tensor)
+        mass_matrix = director_mass_matrix(mass, tensor)
         R = np.eye(3) if rotation is None else _proper(rotation)
-        super().__init__(
-            lie.frame(vector(position, 3, "position"), R)[np.newaxis],
-            cells=np.empty((0, 2), dtype=np.int64),
-            outline=None,
-            # radius of gyration: the only length that a rigid body has
-            size=float(np.sqrt(np.trace(tensor) / mass)),
-            points={"centre": 0},
-            # the box of uniform density with the same second moments, m b²/12 each
-            box=np.sqrt(12.0 * np.diag(self.mass_matrix)[1:].clip(0.0) / mass),
-            name=name,
-        )
-
-    def _closest(self, position: Array) -> Point:
-        """Material point at any position, with the axes of the body."""
-        H = self.frames[0]
-        offset = np.vstack([H[1:] @ (position - H[0]), np.eye(3)])
-        name = ", ".join(f"{component:g}" for component in position)
-        return Point(self, 0, f"at ({name})", at_node(0, offset))
+        frame = lie.frame(vector(position, 3, "position"), R)
+        # radius of gyration: the only length that a rigid body has
+        size = float(np.sqrt(np.trace(tensor) / mass))
+        super().__init__(RigidBodyModel(frame, mass_matrix, size, type(self).__name__, name))

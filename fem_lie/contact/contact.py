@@ -12,7 +12,7 @@ import numpy as np
 
 from fem_lie._arrays import flag, instance, text
 from fem_lie.bodies.body import Body
-from fem_lie.bodies.nodes import HeldRotation
+from fem_lie.bodies.model import HeldRotation
 from fem_lie.contact.laws.law import ContactTerm, Impact, Penalty
 from fem_lie.contact.pairs import known  # noqa: F401  (registers the pairs of the package)
 from fem_lie.contact.pairs.pair import ContactPair, Law, bodies_of, pair_class, pair_of

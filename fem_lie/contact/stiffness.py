@@ -40,8 +40,8 @@ def chosen_stiffness(bodies: Iterable[Body], power: int, what: str) -> float:
 def _softest(body: Body, power: int) -> float | None:
     """Least stiffness of the elements of a body; ``None`` for a rigid body."""
     if isinstance(body, Beam):
-        return float((body.stiffness[:, 0, 0] / body.lengths ** (1 + power)).min())
+        return float((body.model.stiffness[:, 0, 0] / body.model.lengths ** (1 + power)).min())
     if isinstance(body, Shell):
-        areas = body.areas().sum(axis=1)
-        return float((body.stiffness[:, 0, 0] / areas ** (0.5 * power)).min())
+        areas = body.model.areas().sum(axis=1)
+        return float((body.model.stiffness[:, 0, 0] / areas ** (0.5 * power)).min())
     return None

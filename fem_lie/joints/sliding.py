@@ -115,9 +115,9 @@ class Sliding(Connection):
             ValueError: The beam is not one smooth line of geodesic elements, the point is not on
                 its axis, or the travel does not start there.
         """
-        elements, lengths = self.beam.elements, self.beam.lengths
+        elements, lengths = self.beam.model.elements, self.beam.model.lengths
         chained = (elements[1:, 0] == elements[:-1, 1]).all()
-        if not chained or not isinstance(self.beam.formulation, GeodesicBeam):
+        if not chained or not isinstance(self.beam.model.formulation, GeodesicBeam):
             raise ValueError(
                 f"{self.label}: the beam must be one smooth line of geodesic elements from its "
                 "start to its end"
@@ -125,17 +125,18 @@ class Sliding(Connection):
         place = self.b.position if self.at is None else vector(self.at, 3, f"{self.label}: at")
         starts = np.cumsum(lengths) - lengths
         s, gap = _nearest(self.beam, elements, starts, place)
-        if gap > _ON_AXIS * self.beam.size:
+        size = self.beam.model.size
+        if gap > _ON_AXIS * size:
             frame = _axis_frame(self.beam, elements, starts, s)
             raise ValueError(
                 f"{self.label}: the position {place} is {gap:g} off the beam's axis, more than "
-                f"{_ON_AXIS:g} of its size {self.beam.size:g}; give at=... on the axis, such as "
+                f"{_ON_AXIS:g} of its size {size:g}; give at=... on the axis, such as "
                 f"at=({', '.join(f'{x:.9g}' for x in frame[0])}), to which the point is joined by "
                 "a rigid link"
             )
         if self.travel is not None:
             begin = at_time(self.travel, 0.0, f"{self.label}: travel")
-            if not abs(begin - s) <= 1e-6 * self.beam.size:
+            if not abs(begin - s) <= 1e-6 * self.beam.model.size:
                 raise ValueError(
                     f"{self.label}: travel must start at arclength {s:g}, got {begin:g}"
                 )
@@ -192,7 +193,7 @@ def _axis_frame(beam: Beam, elements: Indices, starts: Array, s: float) -> Array
     """Frame of the beam at an arc length, shape (4, 3)."""
     e = max(int(np.searchsorted(starts, s, side="right")) - 1, 0)
     a, b = beam.frames[elements[e, :2]]
-    return lie.se3_retract(a, (s - starts[e]) / beam.lengths[e] * lie.se3_relative(a, b))
+    return lie.se3_retract(a, (s - starts[e]) / beam.model.lengths[e] * lie.se3_relative(a, b))
 
 
 def _nearest(beam: Beam, elements: Indices, starts: Array, place: Array) -> tuple[float, float]:
@@ -216,4 +217,4 @@ def _nearest(beam: Beam, elements: Indices, starts: Array, place: Array) -> tupl
     frames = lie.se3_retract(a, at[:, np.newaxis] * d)
     off = np.linalg.norm(place - frames[:, 0], axis=1)
     e = int(off.argmin())
-    return float(starts[e] + at[e] * beam.lengths[e]), float(off[e])
+    return float(starts[e] + at[e] * beam.model.lengths[e]), float(off[e])

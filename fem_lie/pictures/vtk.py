@@ -224,7 +224,7 @@ def _forces_in_cells(
                 f"{len(found.times)}"
             )
         body = info.body(found.beam.name)
-        pieces = len(body.cells) // len(found.beam.elements)
+        pieces = len(body.cells) // len(found.beam.model.elements)
         start = starts[info.bodies.index(body)]
         values[:, start : start + len(body.cells)] = np.repeat(found.middle, pieces, axis=1)
     return {name: values[..., i] for i, name in enumerate(found.components)}

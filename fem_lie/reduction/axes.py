@@ -91,7 +91,7 @@ class NodeAxes:
             body: A body of the scene.
             frames: Nodal frames, shape (n, 4, 3).
         """
-        if body.uncoupled:
+        if body.model.uncoupled:
             raise ValueError(
                 f"nodes of {body.label} have no drilling rotation, so their frames are no floating "
                 "frame: use MeanAxes()"
@@ -102,7 +102,7 @@ class NodeAxes:
 
 def directors(body: Body) -> list[int]:
     """Rows of frames that follow the rigid motion: for shells only the third director."""
-    return [3] if body.uncoupled else [1, 2, 3]
+    return [3] if body.model.uncoupled else [1, 2, 3]
 
 
 class LocalMotion(NamedTuple):
@@ -126,7 +126,7 @@ def frames_of(result: StateSeries, body: Body) -> Array:
     """
     instance(result, StateSeries, "result", "a result of dynamics or statics")
     instance(body, Body, "body", "a body of the scene")
-    if body.node_type != NodeType.FRAME:
+    if body.model.node_type != NodeType.FRAME:
         raise ValueError(
             f"local motion needs nodes with frames, and nodes of {body.label} have none"
         )
@@ -144,7 +144,7 @@ def local_motion(body: Body, frames: Array, axes: Axes) -> LocalMotion:
     G = axes.motion(body, frames)
     back = lie.se3_compose(lie.se3_inverse(G)[:, np.newaxis], frames)
     relative = lie.se3_compose(lie.se3_inverse(body.frames), back)
-    if body.uncoupled:
+    if body.model.uncoupled:
         relative[:, :, 1:] = _tilted(relative[:, :, 3])
     return LocalMotion(G, np.asarray(lie.se3_log(relative)))
 

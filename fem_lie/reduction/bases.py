@@ -53,10 +53,10 @@ def pod(result: StateSeries, body: Body, modes: int, *, axes: Axes | None = None
     whole(modes, "modes")
     frames = frames_of(result, body)
     motion = local_motion(body, frames, MeanAxes() if axes is None else axes)
-    scale = np.repeat([1.0, body.size], 3)
+    scale = np.repeat([1.0, body.model.size], 3)
     snapshots = (motion.increments * scale).reshape(len(frames), -1)
     _, sizes, shapes = np.linalg.svd(snapshots, full_matrices=False)
-    rank = int((sizes > 1e-12 * body.size).sum())
+    rank = int((sizes > 1e-12 * body.model.size).sum())
     if modes > rank:
         raise ValueError(
             f"modes must be at most {rank}, the number of independent states of {body.label} in "
@@ -215,7 +215,7 @@ def with_derivatives(scene: Scene, basis: Basis) -> Basis:
     instance(basis, Basis, "basis", "a Basis")
     rest, reduced = LinearisedBody(scene, None), ReducedForces(scene, basis)
     solve = rest.factor().solve
-    steps = np.diag(_STEP * basis.body.size / np.abs(basis.shapes).max(axis=(1, 2)))
+    steps = np.diag(_STEP * basis.body.model.size / np.abs(basis.shapes).max(axis=(1, 2)))
     vectors = list(_orthonormal(rest.vectors(basis.shapes)))
     first = len(vectors)
     for i, j in combinations_with_replacement(range(len(basis)), 2):

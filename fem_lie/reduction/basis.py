@@ -31,7 +31,7 @@ _SAME = 1e-9  # relative to the size of the body
 def write_mesh(file: h5py.File, what: str, body: Body) -> None:
     """Write the type of the file, such as ``basis``, its version, and the nodes and cells."""
     file.attrs.update({"format": f"fem_lie {what}", "version": VERSION})
-    file["frames"], file["cells"] = body.frames, body.cells
+    file["frames"], file["cells"] = body.frames, body.model.cells
 
 
 def check_mesh(file: h5py.File, path: str | os.PathLike[str], what: str, body: Body) -> None:
@@ -49,13 +49,13 @@ def check_mesh(file: h5py.File, path: str | os.PathLike[str], what: str, body: B
             "compute it again"
         )
     frames, cells = file["frames"][()], file["cells"][()]
-    if frames.shape != body.frames.shape or not np.array_equal(cells, body.cells):
+    if frames.shape != body.frames.shape or not np.array_equal(cells, body.model.cells):
         raise ValueError(
             f"{name} has another mesh: {len(frames)} nodes and {len(cells)} cells, but "
-            f"{body.label} has {len(body.frames)} and {len(body.cells)}"
+            f"{body.label} has {len(body.frames)} and {len(body.model.cells)}"
         )
     here, there = (lie.se3_compose(lie.se3_inverse(H[0]), H) for H in (body.frames, frames))
-    if np.abs(here - there).max() > _SAME * max(1.0, body.size):
+    if np.abs(here - there).max() > _SAME * max(1.0, body.model.size):
         raise ValueError(f"{name} has another mesh: its nodes have other positions in the body")
 
 
@@ -163,7 +163,7 @@ class Basis(Summarised):
         """
         frames = frames_of(result, self.body)
         motion = local_motion(self.body, frames, MeanAxes() if axes is None else axes)
-        scale = np.repeat([1.0, self.body.size], 3)  # rotations are multiplied by this length
+        scale = np.repeat([1.0, self.body.model.size], 3)  # rotations are multiplied by this length
         flat = (self.shapes * scale).reshape(len(self), -1)
         wanted = (motion.increments * scale).reshape(len(frames), -1)
         coordinates = np.linalg.lstsq(flat.T, wanted.T, rcond=None)[0].T
@@ -184,9 +184,9 @@ class Basis(Summarised):
         """
         if not 1 <= whole(number, "number") <= len(self):
             raise ValueError(f"modes are 1 … {len(self)}, got {number}")
-        shape = self.shapes[number - 1] / np.repeat([self.body.size, 1.0], 3)
+        shape = self.shapes[number - 1] / np.repeat([self.body.model.size, 1.0], 3)
         shape = shape * (positive(amplitude, "amplitude") / np.abs(shape).max())
-        moved = shape * np.repeat([self.body.size, 1.0], 3)
+        moved = shape * np.repeat([self.body.model.size, 1.0], 3)
         swing = np.linspace(-1.0, 1.0, 5)[:, np.newaxis, np.newaxis]
         frames = lie.se3_retract(self.body.frames, swing * moved)
         draw(SceneInfo.of([self.body]), frames, path, canvas=Canvas(f"Shape {number}"))

@@ -108,9 +108,9 @@ class ReducedCells:
         Raises:
             ValueError: The cells of this body cannot be assembled individually.
         """
-        self._term = basis.body.weighted_cells(cells, weights)
+        self._term = basis.body.model.weighted_cells(cells, weights)
         self.count = len(cells)
-        self.nodes = ReducedNodes(basis, basis.body.elastic_cells[cells].ravel())
+        self.nodes = ReducedNodes(basis, basis.body.model.elastic_cells[cells].ravel())
         self._H = np.empty((self._term.count, 4, 3))
         self._r, self._order = np.empty((self._term.count, 6)), self._term.order
         rows, columns = self._term.pairs
@@ -206,7 +206,7 @@ def ecsw(states: ReducedStates, tolerance: float) -> CellSample:
     if positive(tolerance, "tolerance") >= 1.0:
         raise ValueError(f"tolerance must be below 1, got {tolerance!r}")
     basis = states.basis
-    count = len(basis.body.elastic_cells)
+    count = len(basis.body.model.elastic_cells)
     forces = forces_of_training(ReducedCells(basis, np.arange(count), np.ones(count)), states)
     left, sizes, right = np.linalg.svd(forces, full_matrices=False)
     wanted = forces.sum(axis=1)

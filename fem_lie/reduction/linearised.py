@@ -120,7 +120,7 @@ def equations_of(scene: Scene) -> tuple[Body, Equations]:
     if len(scene.bodies) != 1:
         raise ValueError(f"expected a scene with one body for a basis, got {len(scene.bodies)}")
     body: Body = scene.bodies[0]
-    if body.node_type != NodeType.FRAME:
+    if body.model.node_type != NodeType.FRAME:
         raise ValueError(f"a basis needs nodes with frames, and nodes of {body.label} have none")
     equations = Equations(scene, dynamics=True)
     if equations.unknowns.m:
@@ -146,7 +146,7 @@ class ReducedForces:
             raise ValueError(
                 f"the basis belongs to {basis.body.label}, which is not the body of the scene"
             )
-        if body.uncoupled:
+        if body.model.uncoupled:
             raise ValueError(
                 f"nodes of {body.label} have no drilling rotation: reduced forces are implemented "
                 "for beams only"

@@ -61,7 +61,7 @@ def quadratic_strains(rest: LinearisedBody, frame: Array, shapes: Array, K: Arra
         K: Stiffness in modal coordinates, (m, m).
     """
     C = _third_derivative(_Within(rest, frame, shapes))
-    flat = shapes * np.repeat([_STRAIGHT / rest.body.size, 1.0], 3)
+    flat = shapes * np.repeat([_STRAIGHT / rest.body.model.size, 1.0], 3)
     k, V, back = _principal_shapes(K, flat.reshape(len(flat), -1))
     own = np.einsum("abc,ai,bj,ck->ijk", C, V, V, V, optimize=True)
     own /= k[:, np.newaxis, np.newaxis] + k[:, np.newaxis] + k
@@ -89,8 +89,8 @@ class _Within:
         self._inside = lie.se3_compose(lie.se3_inverse(frame), body.frames[leads])
         self._r = np.empty(self._equations.unknowns.size)
         self._still = np.zeros((len(leads), 6))
-        reach = np.abs(shapes * np.repeat([1.0, body.size], 3)).max(axis=(1, 2))
-        self.steps = np.diag(_STEP * body.size / reach)
+        reach = np.abs(shapes * np.repeat([1.0, body.model.size], 3)).max(axis=(1, 2))
+        self.steps = np.diag(_STEP * body.model.size / reach)
 
     def forces(self, z: Array) -> Array:
         """Forces on modal coordinates, (m,)."""
@@ -195,7 +195,7 @@ def answers_to_inertia(
 def _accelerations(body: Body, spinning: bool) -> Array:
     """Accelerations of all nodes in their axes, (6 or 12, n, 6): rigid and centripetal."""
     middle = body.frames[:, 0].mean(axis=0)
-    rigid = rigid_motions(body.node_types, body.frames, middle).transpose(2, 0, 1)
+    rigid = rigid_motions(body.model.node_types, body.frames, middle).transpose(2, 0, 1)
     if not spinning:
         return np.asarray(rigid)
     towards = np.zeros((6, len(body.frames), 6))
@@ -296,7 +296,7 @@ def _shapes(rest: LinearisedBody, interfaces: Sequence[Point], modes: int | Basi
         )
     inner = within.shapes - np.einsum("mik,iknj->mnj", within.shapes[:, nodes], static)
     outer = np.einsum("iab,ibnj->ianj", turns(_turn(body, nodes[0])[nodes[1:]]), static[1:])
-    return np.concatenate([outer.reshape(-1, *inner.shape[1:]), _scaled(inner, body.size)])
+    return np.concatenate([outer.reshape(-1, *inner.shape[1:]), _scaled(inner, body.model.size)])
 
 
 def _turn(body: Body, first: int) -> Array:

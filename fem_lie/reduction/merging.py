@@ -304,8 +304,8 @@ class _Run:
         for body, nodes in zip(scene.bodies, unknowns.bodies.values(), strict=True):
             place = np.full(unknowns.total, -1)
             place[nodes] = np.arange(len(nodes))
-            body.masters = place[masters[nodes]]
-            body.start_frames = check.state.frames[nodes]
+            body.model.masters = place[masters[nodes]]
+            body.model.start_frames = check.state.frames[nodes]
             body.velocities[:] = twists[nodes]
         scene.began = Began(check.state.time)
         return self._scheme.run(scene, duration=span, step=self._step, progress=False)
@@ -366,7 +366,7 @@ def _whole(scene: Scene) -> Equations:
         raise ValueError(
             "expected a scene without joints, contacts and reduced-order bodies to merge frames"
         )
-    if any(body.node_type is not NodeType.FRAME for body in scene.bodies):
+    if any(body.model.node_type is not NodeType.FRAME for body in scene.bodies):
         raise ValueError("expected bodies whose nodes have frames to merge")
     if equations.supports or scene.motions:
         raise ValueError(

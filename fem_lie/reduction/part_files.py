@@ -33,11 +33,11 @@ def save_reduced(body: ReducedOrderBody, path: str | os.PathLike[str]) -> None:
 
     instance(body, ReducedOrderBody, "body", "a reduced body")
     with h5py.File(path, "w") as file:
-        write_mesh(file, _WHAT, body.full)
+        write_mesh(file, _WHAT, body.model.full)
         file.attrs["name"] = body.name
         for name in _ARRAYS:
-            file[name] = getattr(body, name)
-        file["points"] = [f"{node} {name}" for name, node in body.point_names.items()]
+            file[name] = getattr(body.model, name)
+        file["points"] = [f"{node} {name}" for name, node in body.model.point_names.items()]
 
 
 def load_reduced(path: str | os.PathLike[str], full: Body, *, name: str = "") -> ReducedOrderBody:
@@ -98,10 +98,10 @@ def recover_full_motion(result: Result, *bodies: ReducedOrderBody) -> Result:
             node_of[info.nodes] = at + np.arange(len(info.nodes))
             infos.append(renumbered(info, node_of))
         else:
-            node_of[info.nodes[: len(few.interfaces)]] = at + few.interfaces
-            infos.append(BodyInfo.of(few.full, at + np.arange(len(few.full.frames))))
-            v = few.expand_twists(H, v) if moving else v
-            H = few.expand(H)
+            node_of[info.nodes[: len(few.model.interfaces)]] = at + few.model.interfaces
+            infos.append(BodyInfo.of(few.model.full, at + np.arange(len(few.model.full.frames))))
+            v = few.model.expand_twists(H, v) if moving else v
+            H = few.model.expand(H)
         frames.append(H)
         twists.append(v)
         at += H.shape[1]

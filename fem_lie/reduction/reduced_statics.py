@@ -171,7 +171,7 @@ class _Equilibrium(Iterated):
 def _matrix(reduced: ReducedForces, at: Array) -> Array:
     """Derivative of the residual by central differences, (m, m)."""
     reach = np.abs(reduced.basis.shapes).max(axis=(1, 2))
-    steps = np.diag(_STEP * reduced.basis.body.size / reach)
+    steps = np.diag(_STEP * reduced.basis.body.model.size / reach)
     columns = [
         (reduced.residual(at + step) - reduced.residual(at - step)) / (2.0 * step.sum())
         for step in steps

@@ -12,8 +12,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from fem_lie.bodies.body import Body, Holds, Point
-from fem_lie.bodies.nodes import HeldRotation
+from fem_lie.bodies.body import Body, Point
+from fem_lie.bodies.model import BodyModel, HeldRotation, Holds
 from fem_lie.bodies.points import ground
 from fem_lie.contact.contact import Contact
 from fem_lie.joints.connection import Connection
@@ -43,10 +43,10 @@ def held_by(item: Holding) -> Iterator[tuple[Body, HeldRotation]]:
 
 def held_in(items: Iterable[Holding]) -> Holds:
     """Items that act on the nodal rotations of each body, in the order of the items."""
-    holds: dict[Body, list[HeldRotation]] = {}
+    holds: dict[BodyModel, list[HeldRotation]] = {}
     for item in items:
         for body, hold in held_by(item):
-            holds.setdefault(body, []).append(hold)
+            holds.setdefault(body.model, []).append(hold)
     return holds
 
 
@@ -66,7 +66,7 @@ def _by_connection(item: Connection) -> Iterator[tuple[Body, HeldRotation]]:
 
 
 def _asks(body: Body) -> bool:
-    return body.uncoupled or body.node_type == NodeType.POSITION
+    return body.model.uncoupled or body.model.node_type == NodeType.POSITION
 
 
 def _by_each_other(what: str, a: Point, b: Point) -> Iterator[tuple[Body, HeldRotation]]:

@@ -164,7 +164,7 @@ class Load(ABC):
                 )
             vector(value, count, what)
         if self.cells is not None:
-            self.body.cells_of(self.cells)
+            self.body.model.cells_of(self.cells)
 
     @abstractmethod
     def contribute(self, to: Sum) -> None:
@@ -224,7 +224,7 @@ class StrainLoad(Load):
             ValueError: The elements of the beam have no bending strain.
         """
         super().__post_init__()
-        self.beam.formulation.require_bends(f"a strain ({type(self).__name__})")
+        self.beam.model.formulation.require_bends(f"a strain ({type(self).__name__})")
 
     def contribute(self, to: Sum) -> None:
         """Add the strain.
@@ -240,7 +240,10 @@ class StrainLoad(Load):
 
     def _in_cells(self, strain: npt.ArrayLike) -> Array:
         """The strain, (6,) or (m, 6), in the loaded cells and zero in the others, shape (m, 6)."""
-        values, cells = np.zeros((len(self.beam.stiffness), 6)), self.beam.cells_of(self.cells)
+        values, cells = (
+            np.zeros((len(self.beam.model.stiffness), 6)),
+            self.beam.model.cells_of(self.cells),
+        )
         given = np.asarray(strain, dtype=np.float64)
         values[cells] = np.broadcast_to(given, values.shape)[cells]
         return values

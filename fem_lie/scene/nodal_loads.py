@@ -69,7 +69,7 @@ class PointLoad(NodalLoad):
         super().check()
         attachment = self.point.any_attachment
         if self._rotates and attachment is None:
-            self.body.require_frames("a moment, or a follower load,")
+            self.body.model.require_frames("a moment, or a follower load,")
         if attachment is not None and np.any(self.moment):
             self._check_rotation(attachment)
 
@@ -175,13 +175,13 @@ class LineLoad(NodalLoad):
         """Raise ``ValueError`` if the load is not finite or the beam has no such cells."""
         super().check()
         if self.following or np.any(self.moment):
-            self.body.require_frames("a moment, or a follower load,")
+            self.body.model.require_frames("a moment, or a follower load,")
 
     def nodal(self) -> Array:
         """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""
         values = np.zeros((len(self.body.frames), 6))
-        nodes, shares = self.body.consistent_lengths()
-        chosen = self.body.cells_of(self.cells)
+        nodes, shares = self.body.model.consistent_lengths()
+        chosen = self.body.model.cells_of(self.cells)
         density = np.concatenate([self.force, self.moment]).astype(np.float64)
         np.add.at(values, nodes[chosen], shares[chosen, :, np.newaxis] * density)
         return values
@@ -189,8 +189,11 @@ class LineLoad(NodalLoad):
     def on_directors(self) -> Array:
         """Consistent forces on directors, from the curved interpolation of the axis, (n, 3, 3)."""
         values = np.zeros((len(self.body.frames), 3, 3))
-        nodes, _ = self.body.consistent_lengths()
-        chosen, director_weights = self.body.cells_of(self.cells), self.body.director_weights()
+        nodes, _ = self.body.model.consistent_lengths()
+        chosen, director_weights = (
+            self.body.model.cells_of(self.cells),
+            self.body.model.director_weights(),
+        )
         force = np.asarray(self.force, dtype=np.float64)
         np.add.at(values, nodes[chosen], director_weights[chosen, :, :, np.newaxis] * force)
         return values

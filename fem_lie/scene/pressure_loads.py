@@ -70,7 +70,7 @@ class PressureLoad(Load):
         Args:
             to: Sum of all loads, to which this one is added.
         """
-        elements = self.beam.elements[self.beam.cells_of(self.cells)]
+        elements = self.beam.model.elements[self.beam.model.cells_of(self.cells)]
         along = elements[:, [0, *range(2, elements.shape[1]), 1]]
         pairs = np.stack([along[:, :-1], along[:, 1:]], axis=2).reshape(-1, 2)
         to.add_term(Pressure(to.nodes(self.beam)[pairs], self.across()))
@@ -128,10 +128,10 @@ class SurfacePressure(Load):
         Args:
             to: Sum of all loads, to which this one is added.
         """
-        shell, chosen = self.shell, self.shell.cells_of(self.cells)
+        shell, chosen = self.shell, self.shell.model.cells_of(self.cells)
         if isinstance(shell, SmoothSurface):
-            cells, rule = shell.connectivity[chosen], shell.surface_rule()
-            given = shell.sizes[chosen], self.on_cells(), rule
+            cells, rule = shell.model.connectivity[chosen], shell.model.surface_rule()
+            given = shell.model.sizes[chosen], self.on_cells(), rule
             to.add_term(ThinPushes(to.nodes(shell)[cells], *given))
         else:
             cells = to.nodes(shell)[nodes_of(shell)[chosen]]
@@ -143,17 +143,17 @@ class SurfacePressure(Load):
         Args:
             shell: The shell.
         """
-        return FaceRule.of(shell.mesh.cell, shell.mesh.degree)
+        return FaceRule.of(shell.model.mesh.cell, shell.model.mesh.degree)
 
     def on_cells(self) -> Array:
         """Pressure and gradient of the loaded cells, towards the side of x,₁ × x,₂, (c, 4)."""
-        shell, chosen = self.shell, self.shell.cells_of(self.cells)
+        shell, chosen = self.shell, self.shell.model.cells_of(self.cells)
         values = np.empty((len(chosen), 4))
         values[:, 1:] = self.gradient
         if isinstance(shell, SmoothSurface):
-            centres = shell.middles()
+            centres = shell.model.middles()
         else:
-            centres = shell.mesh.points[shell.mesh.corners].mean(axis=1)
+            centres = shell.model.mesh.points[shell.model.mesh.corners].mean(axis=1)
         for row, cell in enumerate(chosen):
             centre = centres[cell]
             given = self.pressure(centre) if callable(self.pressure) else self.pressure

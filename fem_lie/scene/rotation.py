@@ -55,7 +55,7 @@ class Rotation:
         if not self:
             return
         for body in scene.bodies:
-            body.require_frames("a steady rotation")
+            body.model.require_frames("a steady rotation")
         self._check_parallel("gravity", scene.gravity)
         for number, load in enumerate(scene.loads, start=1):
             if isinstance(load, NodalLoad) and not load.following:

@@ -13,8 +13,9 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, choice, instance, shown, vector
 from fem_lie._summary import Summarised
-from fem_lie.bodies.body import Body, Holds
+from fem_lie.bodies.body import Body
 from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.bodies.model import Holds
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.laws.law import Impact
 from fem_lie.joints.connection import Connection
@@ -209,7 +210,7 @@ class Scene(Summarised):
             ValueError: The body is not in the scene.
         """
         self._check_points("drills", body)
-        return body.drills(self.held_rotations().get(body, ()))
+        return body.model.drills(self.held_rotations().get(body.model, ()))
 
     def with_loads(self, *loads: Load, gravity: npt.ArrayLike | None = None) -> Scene:
         """Copy of the scene with other loads, for parameter sweeps; it reuses the setup.
@@ -333,7 +334,7 @@ class Scene(Summarised):
     def _check_frames(self, what: str, *bodies: Body | None) -> None:
         for body in bodies:
             if body is not None:
-                body.require_frames(what)
+                body.model.require_frames(what)
 
     def _check_coordinates(self, item: Connection) -> None:
         """Refuse a spring, drive or gear whose joint is not in the scene."""
@@ -348,4 +349,4 @@ class Scene(Summarised):
 
     def _check_rotations(self, item: Holding) -> None:
         for body, hold in held_by(item):
-            body.drills([hold])
+            body.model.drills([hold])

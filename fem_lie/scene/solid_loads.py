@@ -53,7 +53,7 @@ class FaceLoad(NodalLoad):
 
     def nodal(self) -> Array:
         """Consistent nodal forces, shape (n, 6)."""
-        faces, x = self.solid.facets(self.face), self.solid.places
+        faces, x = self.solid.model.facets(self.face), self.solid.model.places
         rule = faces.rule
         areas = np.linalg.norm(rule.normals(x, faces.nodes), axis=2)
         what = f"FaceLoad on {self.solid.label}"
@@ -110,7 +110,7 @@ class FacePressure(Load):
 
     @property
     def _faces(self) -> Faces:
-        return self.solid.facets(self.face)
+        return self.solid.model.facets(self.face)
 
     def contribute(self, to: Sum) -> None:
         """Add the pressure term on the facets.
@@ -160,9 +160,9 @@ class BulkLoad(NodalLoad):
 
     def nodal(self) -> Array:
         """Consistent nodal forces, shape (n, 6)."""
-        rule, chosen = self.solid.rule, self.solid.cells_of(self.cells)
+        rule, chosen = self.solid.model.rule, self.solid.model.cells_of(self.cells)
         density = at_points(self.force, rule.places[chosen], f"BulkLoad on {self.solid.label}")
         shares = np.einsum("gk,mg,mgj->mkj", rule.values, rule.volumes[chosen], density)
         values = np.zeros((len(self.solid.frames), 6))
-        np.add.at(values[:, :3], self.solid.connectivity[chosen], shares)
+        np.add.at(values[:, :3], self.solid.model.connectivity[chosen], shares)
         return values

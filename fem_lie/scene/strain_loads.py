@@ -127,5 +127,5 @@ class PreStress(StrainLoad):
     def strains(self) -> Array:
         """Stress-free strain of each cell that causes the resultants, −D⁻¹ (N, M), shape (m, 6)."""
         resultant = np.asarray(self.resultant, dtype=np.float64)
-        strain = np.linalg.solve(self.beam.element_stiffness, -resultant[:, np.newaxis])
+        strain = np.linalg.solve(self.beam.model.element_stiffness, -resultant[:, np.newaxis])
         return self._in_cells(strain[..., 0])

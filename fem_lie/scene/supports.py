@@ -43,14 +43,14 @@ class Clamp:
         if self.point.is_ground:
             raise ValueError("a clamp needs a point of a body, got ground")
         body = self.point.body
-        if body is not None and body.compound:
+        if body is not None and body.model.compound:
             raise ValueError(
                 f"a clamp holds one node, and a point of {body.label} is several: hold it by "
                 f"{type(body).__name__}.clamp"
             )
         require_node(self.point, "a clamp")
         if body is not None:
-            body.require_direction(self.point.node)
+            body.model.require_direction(self.point.node)
 
 
 @dataclass(frozen=True, eq=False)

@@ -52,11 +52,11 @@ class EdgeLoad(NodalLoad):
         """Raise ``ValueError`` if it is not finite, or there is no such curve or no outer side."""
         super().check()
         if isinstance(self.shell, SmoothSurface):
-            self.shell.on_edge(self.curve)
+            self.shell.model.on_edge(self.curve)
             if self.following or np.any(self.moment):
-                self.shell.require_frames("a moment, or a follower load,")
+                self.shell.model.require_frames("a moment, or a follower load,")
             return
-        edges = self.shell.mesh.curve(self.curve)
+        edges = self.shell.model.mesh.curve(self.curve)
         if self.following and not _senses(self.shell, edges).all():
             raise ValueError(
                 f"a follower load needs edges of one cell each; those of {self.curve!r} of "
@@ -67,7 +67,7 @@ class EdgeLoad(NodalLoad):
         """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""
         if isinstance(self.shell, SmoothSurface):
             return on_positions(self._on_rows(self.shell))
-        nodes, lengths = self.shell.edges(self.curve)
+        nodes, lengths = self.shell.model.edges(self.curve)
         density = np.concatenate([self.force, self.moment]).astype(np.float64).reshape(2, 3)
         at_nodes = np.broadcast_to(density, (*nodes.shape, 2, 3))
         if self.following:
@@ -87,9 +87,9 @@ class EdgeLoad(NodalLoad):
         return super().on_directors()
 
     def _on_rows(self, shell: SmoothSurface) -> Array:
-        at = shell.on_edge(self.curve)
+        at = shell.model.on_edge(self.curve)
         force = np.asarray(self.force, dtype=np.float64)
-        return shell.consistent(at, np.broadcast_to(force, at.places.shape))
+        return shell.model.consistent(at, np.broadcast_to(force, at.places.shape))
 
     def _axes(self, shell: Shell, edges: Indices) -> Array:
         """Tangent, outward normal and director at the nodes of each edge, (e, 3, 2 or 3, 3)."""
@@ -132,7 +132,7 @@ class SurfaceLoad(NodalLoad):
         if isinstance(self.shell, SmoothSurface):
             return on_positions(self._on_rows(self.shell))
         values = np.zeros((len(self.shell.frames), 6))
-        chosen = self.shell.cells_of(self.cells)
+        chosen = self.shell.model.cells_of(self.cells)
         shares = self._scaled(self.shell, self._factors())
         np.add.at(values[:, :3], nodes_of(self.shell)[chosen], shares)
         return values
@@ -145,13 +145,13 @@ class SurfaceLoad(NodalLoad):
 
     def _factors(self) -> Array:
         """Area density of a unit load on each cell of the shell, shape (m,)."""
-        return np.ones(len(self.shell.cells_of()))
+        return np.ones(len(self.shell.model.cells_of()))
 
     def _on_rows(self, shell: SmoothSurface) -> Array:
         """Consistent forces on the nodal coordinates (position and gradients), shape (n, 4, 3)."""
-        at = shell.on_cells(self.cells)
+        at = shell.model.on_cells(self.cells)
         factors = self._factors()[at.cells, np.newaxis, np.newaxis]
-        return shell.consistent(at, factors * self._density(at.places))
+        return shell.model.consistent(at, factors * self._density(at.places))
 
     def _density(self, places: Array) -> Array:
         """Load at points of the unloaded surface (c, g, 3), same shape."""
@@ -159,12 +159,14 @@ class SurfaceLoad(NodalLoad):
 
     def _scaled(self, shell: Shell, factors: Array) -> Array:
         """Consistent nodal forces of the loaded cells times a factor of each cell, (c, k, 3)."""
-        return factors[shell.cells_of(self.cells), np.newaxis, np.newaxis] * self._shares(shell)
+        return factors[shell.model.cells_of(self.cells), np.newaxis, np.newaxis] * self._shares(
+            shell
+        )
 
     def _shares(self, shell: Shell) -> Array:
         """Consistent nodal forces ``∫ N_i f dA`` of the loaded cells, shape (c, k, 3)."""
-        rule = FaceRule.of(shell.mesh.cell, shell.mesh.degree)
-        cells, x = nodes_of(shell)[shell.cells_of(self.cells)], shell.frames[:, 0]
+        rule = FaceRule.of(shell.model.mesh.cell, shell.model.mesh.degree)
+        cells, x = nodes_of(shell)[shell.model.cells_of(self.cells)], shell.frames[:, 0]
         areas = np.linalg.norm(rule.normals(x, cells), axis=2)
         return np.einsum("gk,mg,mgj->mkj", rule.values, areas, self._density(rule.places(x, cells)))
 
@@ -203,7 +205,7 @@ class VolumeLoad(SurfaceLoad):
     """
 
     def _factors(self) -> Array:
-        return self.shell.thickness
+        return self.shell.model.thickness
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,11 +229,11 @@ class MassLoad(SurfaceLoad):
     def check(self) -> None:
         """Raise ``ValueError`` if it is not finite, or the shell has no such cells or no mass."""
         super().check()
-        if not self.shell.has_mass:
+        if not self.shell.model.has_mass:
             raise ValueError(f"a force per mass needs mass, {self.shell.label} has none")
 
     def _factors(self) -> Array:
-        density = self.shell.density
+        density = self.shell.model.density
         return density if isinstance(self.shell, SmoothSurface) else density[:, 0, 0]
 
     def on_directors(self) -> Array:
@@ -239,8 +241,8 @@ class MassLoad(SurfaceLoad):
         if isinstance(self.shell, SmoothSurface):
             return super().on_directors()
         values = np.zeros((len(self.shell.frames), 3, 3))
-        chosen = self.shell.cells_of(self.cells)
-        levers = self._scaled(self.shell, self.shell.density[:, 0, 1])
+        chosen = self.shell.model.cells_of(self.cells)
+        levers = self._scaled(self.shell, self.shell.model.density[:, 0, 1])
         np.add.at(values[:, 2], nodes_of(self.shell)[chosen], levers)
         return values
 
@@ -252,12 +254,12 @@ def on_positions(rows: Array) -> Array:
 
 def nodes_of(shell: Shell) -> Indices:
     """Nodes of each cell, shape (m, k)."""
-    return shell.connectivity
+    return shell.model.connectivity
 
 
 def sides_of(shell: Shell) -> Array:
     """Sign of each cell: 1 if x,₁ × x,₂ points to the side of the directors, else −1, (m,)."""
-    rule, cells = FaceRule.of(shell.mesh.cell, shell.mesh.degree), nodes_of(shell)
+    rule, cells = FaceRule.of(shell.model.mesh.cell, shell.model.mesh.degree), nodes_of(shell)
     normals = rule.normals(shell.frames[:, 0], cells).sum(axis=1)
     directors = shell.frames[cells, 3].sum(axis=1)
     return np.sign(np.einsum("mj,mj->m", normals, directors))
@@ -265,7 +267,7 @@ def sides_of(shell: Shell) -> Array:
 
 def _senses(shell: Shell, edges: Indices) -> Array:
     """1 or −1 for edges with their cell on the left or right, 0 for edges between cells, (e,)."""
-    round_, count = shell.mesh.corners, len(shell.frames)
+    round_, count = shell.model.mesh.corners, len(shell.frames)
     pairs = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2)
 
     def keys(ends: Indices) -> tuple[Indices, Array]:

@@ -73,10 +73,10 @@ class FrameRows:
         self.turning[guided, :3] = True
         lengths: Flags = np.zeros((numbering.total, 2), dtype=np.bool_)
         for body, nodes in numbering.nodes.items():
-            lengths[nodes] = body.node_lengths
+            lengths[nodes] = body.model.node_lengths
         self.lengths: Flags = lengths[numbering.master_map.masters]
         places = self.frames[: numbering.count, 0]
-        self.length = max(diameter(places), *(body.size for body in scene.bodies))
+        self.length = max(diameter(places), *(body.model.size for body in scene.bodies))
 
     def prescribed(self, time: float) -> Array:
         """Frames of the prescribed motions at ``time``, shape (p, 4, 3).

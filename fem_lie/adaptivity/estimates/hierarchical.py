@@ -50,12 +50,12 @@ def shell_hierarchical(
         ValueError: The cells are not of degree 1, or there are so few that a patch has no boundary;
             the shell is not in that result, or there is no such state.
     """
-    if shell.mesh.degree != 1:
+    if shell.model.mesh.degree != 1:
         raise ValueError(
             f"hierarchical errors need cells of degree 1, those of {shell.label} are of degree "
-            f"{shell.mesh.degree}: use RecoveryEstimate()"
+            f"{shell.model.mesh.degree}: use RecoveryEstimate()"
         )
-    corners = shell.own_mesh.cells.shape[1]
+    corners = shell.model.own_mesh.cells.shape[1]
     if len(shell.frames) < corners + 2:
         raise ValueError(
             f"hierarchical errors need {corners + 2} nodes or more, {shell.label} has "
@@ -67,7 +67,7 @@ def shell_hierarchical(
 
 
 def _cut_errors(cut: Cut, patches: Patches, frames: Array) -> ElementErrors:
-    shell, cells = cut.shell, cut.fine.own_mesh.cells
+    shell, cells = cut.shell, cut.fine.model.own_mesh.cells
     stress = ShellStress.of(shell)
     own, (rule, _) = stress(frames), integration(shell)
     inside = _at_parts(shell, rule) @ own[:, np.newaxis]  # (m, 4, g, 8)
@@ -92,10 +92,12 @@ def _cut_errors(cut: Cut, patches: Patches, frames: Array) -> ElementErrors:
 
 def _slopes(cut: Cut, H: Array) -> Array:
     """Derivatives of stress in nodal twists of each fine cell, shape (4 m, g, 8, k, 5)."""
-    stress, cells = ShellStress.of(cut.separate), cut.fine.own_mesh.cells
+    stress, cells = ShellStress.of(cut.separate), cut.fine.model.own_mesh.cells
     frames, found = H[cells.ravel()], []
     for place in range(cells.shape[1]):
-        for unit_of, size in zip(np.eye(6)[:_FIVE], [cut.shell.size] * 3 + [1.0] * 2, strict=True):
+        for unit_of, size in zip(
+            np.eye(6)[:_FIVE], [cut.shell.model.size] * 3 + [1.0] * 2, strict=True
+        ):
             step = np.zeros((*cells.shape, 6))
             step[:, place] = _STEP * size * unit_of
             turned = (lie.se3_retract(frames, s * step.reshape(-1, 6)) for s in (1, -1))
@@ -109,17 +111,17 @@ def _supports(cut: Cut, H: Array) -> tuple[Array, Flags]:
     """Axes (N, 5, 5) of nodal motions, as columns in twists, and whether they are free, (N, 5)."""
     shell, n = cut.shell, len(cut.shell.frames)
     axes = np.tile(np.eye(_FIVE), (len(H), 1, 1))
-    in_space = np.flatnonzero(np.isfinite(shell.supports).all(axis=(1, 2)))
-    axes[in_space, :3, :3] = H[in_space, 1:] @ np.swapaxes(shell.supports[in_space], 1, 2)
+    in_space = np.flatnonzero(np.isfinite(shell.model.supports).all(axis=(1, 2)))
+    axes[in_space, :3, :3] = H[in_space, 1:] @ np.swapaxes(shell.model.supports[in_space], 1, 2)
     free = np.ones((len(H), _FIVE), dtype=np.bool_)
-    free[:n] = ~shell.held[:, :_FIVE]
+    free[:n] = ~shell.model.held[:, :_FIVE]
     free[n:][cut.held] = False
     return axes, free
 
 
 def _at_parts(shell: Shell, rule: Array) -> Array:
     """Interpolation from integration points of a cell to those of each part, shape (4, g, g)."""
-    mesh = shell.own_mesh
+    mesh = shell.model.own_mesh
     corners = extrapolation(mesh, rule)
     places = tabulated(mesh.cell, 1, rule)[0]
     return np.asarray(places @ shapes_of_parts(mesh.cell) @ corners)
@@ -146,7 +148,7 @@ def _between(cut: Cut, frames: Array) -> Array:
     )
     found = [frames, frames_with(height, up)]
     if len(cut.fine.frames) > n + edges:
-        corners = frames[shell.own_mesh.cells]
+        corners = frames[shell.model.own_mesh.cells]
         ends = frames[cut.ends, 0].mean(axis=1)
         bulge = (height - ends)[cut.sides].sum(axis=1) / 2.0
         found.append(
@@ -198,10 +200,10 @@ class HierarchicalEstimate(ErrorEstimate):
 def _errors(
     result: Result | StaticResult, beam: Beam, scene: Scene, steps: Sequence[int]
 ) -> list[ElementErrors]:
-    if beam.elements.shape[1] != 2:
+    if beam.model.elements.shape[1] != 2:
         raise ValueError(
             f"hierarchical errors need elements of two nodes, those of {beam.label} have "
-            f"{beam.elements.shape[1]}: use RecoveryEstimate()"
+            f"{beam.model.elements.shape[1]}: use RecoveryEstimate()"
         )
     found = section_forces(result, beam, scene, states=steps)
     return [_of_state(found, k) for k in range(len(steps))]
@@ -209,8 +211,8 @@ def _errors(
 
 def _of_state(found: SectionForces, k: int) -> ElementErrors:
     beam, own = found.beam, found.at_points(k)[:, 0]
-    compliance = np.linalg.inv(beam.stiffness)
-    load = 0.5 * beam.lengths[:, np.newaxis] * along_the_line(found, k, 0)
+    compliance = np.linalg.inv(beam.model.stiffness)
+    load = 0.5 * beam.model.lengths[:, np.newaxis] * along_the_line(found, k, 0)
     halves = ElementForces(_halves(beam))
     halves.set_eigenstrain(np.repeat(found.strains[k], 2, axis=0))
     frames = _equilibrated(beam, halves, found.frames[k], load)
@@ -219,7 +221,7 @@ def _of_state(found: SectionForces, k: int) -> ElementErrors:
 
     def energy(values: Array) -> Array:
         work = np.einsum("mi,mij,mj->m", values, compliance, values)
-        return np.asarray(beam.lengths * work)
+        return np.asarray(beam.model.lengths * work)
 
     missed = np.asarray(energy(slope) / 3.0, dtype=np.float64)
     return ElementErrors(missed, float(energy(own).sum()))
@@ -227,24 +229,24 @@ def _of_state(found: SectionForces, k: int) -> ElementErrors:
 
 def _halves(beam: Beam) -> Beam:
     """The beam with each element cut in two; new nodes follow the old ones."""
-    cut, ends = copy(beam), beam.frames[beam.elements]
-    middle = len(beam.frames) + np.arange(len(beam.elements))
-    cut.frames = np.concatenate([beam.frames, middle_frames(ends[:, 0], ends[:, 1])])
-    first, last = beam.elements.T
+    cut, ends = copy(beam), beam.frames[beam.model.elements]
+    middle = len(beam.frames) + np.arange(len(beam.model.elements))
+    cut.model.frames = np.concatenate([beam.frames, middle_frames(ends[:, 0], ends[:, 1])])
+    first, last = beam.model.elements.T
     pairs = np.stack([first, middle, middle, last], axis=1)
-    cut.elements = pairs.reshape(-1, 2)
-    cut.source = None
-    cut.lengths = np.repeat(0.5 * beam.lengths, 2)
+    cut.model.elements = pairs.reshape(-1, 2)
+    cut.model.source = None
+    cut.model.lengths = np.repeat(0.5 * beam.model.lengths, 2)
     for name in ("stiffness", "density", "slopes"):
-        setattr(cut, name, np.repeat(getattr(beam, name), 2, axis=0))
+        setattr(cut.model, name, np.repeat(getattr(beam.model, name), 2, axis=0))
     return cut
 
 
 def _equilibrated(beam: Beam, halves: ElementForces, frames: Array, load: Array) -> Array:
     """Frames of all nodes with new nodes in equilibrium, by Newton's method in each element."""
-    ends = frames[beam.elements]
+    ends = frames[beam.model.elements]
     middle = middle_frames(ends[:, 0], ends[:, 1])
-    step = _STEP * np.concatenate([np.full(3, beam.lengths.min()), np.ones(3)])
+    step = _STEP * np.concatenate([np.full(3, beam.model.lengths.min()), np.ones(3)])
 
     def unbalanced(H: Array) -> Array:
         at = halves.at_ends(np.concatenate([frames, H])).reshape(-1, 2, 2, 6)

@@ -113,8 +113,8 @@ def _beam_fields(found: SectionForces, k: int) -> StressFields:
     if g > 1:
         missing = 1.5 * (stress.mean(axis=1) - ends.mean(axis=1))[:, np.newaxis]
         recovered = recovered + missing * (4.0 * at * (1.0 - at))[:, np.newaxis]
-    weights = 0.5 * w * beam.lengths[:, np.newaxis]
-    return StressFields(own, recovered, weights, np.linalg.inv(beam.stiffness))
+    weights = 0.5 * w * beam.model.lengths[:, np.newaxis]
+    return StressFields(own, recovered, weights, np.linalg.inv(beam.model.stiffness))
 
 
 def _polynomial(values: Array, at: Array) -> Array:
@@ -141,7 +141,7 @@ def shell_fields(
     """
     series = resultant_series(result, shell, states=steps)
     rule, _ = integration(shell)
-    shapes = CellPoints.of(shell.own_mesh, rule).shapes
+    shapes = CellPoints.of(shell.model.own_mesh, rule).shapes
     compliance = ShellStress.of(shell).compliance
     return [_shell_fields(found, shapes, compliance) for found in series]
 
@@ -185,14 +185,14 @@ def thin_fields(
         ValueError: The shell is not in that result.
     """
     nodes = nodes_in(result.info, shell)
-    term = ThinShellAssembly([shell])
-    stiffness = shell.stiffness[:, MEMBRANE_AND_BENDING, MEMBRANE_AND_BENDING]
+    term = ThinShellAssembly([shell.model])
+    stiffness = shell.model.stiffness[:, MEMBRANE_AND_BENDING, MEMBRANE_AND_BENDING]
     compliance = np.linalg.inv(stiffness)
     strains = [term.strains(np.ascontiguousarray(result.frames[k][nodes])) for k in steps]
     own = [e @ stiffness for e in strains]
     recovered = _recovered(shell, own)
-    _, slopes, weights = shell.surface_rule()
-    r1, r2 = np.einsum("gka,maj->kmgj", slopes, shell.vectors())
+    _, slopes, weights = shell.model.surface_rule()
+    r1, r2 = np.einsum("gka,maj->kmgj", slopes, shell.model.vectors())
     areas = np.linalg.norm(np.cross(r1, r2), axis=-1) * weights
     return [
         StressFields(σ, better, areas, compliance) for σ, better in zip(own, recovered, strict=True)
@@ -201,7 +201,7 @@ def thin_fields(
 
 def _recovered(shell: ThinShell, stresses: list[Array]) -> list[Array]:
     """Recovered stress in each state, shape (m, g, 6)."""
-    at, _ = hermite.gauss(shell.formulation.points)
+    at, _ = hermite.gauss(shell.model.formulation.points)
     best, _ = hermite.gauss(_BEST)
     squares = hermite.products(at, at), hermite.products(best, best), np.array([[0.5, 0.5]])
     own, samples, middle = (_points(shell, square) for square in squares)
@@ -231,10 +231,10 @@ def _recovered(shell: ThinShell, stresses: list[Array]) -> list[Array]:
 
 def _points(shell: ThinShell, at: Array) -> _Points:
     table = hermite.table(at)[:, : hermite.ACROSS + 1]
-    places, r1, r2 = np.einsum("gka,maj->kmgj", table, shell.vectors())
+    places, r1, r2 = np.einsum("gka,maj->kmgj", table, shell.model.vectors())
     n = np.cross(r1, r2)
     n /= np.linalg.norm(n, axis=-1, keepdims=True)
-    return _Points(places, _in_plane(shell.axes[:, np.newaxis], n), n)
+    return _Points(places, _in_plane(shell.model.axes[:, np.newaxis], n), n)
 
 
 def _in_plane(vectors: Array, normals: Array) -> Array:
@@ -244,11 +244,11 @@ def _in_plane(vectors: Array, normals: Array) -> Array:
 
 def _around(shell: ThinShell) -> tuple[Indices, Indices]:
     """Pairs of a cell and a cell of its polynomial; sections are equal."""
-    points = shell.connectivity[:, :4]
-    m, n = len(points), shell.points_count
+    points = shell.model.connectivity[:, :4]
+    m, n = len(points), shell.model.points_count
     rows = np.repeat(np.arange(m), 4)
     has = csr_matrix((np.ones(4 * m), (rows, points.ravel())), (m, n))
-    _, section = np.unique(shell.stiffness.reshape(m, -1), axis=0, return_inverse=True)
+    _, section = np.unique(shell.model.stiffness.reshape(m, -1), axis=0, return_inverse=True)
     beside = _alike(has @ has.T, section.ravel())
     few = np.flatnonzero(np.diff(beside.indptr) < _LEAST)
     if len(few):
@@ -269,7 +269,7 @@ def _basis(
     """Monomials at points of other cells, in the tangent planes of cells, shape (p, g, 6)."""
     first, normal = middle.first[cells, 0], middle.normals[cells, 0]
     axes = np.stack([first, np.cross(normal, first)], axis=-1)
-    size = np.sqrt(shell.sizes[cells, :2].prod(axis=1))
+    size = np.sqrt(shell.model.sizes[cells, :2].prod(axis=1))
     away = points.places[others] - middle.places[cells]
     x, y = np.moveaxis(away @ axes / size[:, np.newaxis, np.newaxis], -1, 0)
     return np.stack([x**i * y**j for i, j in _POWERS], axis=-1)

@@ -79,7 +79,7 @@ class EdgeLayers:
             turns: Rotation of stress from axes of the sections to axes of the edges, shape (m, c,
                 8, 8).
         """
-        mesh, c = shell.own_mesh, len(ends)
+        mesh, c = shell.model.own_mesh, len(ends)
         cell, side = np.divmod(edges, c)
         nodes, x = mesh.cells[cell], mesh.points
         pair = np.take_along_axis(nodes, ends[side], axis=1)
@@ -96,7 +96,7 @@ class EdgeLayers:
         weight /= np.maximum(straight.sum(axis=1, keepdims=True), 1.0)
         couples = sum(_couples(shell, places, number[:, k], along, weight[:, k]) for k in range(2))
         turn = turns[cell, side]
-        D = turn @ shell.stiffness[cell] @ np.swapaxes(turn, 1, 2)
+        D = turn @ shell.model.stiffness[cell] @ np.swapaxes(turn, 1, 2)
         twist, shear = D[:, _TWIST, _TWIST], D[:, _SHEAR, _SHEAR]
         factors = length * straight.any(axis=1) / np.sqrt(twist * shear)
         return cls(edges, sides, couples, factors)
@@ -130,7 +130,7 @@ def _couples(
     row = np.repeat(np.arange(len(number)), last - first)
     offset = np.arange(len(row)) - np.repeat(np.cumsum(last - first) - (last - first), last - first)
     cell, node = np.divmod(corner[first[row] + offset], k)
-    mesh = shell.own_mesh
+    mesh = shell.model.own_mesh
     tangents = places.points.tangents(mesh.points[mesh.cells])[cell]
     slopes = np.broadcast_to(
         np.moveaxis(places.points.slopes[:, :, node], 2, 0).swapaxes(1, 2)[..., np.newaxis],
@@ -179,15 +179,17 @@ def beam_residual(
 
 def _errors(found: SectionForces, k: int) -> ElementErrors:
     beam, stress = found.beam, found.at_points(k)
-    g, compliance = stress.shape[1], np.linalg.inv(beam.stiffness)
+    g, compliance = stress.shape[1], np.linalg.inv(beam.model.stiffness)
     x, w = legendre.leggauss(g)
     shape = legendre.legval(x, np.eye(g)[-1])
     balance = _turning(_rates(beam, found.frames[k], x), stress)
     residual = (g - 0.5) * np.einsum("q,q,mqb->mb", w, shape, balance)
     residual = residual + along_the_line(found, k, g - 1)
-    missing = beam.lengths[:, np.newaxis] * residual / (2.0 * (2 * g - 1))
-    squares = np.einsum("mi,mij,mj->m", missing, compliance, missing) * beam.lengths / (2 * g + 1)
-    energy = np.einsum("q,mqi,mij,mqj,m->", 0.5 * w, stress, compliance, stress, beam.lengths)
+    missing = beam.model.lengths[:, np.newaxis] * residual / (2.0 * (2 * g - 1))
+    squares = (
+        np.einsum("mi,mij,mj->m", missing, compliance, missing) * beam.model.lengths / (2 * g + 1)
+    )
+    energy = np.einsum("q,mqi,mij,mqj,m->", 0.5 * w, stress, compliance, stress, beam.model.lengths)
     return ElementErrors(squares, float(energy))
 
 
@@ -200,9 +202,9 @@ def _turning(rates: Array, stress: Array) -> Array:
 
 def _rates(beam: Beam, frames: Array, x: Array) -> Array:
     """``H⁻¹H′`` in undeformed arc length at points −1 ≤ x ≤ 1, shape (m, q, 6)."""
-    ends, unloaded = frames[beam.elements], beam.frames[beam.elements]
-    if beam.elements.shape[1] == 2:
-        moved = lie.se3_relative(ends[:, 0], ends[:, 1]) / beam.lengths[:, np.newaxis]
+    ends, unloaded = frames[beam.model.elements], beam.frames[beam.model.elements]
+    if beam.model.elements.shape[1] == 2:
+        moved = lie.se3_relative(ends[:, 0], ends[:, 1]) / beam.model.lengths[:, np.newaxis]
         return np.repeat(moved[:, np.newaxis], len(x), axis=1)
     shapes = np.stack([0.5 * x * (x - 1), 0.5 * x * (x + 1), 1 - x * x], axis=1)
     slopes = np.stack([x - 0.5, x + 0.5, -2 * x], axis=1)
@@ -226,9 +228,9 @@ def along_the_line(found: SectionForces, k: int, degree: int) -> Array:
     beam = found.beam
     # what is viscous is no elastic stress
     ends = found.elements.at_ends(found.frames[k])
-    rows = beam.frames[beam.elements[:, :2]]
-    shares = beam.formulation.consistent_lengths(rows, beam.lengths)
-    before, behind = neighbours(beam.elements, found.single)
+    rows = beam.frames[beam.model.elements[:, :2]]
+    shares = beam.model.formulation.consistent_lengths(rows, beam.model.lengths)
+    before, behind = neighbours(beam.model.elements, found.single)
     carried = shares[before, 1] + shares[behind, 0]
     density = (ends[before, 1] - ends[behind, 0]) / carried[:, np.newaxis]
     known, count = np.zeros_like(ends), np.zeros((len(ends), 2))
@@ -310,7 +312,7 @@ class ShellEdges:
 
     @classmethod
     def _found(cls, shell: Shell) -> ShellEdges:
-        mesh = shell.own_mesh
+        mesh = shell.model.own_mesh
         if mesh.degree != 1:
             raise ValueError(
                 f"residual errors need cells of degree 1, those of {shell.label} are of degree "
@@ -328,7 +330,7 @@ class ShellEdges:
                 f"{np.flatnonzero(~shares.any(axis=1))[0]} of {shell.label} has none"
             )
         turns = _turns(shell, ends)
-        plain = np.linalg.inv(shell.stiffness)
+        plain = np.linalg.inv(shell.model.stiffness)
         inverse = np.linalg.inv(turns)
         compliance = np.einsum("mcki,mkl,mclj->mcij", inverse, plain, inverse)
         rule, _ = integration(shell)
@@ -378,13 +380,13 @@ def _shares(cell: str, known: Flags) -> Array:
 
 def _turns(shell: Shell, ends: Indices) -> Array:
     """Rotation of components from the axes of the sections to those of edges, (m, c, 8, 8)."""
-    mesh = shell.own_mesh
+    mesh = shell.model.own_mesh
     normals = unit(mesh.normals[:, ends].sum(axis=2))
     along = np.diff(mesh.points[mesh.cells[:, ends]], axis=2)[:, :, 0]
     # the same direction on both sides
     first, second = np.moveaxis(mesh.cells[:, ends], 2, 0)
     along[first > second] *= -1.0
-    section = axes_along(normals, shell.axes[:, np.newaxis])
+    section = axes_along(normals, shell.model.axes[:, np.newaxis])
     cosine, sine = between(section, axes_along(normals, along))
     basis = turned(np.eye(8), cosine[..., np.newaxis], sine[..., np.newaxis])
     return np.asarray(np.swapaxes(basis, 2, 3), dtype=np.float64)

@@ -100,12 +100,12 @@ def _same(old: Body, new: Body) -> bool:
     """Whether the nodes are the same, in the same order."""
     if old.frames.shape != new.frames.shape:
         return False
-    return bool(np.abs(old.frames - new.frames).max() <= _AT_NODE * old.size)
+    return bool(np.abs(old.frames - new.frames).max() <= _AT_NODE * old.model.size)
 
 
 def _require_frames(*bodies: Body) -> None:
     for body in bodies:
-        if (body.node_types != NodeType.FRAME).any():
+        if (body.model.node_types != NodeType.FRAME).any():
             raise ValueError(
                 f"expected nodes with frames to change the mesh, {body.label} has others"
             )
@@ -113,7 +113,7 @@ def _require_frames(*bodies: Body) -> None:
 
 def _on_lines(old: Beam, frames: Array) -> tuple[Indices, list[AttachmentFrame]]:
     """Closest points of each node, on the geodesics between the ends of all elements."""
-    ends = old.frames[old.elements[:, :2]]
+    ends = old.frames[old.model.elements[:, :2]]
     d = lie.se3_relative(ends[:, 0], ends[:, 1])
     near = _near_chords(ends[:, :, 0], frames[:, 0])
     part = np.full(near.shape, 0.5)
@@ -128,7 +128,7 @@ def _on_lines(old: Beam, frames: Array) -> tuple[Indices, list[AttachmentFrame]]
         if done:
             break
     here = lie.se3_retract(ends[near, 0], part[..., np.newaxis] * d[near])
-    away = np.linalg.norm(here[..., 0, :] - x, axis=2) / old.lengths[near]
+    away = np.linalg.norm(here[..., 0, :] - x, axis=2) / old.model.lengths[near]
     turned = np.linalg.norm(lie.se3_relative(here, frames[:, np.newaxis])[..., 3:], axis=2)
     # lines that cross without a joint differ only in direction
     best = np.lexsort((turned, np.round(away, 9)), axis=1)[:, 0]
@@ -159,12 +159,13 @@ def _near_chords(ends: Array, x: Array) -> Indices:
 
 def _on_triangles(old: Shell, frames: Array) -> tuple[Indices, list[AttachmentFrame]]:
     """Closest points of each node, on triangles of first degree."""
-    if old.mesh.cell != "triangle" or old.mesh.degree != 1:
+    mesh = old.model.mesh
+    if mesh.cell != "triangle" or mesh.degree != 1:
         raise ValueError(
-            f"meshes of triangles of degree 1 change, that of {old.label} has {old.mesh.cell}s of "
-            f"degree {old.mesh.degree}"
+            f"meshes of triangles of degree 1 change, that of {old.label} has {mesh.cell}s of "
+            f"degree {mesh.degree}"
         )
-    corners, x = old.frames[old.connectivity, 0], frames[:, 0]
+    corners, x = old.frames[old.model.connectivity, 0], frames[:, 0]
     _, near = cKDTree(corners.mean(axis=1)).query(x, k=min(_AROUND, len(corners)))
     near = np.asarray(near, dtype=np.int64).reshape(len(x), -1)
     # a point outside a cell is assigned to the cell with the largest least coordinate
@@ -189,7 +190,9 @@ def _on_triangles(old: Shell, frames: Array) -> tuple[Indices, list[AttachmentFr
     shares[shares < _AT_NODE] = 0.0
     shares /= shares.sum(axis=1, keepdims=True)
     nodes, attachments = np.full(len(x), -1), []
-    for i, (cell, share) in enumerate(zip(old.connectivity[near[rows, best]], shares, strict=True)):
+    for i, (cell, share) in enumerate(
+        zip(old.model.connectivity[near[rows, best]], shares, strict=True)
+    ):
         if share.max() > 1.0 - _AT_NODE:
             nodes[i] = cell[share.argmax()]
         else:

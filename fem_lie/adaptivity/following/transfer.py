@@ -234,7 +234,7 @@ def transfer(
     _check_joints(equations, H)
     frames, twists = changes.frames, changes.twists
     for body, own in equations.unknowns.bodies.items():
-        body.start_frames = np.array(frames[own])
+        body.model.start_frames = np.array(frames[own])
         body.velocities[:] = twists[own]
     onto.began = began
     return _report(result, at, scene, equations, H, v)

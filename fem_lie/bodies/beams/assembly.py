@@ -30,7 +30,7 @@ def mass_only(damping: Damping | None, what: str) -> Damping:
     instance(damping, Damping | None, f"{what}: damping", "a Damping or None")
     given = Damping() if damping is None else damping
     if given.factors().any():
-        raise ValueError(f"a {what} has damping with mass only, got Damping(stiffness=…)")
+        raise ValueError(f"{what} has damping with mass only, got Damping(stiffness=…)")
     return given
 
 

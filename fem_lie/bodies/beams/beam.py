@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, flag, instance
-from fem_lie.bodies.beams.line_body import LineBody, Placed
+from fem_lie.bodies.beams.line_body import LineBody, LineModel, Placed
 from fem_lie.bodies.beams.sectioned import (
     Sections,
     log_open_profiles,
@@ -18,7 +18,7 @@ from fem_lie.bodies.beams.sectioned import (
     without_rotary_inertia,
 )
 from fem_lie.bodies.body import Point
-from fem_lie.bodies.nodes import Turning
+from fem_lie.bodies.model import MaterialPoint, Turning
 from fem_lie.elements.beams.element import BeamFormulation
 from fem_lie.elements.beams.geodesic import GeodesicBeam
 from fem_lie.lie.node_types import NodeType
@@ -42,17 +42,54 @@ if TYPE_CHECKING:
 _AT_NODE = 1e-9  # of an element
 
 
+class BeamModel(LineModel):
+    """Model of a beam or rod whose nodes are frames.
+
+    Attributes:
+        chains: Smooth pieces of the lines, and arc length along them.
+    """
+
+    chains: Chains
+
+    def point_in_cell(self, element: int, part: float) -> MaterialPoint:
+        """Material point within an element, as the element interpolates it, or one of its nodes.
+
+        Args:
+            element: Index of the element.
+            part: Unloaded arc length from its first end over its length, 0 to 1.
+
+        Raises:
+            ValueError: There is no such element, or ``part`` is out of range.
+        """
+        self._check_place(element, part)
+        nodes = self.elements[element]
+        for node, at in zip(nodes, (0.0, 1.0, 0.5), strict=False):
+            if abs(part - at) < _AT_NODE:
+                return self.numbered(int(node))
+        attachment = self.formulation.place(nodes, float(part))
+        return MaterialPoint(int(nodes[0]), f"element {element} at {part:g}", attachment)
+
+    @property
+    def element_stiffness(self) -> Array:
+        """Effective section stiffness of each element in its formulation, shape (m, 6, 6)."""
+        a, b = self.frames[self.elements[:, :2]].transpose(1, 0, 2, 3)
+        return self.formulation.effective_stiffness(self.stiffness, lie.se3_relative(a, b))
+
+    def turning(self) -> Turning:
+        """Limit of the relative rotation of the frames at both ends of each element."""
+        along = self.elements[:, [0, *range(2, self.elements.shape[1]), 1]]
+        limit, numbers = self.formulation.largest_turn, np.arange(len(along))
+        # edges joined by rotational springs are inclined to the frames at their ends
+        lengths = self.lengths if self.formulation.bends else None
+        return Turning(along, numbers, limit, whole=True, lengths=lengths)
+
+
 class Beam(LineBody):
     """Shear-deformable beam with a 6×6 section stiffness along straight or curved lines.
 
     Lines may be twisted, kinked and branching. Nodes ``0 … n−1`` are the points of the mesh. Kinks
     and branches have further nodes, one for each direction, rigidly attached to the first; nodes
     inside elements come last.
-
-    Attributes:
-        chains: Smooth pieces of the lines, and arc length along them.
-        standard: Default finite element.
-        springs: Whether the body has rotational springs between elements without bending.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -64,8 +101,10 @@ class Beam(LineBody):
         array([1., 0., 0.])
     """
 
-    standard: ClassVar[BeamFormulation] = GeodesicBeam()
-    springs: ClassVar[bool] = False
+    model: BeamModel
+    _model_class: ClassVar[type[BeamModel]] = BeamModel
+    _default: ClassVar[BeamFormulation] = GeodesicBeam()
+    _has_springs: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -90,8 +129,8 @@ class Beam(LineBody):
                 without twist along the line (Bishop), starting with e₃ closest to global z, or to x
                 if the line starts along z. :class:`~.orientation.Twisted` rotates the sections
                 relative to that.
-            formulation: Finite element; default: :attr:`standard`, for beams
-                :class:`~fem_lie.elements.beams.geodesic.GeodesicBeam`.
+            formulation: Finite element; default: :class:`~fem_lie.elements.GeodesicBeam`, for
+                rods :class:`~fem_lie.elements.KirchhoffRod`.
             damping: Damping of strain and of motion; default: none.
             rotary_inertia: Whether sections have rotary inertia about e₂ and e₃. Without it only
                 the fast modes of these rotations vanish; rotary inertia about e₁ remains.
@@ -102,34 +141,36 @@ class Beam(LineBody):
                 for a mesh of several pieces.
         """
         mesh = line_of(mesh, type(self).__name__)
-        self.source = mesh.source
         known = "a Section, a dict of them by groups of cells or a function of arc length"
         instance(section, Section | Mapping | Callable, "Beam: section", known)
         instance(formulation, BeamFormulation | None, "Beam: formulation", "an element or None")
         instance(damping, Damping | None, "Beam: damping", "a Damping or None")
         flag(rotary_inertia, "Beam: rotary_inertia")
-        self.chains = chains = Chains(mesh)
+        chains = Chains(mesh)
         twisted = up if isinstance(up, Twisted) else Twisted(None, up)
         ends = cell_frames(mesh, chains, twisted.up, twisted.angle)
         frames, elements, masters = shared_nodes(mesh, ends)
         # the geodesic of an arc with tangent frames is the arc itself
         a, b = frames[elements].transpose(1, 0, 2, 3)
         lengths = np.linalg.norm(lie.se3_relative(a, b)[:, :3], axis=1)
-        formulation = self.standard if formulation is None else formulation
+        formulation = self._default if formulation is None else formulation
         if formulation.node_type != NodeType.FRAME:
             raise ValueError(
                 f"Beam: expected a formulation whose nodes are frames, got {formulation}, an "
                 "element of cables"
             )
-        if not (formulation.bends or self.springs):
+        if not (formulation.bends or self._has_springs):
             raise ValueError(
                 f"Beam: expected a formulation with bending, got {formulation}: use Rod"
             )
-        placed = Placed(frames, elements, lengths, masters, elements)
+        placed = _refined(Placed(frames, elements, lengths, masters, elements), formulation)
         sections = section_per_cell(mesh, chains, section)
-        super().__init__(mesh, _refined(placed, formulation), sections, formulation, damping, name)
+        names = type(self).__name__, name
+        model = self._model_class(mesh, placed, sections, formulation, damping, *names)
+        model.chains = chains
         if not rotary_inertia:
-            self.density = without_rotary_inertia(self.density)
+            model.density = without_rotary_inertia(model.density)
+        super().__init__(model)
         log_open_profiles(self.label, sections, float(chains.arc.max(initial=0.0)))
 
     @classmethod
@@ -246,27 +287,7 @@ class Beam(LineBody):
         Raises:
             ValueError: There is no such element, or ``part`` is out of range.
         """
-        self._check_place(element, part)
-        nodes = self.elements[element]
-        for node, at in zip(nodes, (0.0, 1.0, 0.5), strict=False):
-            if abs(part - at) < _AT_NODE:
-                return self.point(int(node))
-        attachment = self.formulation.place(nodes, float(part))
-        return Point(self, int(nodes[0]), f"element {element} at {part:g}", attachment)
-
-    @property
-    def element_stiffness(self) -> Array:
-        """Effective section stiffness of each element in its formulation, shape (m, 6, 6)."""
-        a, b = self.frames[self.elements[:, :2]].transpose(1, 0, 2, 3)
-        return self.formulation.effective_stiffness(self.stiffness, lie.se3_relative(a, b))
-
-    def turning(self) -> Turning:
-        """Limit of the relative rotation of the frames at both ends of each element."""
-        along = self.elements[:, [0, *range(2, self.elements.shape[1]), 1]]
-        limit, numbers = self.formulation.largest_turn, np.arange(len(along))
-        # edges joined by rotational springs are inclined to the frames at their ends
-        lengths = self.lengths if self.formulation.bends else None
-        return Turning(along, numbers, limit, whole=True, lengths=lengths)
+        return self._at(self.model.point_in_cell(element, part))
 
 
 def _refined(placed: Placed, formulation: BeamFormulation) -> Placed:

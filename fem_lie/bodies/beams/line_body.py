@@ -10,8 +10,9 @@ import numpy as np
 from fem_lie._arrays import Array, Indices, log_coincident
 from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.bodies.beams.assembly import BeamAssembly, weighted_elements
-from fem_lie.bodies.beams.sectioned import Sectioned, outline_of
-from fem_lie.bodies.body import NO_HOLDS, Holds
+from fem_lie.bodies.beams.sectioned import SectionedModel, outline_of
+from fem_lie.bodies.body import Body
+from fem_lie.bodies.model import NO_HOLDS, Holds
 from fem_lie.elements.beams.element import BeamFormulation
 from fem_lie.forms.assembly import Assembly
 from fem_lie.lie.node_types import NodeType
@@ -38,8 +39,8 @@ class Placed(NamedTuple):
     pairs: Indices
 
 
-class LineBody(Sectioned):
-    """Body along lines.
+class LineModel(SectionedModel):
+    """Model of a body along lines.
 
     Attributes:
         elements: Nodes of each element: its two ends, then those inside, shape (m, degree + 1).
@@ -55,6 +56,7 @@ class LineBody(Sectioned):
         sections: Sequence[Section],
         formulation: BeamFormulation,
         damping: Damping | None,
+        class_name: str,
         name: str,
     ) -> None:
         """Set elements, sections, damping, drawing data and names.
@@ -65,6 +67,7 @@ class LineBody(Sectioned):
             sections: Section of each element.
             formulation: Finite element.
             damping: Damping; default: none.
+            class_name: Name of the class of the body.
             name: Name in messages and results.
         """
         self.elements, self.lengths = placed.elements, placed.lengths
@@ -75,6 +78,7 @@ class LineBody(Sectioned):
         named = {key: int(nodes[0]) for key, nodes in mesh.named_points.items() if len(nodes) == 1}
         super().__init__(
             placed.frames,
+            class_name=class_name,
             cells=placed.pairs,
             outline=outline_of(sections, len(placed.pairs) // len(sections)),
             size=float(self.lengths.sum()),
@@ -82,6 +86,7 @@ class LineBody(Sectioned):
             masters=placed.masters,
             name=name,
         )
+        self.source = mesh.source
         log_coincident(self.label, mesh.points)
 
     @property
@@ -100,9 +105,9 @@ class LineBody(Sectioned):
         return self.formulation.tension_only
 
     @classmethod
-    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
+    def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
         """Assembly of all bodies of one :attr:`kind`."""
-        return BeamAssembly(bodies)
+        return BeamAssembly(models)
 
     @property
     def elastic_cells(self) -> Indices:
@@ -142,3 +147,9 @@ class LineBody(Sectioned):
         ends = self.frames[self.elements[:, :2]]
         weights[:, :2] = self.formulation.director_weights(ends, self.lengths)
         return weights
+
+
+class LineBody(Body):
+    """Body along lines."""
+
+    model: LineModel

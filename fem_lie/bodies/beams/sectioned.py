@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, instance, number, text
-from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.closest import AT_NODE, closest_on_lines
+from fem_lie.bodies.model import BodyModel, MaterialPoint
 from fem_lie.bodies.per_cell import of_groups
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.sections.orientation import Chains
@@ -95,8 +95,8 @@ def without_rotary_inertia(density: Array) -> Array:
     return reduced
 
 
-class Sectioned(Body):
-    """Body of elements with sections, which are given for named groups of cells of its line.
+class SectionedModel(BodyModel):
+    """Model of elements with sections, which are given for named groups of cells of its line.
 
     Attributes:
         elements: Nodes of each element, shape (m, k).
@@ -152,7 +152,6 @@ class Sectioned(Body):
         Args:
             where: Name of the point, curve, face or group.
         """
-        text(where, f"the name of a set of points of {self.label}")
         if where in self._groups:
             return np.unique(self.elements[self._groups[where], :2])
         if where not in self._sets:
@@ -160,8 +159,8 @@ class Sectioned(Body):
             raise ValueError(f"{self.label} has no points or cells {where!r}; it has: {known}")
         return self._sets[where]
 
-    def point_in_cell(self, element: int, part: float) -> Point:
-        """Point within an element, if its formulation supports joints between nodes.
+    def point_in_cell(self, element: int, part: float) -> MaterialPoint:
+        """Material point within an element, if its formulation supports joints between nodes.
 
         Args:
             element: Index of the element.
@@ -173,16 +172,20 @@ class Sectioned(Body):
         """
         raise ValueError(f"{self.label} has points at its nodes only, and none between them")
 
-    def _closest(self, position: Array) -> Point:
-        """Closest point of the line: a node, or a point within an element."""
-        node = super()._closest(position)
-        if np.linalg.norm(node.position - position) <= AT_NODE * self.size:
-            return node
+    def closest(self, position: Array) -> MaterialPoint:
+        """Closest point of the line: a node, or a point within an element.
+
+        Args:
+            position: Position in the reference configuration, shape (3,).
+        """
+        node = self.closest_node(position)
+        if np.linalg.norm(self.frames[node, 0] - position) <= AT_NODE * self.size:
+            return self.numbered(node)
         ends = self.frames[self.elements[:, :2], 0]
         return self.point_in_cell(*closest_on_lines(position, ends, self._position_in))
 
     def _position_in(self, element: int, part: float) -> Array:
-        return self.point_in_cell(element, part).position
+        return self.frame_of(self.point_in_cell(element, part))[0]
 
     def _check_place(self, element: int, part: float) -> None:
         """Raise ``ValueError`` if there is no such element, or ``part`` is not from 0 to 1."""

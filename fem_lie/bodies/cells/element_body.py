@@ -12,8 +12,10 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, Indices, instance, numbers
 from fem_lie.attachments.at_nodes import along_tangent
 from fem_lie.attachments.attachment import AttachmentFrame
-from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
+from fem_lie.bodies.beams.assembly import mass_only
+from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.cells.assembly import assemble_cells
+from fem_lie.bodies.model import NO_HOLDS, BodyModel, Holds
 from fem_lie.bodies.points import require_point
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.small_energy.assembly import CellFunctions
@@ -24,12 +26,8 @@ from fem_lie.sections.material import Damping
 _NO_POINTS: Mapping[str, int] = MappingProxyType({})
 
 
-class ElementBody(Body):
-    """Body whose cells have one element: vectors, strains and a constitutive law.
-
-    An element for the small-energy kernel is a record and four compiled functions, see
-    :mod:`fem_lie.forms.small_energy.cell`. Each node may have any type. Joints and loads act on
-    nodes with frames, and on the tangents of position-gradient nodes.
+class ElementModel(BodyModel):
+    """Model of a body whose cells have one element of the small-energy kernel.
 
     Attributes:
         element: Record of the element.
@@ -37,6 +35,87 @@ class ElementBody(Body):
         element_nodes: Nodes of each cell, shape (m, k).
         damping: Mass-proportional damping.
         has_mass: Whether cells have inertia.
+    """
+
+    def __init__(
+        self,
+        frames: Array,
+        node_types: Indices,
+        cells: Indices,
+        *,
+        element: Element,
+        functions: CellFunctions,
+        data: Array,
+        inertia: Array | None,
+        points: Mapping[str, int],
+        lines: Indices,
+        damping: Damping,
+        class_name: str,
+        name: str,
+    ) -> None:
+        """Take the nodes and the data of the cells; see :class:`ElementBody`."""
+        self._types, self.damping = node_types, damping
+        self.element, self.functions, self.element_nodes = element, functions, cells
+        self._data, self._inertia, self.has_mass = data, inertia, inertia is not None
+        positions = frames[node_types < NodeType.MIXED_DERIVATIVE, 0]
+        super().__init__(
+            frames,
+            class_name=class_name,
+            cells=lines,
+            size=float(np.linalg.norm(np.ptp(positions, axis=0))) or 1.0,
+            points=points,
+            name=name,
+        )
+
+    @property
+    def node_type(self) -> NodeType:
+        """Type of the first node."""
+        return NodeType(self._types[0])
+
+    @property
+    def node_types(self) -> Indices:
+        """Type of each node, shape (n,)."""
+        return self._types
+
+    @property
+    def kind(self) -> Hashable:
+        """Key of bodies that are assembled together: those of one element."""
+        return type(self), self.functions
+
+    @classmethod
+    def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
+        """Assembly of all bodies of one :attr:`kind`."""
+        return assemble_cells(models[0].element, models[0].functions, models)
+
+    def element_data(self) -> Array:
+        """Data of the cells, shape (m, any)."""
+        return self._data
+
+    def element_inertia(self) -> Array:
+        """Mass matrix in the nodal coordinates of each cell, shape (m, k, 4, k, 4).
+
+        Raises:
+            ValueError: The body has no inertia.
+        """
+        if self._inertia is None:
+            raise ValueError(f"{self.label} has no inertia")
+        return self._inertia
+
+    def attachment_of(self, node: int) -> AttachmentFrame | None:
+        """Attachment frame at the tangent of a position-gradient node; ``None`` for others.
+
+        Args:
+            node: Number of the node.
+        """
+        return along_tangent(node) if self._types[node] == NodeType.POSITION_GRADIENT else None
+
+
+class ElementBody(Body):
+    """Body whose cells have one element: vectors, strains and a constitutive law.
+
+    An element for the small-energy kernel is a record and four compiled functions, see
+    :mod:`fem_lie.forms.small_energy.cell`. Each node may have any type. Joints and loads act on
+    nodes with frames, and on the tangents of position-gradient nodes.
 
     Example:
         >>> from fem_lie.elements.gradients import ancf
@@ -44,15 +123,17 @@ class ElementBody(Body):
         >>> beam = fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), tube, cells=2)
         >>> own = fl.extend.ElementBody(
         ...     beam.frames,
-        ...     beam.node_types,
-        ...     beam.elements,
+        ...     beam.model.node_types,
+        ...     beam.model.elements,
         ...     element=ancf.ELEMENT,
         ...     functions=ancf.FUNCTIONS,
-        ...     data=beam.element_data(),
+        ...     data=beam.model.element_data(),
         ... )
-        >>> own.element_nodes.shape
+        >>> own.model.element_nodes.shape
         (2, 4)
     """
+
+    model: ElementModel
 
     def __init__(
         self,
@@ -94,11 +175,11 @@ class ElementBody(Body):
         instance(functions, CellFunctions, "ElementBody: functions", "CellFunctions")
         instance(damping, Damping | None, "ElementBody: damping", "a Damping or None")
         frames = numbers(rows, "ElementBody: rows")
-        self._types = np.array([int(each) for each in node_types], dtype=np.int64)
-        if frames.shape != (len(self._types), 4, 3):
+        types = np.array([int(each) for each in node_types], dtype=np.int64)
+        if frames.shape != (len(types), 4, 3):
             raise ValueError(
-                f"ElementBody: rows must have shape ({len(self._types)}, 4, 3) for "
-                f"{len(self._types)} node types, got {frames.shape}"
+                f"ElementBody: rows must have shape ({len(types)}, 4, 3) for "
+                f"{len(types)} node types, got {frames.shape}"
             )
         nodes, of = np.asarray(cells, dtype=np.int64), element.cells.types
         if nodes.ndim != 2 or nodes.shape[1] != len(of) or not _within(nodes, len(frames)):
@@ -106,75 +187,33 @@ class ElementBody(Body):
                 f"ElementBody: cells must have {len(of)} of {len(frames)} nodes each, got "
                 f"{nodes.tolist()}"
             )
-        if (self._types[nodes] != of).any():
+        if (types[nodes] != of).any():
             raise ValueError(
                 f"ElementBody: cells must have nodes of types {of.tolist()}, got "
-                f"{self._types[nodes].tolist()}"
+                f"{types[nodes].tolist()}"
             )
         shape = (len(nodes), len(of), 4, len(of), 4)
         if inertia is not None and inertia.shape != shape:
             raise ValueError(f"ElementBody: inertia must have shape {shape}, got {inertia.shape}")
         if len(data) != len(nodes):
             raise ValueError(f"ElementBody: {len(nodes)} cells need as many data, got {len(data)}")
-        self.damping = Damping() if damping is None else damping
-        if self.damping.factors().any():
-            raise ValueError(
-                "an ElementBody has damping with mass only, got stiffness = "
-                f"{self.damping.stiffness!r}"
-            )
-        self.element, self.functions, self.element_nodes = element, functions, nodes
-        self._data, self._inertia, self.has_mass = data, inertia, inertia is not None
-        positions = frames[[NodeType(kind) < NodeType.MIXED_DERIVATIVE for kind in self._types], 0]
+        damping = mass_only(damping, "ElementBody")
         super().__init__(
-            frames,
-            cells=np.asarray(lines, dtype=np.int64).reshape(-1, 2),
-            outline=None,
-            size=float(np.linalg.norm(np.ptp(positions, axis=0))) or 1.0,
-            points=dict(points),
-            name=name,
+            ElementModel(
+                frames,
+                types,
+                nodes,
+                element=element,
+                functions=functions,
+                data=data,
+                inertia=inertia,
+                points=points,
+                lines=np.asarray(lines, dtype=np.int64).reshape(-1, 2),
+                damping=damping,
+                class_name=type(self).__name__,
+                name=name,
+            )
         )
-
-    @property
-    def node_type(self) -> NodeType:
-        """Type of the first node."""
-        return NodeType(self._types[0])
-
-    @property
-    def node_types(self) -> Indices:
-        """Type of each node, shape (n,)."""
-        return self._types
-
-    @property
-    def kind(self) -> Hashable:
-        """Key of bodies that are assembled together: those of one element."""
-        return type(self), self.functions
-
-    @classmethod
-    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
-        """Assembly of all bodies of one :attr:`kind`."""
-        return assemble_cells(bodies[0].element, bodies[0].functions, bodies)
-
-    def element_data(self) -> Array:
-        """Data of the cells, shape (m, any)."""
-        return self._data
-
-    def element_inertia(self) -> Array:
-        """Mass matrix in the nodal coordinates of each cell, shape (m, k, 4, k, 4).
-
-        Raises:
-            ValueError: The body has no inertia.
-        """
-        if self._inertia is None:
-            raise ValueError(f"{self.label} has no inertia")
-        return self._inertia
-
-    def attachment_of(self, node: int) -> AttachmentFrame | None:
-        """Attachment frame at the tangent of a position-gradient node; ``None`` for others.
-
-        Args:
-            node: Number of the node.
-        """
-        return along_tangent(node) if self._types[node] == NodeType.POSITION_GRADIENT else None
 
     def clamp(self, *points: Point) -> None:
         """Hold positions of points, and directions if their nodes have any.
@@ -190,8 +229,8 @@ class ElementBody(Body):
             require_point(point, "ElementBody.clamp: a point")
             if point.body is not self:
                 raise ValueError(f"{self.label} cannot hold {point.label}, a point of another body")
-            held = TRAITS[NodeType(self._types[point.node])].clamped
-            self.held[point.node] |= np.array(held)
+            held = TRAITS[NodeType(self.model.node_types[point.node])].clamped
+            self.model.held[point.node] |= np.array(held)
 
 
 def _within(nodes: Indices, count: int) -> bool:

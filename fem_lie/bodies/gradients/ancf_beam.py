@@ -10,11 +10,13 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices, instance, positive
+from fem_lie.bodies.beams.assembly import mass_only
 from fem_lie.bodies.beams.sectioned import Sections, outline_of, section_per_cell
-from fem_lie.bodies.body import NO_HOLDS, Holds, Point
+from fem_lie.bodies.body import Point
 from fem_lie.bodies.cells.assembly import assemble_cells
 from fem_lie.bodies.gradients.axes import second_nodes
-from fem_lie.bodies.gradients.section_points import SectionPoints
+from fem_lie.bodies.gradients.section_points import SectionPoints, SectionPointsModel
+from fem_lie.bodies.model import NO_HOLDS, Holds, MaterialPoint
 from fem_lie.elements.gradients import ancf
 from fem_lie.elements.gradients.ancf import AncfElement, check_poisson
 from fem_lie.elements.gradients.warping import Warping, WarpingSprings
@@ -30,14 +32,8 @@ if TYPE_CHECKING:
     import dolfinx
 
 
-class AncfBeam(SectionPoints):
-    """ANCF beam along smooth lines: twelve unknowns at a point, position and three gradients.
-
-    A point is two nodes: rows 0 and 1 of ``frames[i]`` are position and ``r_x`` per unloaded
-    length, rows 1 and 2 of ``frames[points + i]`` ``r_y`` and ``r_z``. Rows 2 and 3 of the first
-    node are axes that rotate with the section. Joints, springs, drives and loads, moments included,
-    act on the frame of the section, with e₁ normal to it and e₂ along ``r_y``. :meth:`clamp` and
-    :meth:`pin` hold points.
+class AncfBeamModel(SectionPointsModel):
+    """Model of an ANCF beam.
 
     Attributes:
         elements: Nodes of each element: positions with ``r_x`` of both ends, then the others, (m,
@@ -47,7 +43,141 @@ class AncfBeam(SectionPoints):
         poisson: Poisson's ratio of each element, shape (m,).
         formulation: Finite element.
         warping: Warping stiffness ``EI_ω``, or ``None``.
+        chains: Smooth pieces of the lines, and arc length along them.
         damping: Mass-proportional damping.
+    """
+
+    chains: Chains
+    warping: float | None = None
+
+    def __init__(
+        self,
+        mesh: LineMesh,
+        frames: Array,
+        corners: Indices,
+        sections: Sequence[Section],
+        formulation: AncfElement,
+        damping: Damping,
+        length: float | None,
+        class_name: str,
+        name: str,
+    ) -> None:
+        """Create the nodes.
+
+        Args:
+            mesh: Line mesh with names of points and groups.
+            frames: Frames of the points, shape (p, 4, 3).
+            corners: Points at the ends of each element, shape (m, 2).
+            sections: Section of each element.
+            formulation: Finite element.
+            damping: Mass-proportional damping.
+            length: Unloaded length of the whole beam; default: that of the line.
+            class_name: Name of the class of the body.
+            name: Name in messages and results.
+        """
+        self.formulation, self.damping, self.source = formulation, damping, mesh.source
+        self.points_count = count = len(frames)
+        self.elements = np.concatenate([corners, count + corners], axis=1)
+        lengths = np.linalg.norm(lie.se3_relative(*frames[corners].swapaxes(0, 1))[:, :3], axis=1)
+        total = float(lengths.sum())
+        stretch = 1.0 if length is None else total / positive(length, "AncfBeam: length")
+        self.lengths, own = lengths / stretch, frames.copy()
+        own[:, 0] /= stretch
+        self.ends, self.unloaded = own[corners], np.concatenate([own, second_nodes(own)])
+        self._take(sections, mesh)
+        self.poisson = np.array([_poisson(each, formulation.poisson) for each in sections])
+        named = {key: int(nodes[0]) for key, nodes in mesh.named_points.items() if len(nodes) == 1}
+        laid = np.concatenate([frames, second_nodes(frames)])
+        laid[:count, 1] *= stretch
+        super().__init__(
+            laid,
+            class_name=class_name,
+            cells=corners,
+            outline=outline_of(sections, 1),
+            size=total,
+            points=named,
+            name=name,
+        )
+
+    @property
+    def kind(self) -> Hashable:
+        """Key of beams that are assembled together: same class and formulation."""
+        return type(self), self.formulation
+
+    @classmethod
+    def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
+        """Assembly of all beams of one :attr:`kind`, with their warping springs."""
+        assembly = assemble_cells(ancf.ELEMENT, ancf.FUNCTIONS, models)
+        starts = np.cumsum([0, *(len(model.frames) for model in models)])
+        found = [
+            part._replace(nodes=part.nodes + start)
+            for model, start in zip(models, starts, strict=False)
+            for part in model.restraints
+        ]
+        if found:
+            assembly.further_terms.append(Warping(WarpingSprings.joined(found), assembly.count))
+        return assembly
+
+    @property
+    def element_nodes(self) -> Indices:
+        """Nodes of each element, shape (m, 4)."""
+        return self.elements
+
+    def element_data(self) -> Array:
+        """Data of the elements, with the strains of :attr:`unloaded` as natural strains."""
+        C = self.formulation.stiffness(self.stiffness, self.poisson, self.ends, self.lengths)
+        return ancf.data(self.unloaded[self.elements], self.lengths, C)
+
+    def element_inertia(self) -> Array:
+        """Mass matrix in the nodal coordinates of each element, shape (m, 4, 4, 4, 4)."""
+        return self.formulation.inertia(self.density, self.lengths)
+
+    @property
+    def restraints(self) -> list[WarpingSprings]:
+        """Warping springs, if there is a warping stiffness."""
+        if self.warping is None:
+            return []
+        held = self.unwarped()
+        own = self.unloaded, self.elements[:, 2:], self.lengths, self.warping
+        return [WarpingSprings.between(*own, held)]
+
+    def point_in_cell(self, element: int, part: float) -> MaterialPoint:
+        """Material point within an element, for joints, springs and loads.
+
+        Args:
+            element: Index of the element.
+            part: Unloaded arc length from its first end over its length, 0 to 1.
+
+        Raises:
+            ValueError: There is no such element, or ``part`` is out of range.
+        """
+        self._check_place(element, part)
+        nodes = self.elements[element].tolist()
+        attachment = self.formulation.place(nodes, float(part), float(self.lengths[element]))
+        return MaterialPoint(nodes[0], f"element {element} at {part:g}", attachment)
+
+    def consistent_lengths(self) -> tuple[Indices, Array]:
+        """Nodes of each element and integrals of their shape functions over its length, (m, 4)."""
+        shares = np.zeros(self.elements.shape)
+        shares[:, :2] = 0.5 * self.lengths[:, np.newaxis]
+        return self.elements, shares
+
+    def director_weights(self) -> Array:
+        """Consistent weights on ``r_x`` of a unit line force: ``±ℓ²/12``, shape (m, 4, 3)."""
+        weights = np.zeros((*self.elements.shape, 3))
+        weights[:, 0, 0] = self.lengths**2 / 12
+        weights[:, 1, 0] = -weights[:, 0, 0]
+        return weights
+
+
+class AncfBeam(SectionPoints):
+    """ANCF beam along smooth lines: twelve unknowns at a point, position and three gradients.
+
+    A point is two nodes: rows 0 and 1 of ``frames[i]`` are position and ``r_x`` per unloaded
+    length, rows 1 and 2 of ``frames[points + i]`` ``r_y`` and ``r_z``. Rows 2 and 3 of the first
+    node are axes that rotate with the section. Joints, springs, drives and loads, moments included,
+    act on the frame of the section, with e₁ normal to it and e₂ along ``r_y``. :meth:`clamp` and
+    :meth:`pin` hold points.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -56,6 +186,8 @@ class AncfBeam(SectionPoints):
         >>> beam.frames.shape
         (10, 4, 3)
     """
+
+    model: AncfBeamModel
 
     def __init__(
         self,
@@ -94,13 +226,8 @@ class AncfBeam(SectionPoints):
         instance(section, Section | Mapping | Callable, "AncfBeam: section", known)
         instance(formulation, AncfElement | None, "AncfBeam: formulation", "an element or None")
         instance(damping, Damping | None, "AncfBeam: damping", "a Damping or None")
-        self.formulation = AncfElement() if formulation is None else formulation
-        self.damping = Damping() if damping is None else damping
-        if self.damping.factors().any():
-            raise ValueError(
-                "an AncfBeam has damping with mass only, got stiffness = "
-                f"{self.damping.stiffness!r}"
-            )
+        element = AncfElement() if formulation is None else formulation
+        damping = mass_only(damping, "AncfBeam")
         chains = Chains(mesh)
         twisted = up if isinstance(up, Twisted) else Twisted(None, up)
         frames, corners, _ = shared_nodes(
@@ -111,29 +238,13 @@ class AncfBeam(SectionPoints):
                 "AncfBeam: expected a smooth line, got one with corners or branches: make one beam "
                 "of each smooth piece, and join them by fl.joints.Fixed"
             )
-        self.points_count = count = len(frames)
-        self.elements = np.concatenate([corners, count + corners], axis=1)
-        lengths = np.linalg.norm(lie.se3_relative(*frames[corners].swapaxes(0, 1))[:, :3], axis=1)
-        total = float(lengths.sum())
-        stretch = 1.0 if length is None else total / positive(length, "AncfBeam: length")
-        self.lengths, own = lengths / stretch, frames.copy()
-        own[:, 0] /= stretch
-        self.ends, self.unloaded = own[corners], np.concatenate([own, second_nodes(own)])
-        self.warping = None if warping is None else positive(warping, "AncfBeam: warping")
-        self.chains, ratio = chains, self.formulation.poisson
-        self._take(section_per_cell(mesh, chains, section), mesh)
-        self.poisson = np.array([_poisson(each, ratio) for each in self.sections])
-        named = {key: int(nodes[0]) for key, nodes in mesh.named_points.items() if len(nodes) == 1}
-        laid = np.concatenate([frames, second_nodes(frames)])
-        laid[:count, 1] *= stretch
-        super().__init__(
-            laid,
-            cells=corners,
-            outline=outline_of(self.sections, 1),
-            size=total,
-            points=named,
-            name=name,
+        sections = section_per_cell(mesh, chains, section)
+        model = AncfBeamModel(
+            mesh, frames, corners, sections, element, damping, length, type(self).__name__, name
         )
+        model.chains = chains
+        model.warping = None if warping is None else positive(warping, "AncfBeam: warping")
+        super().__init__(model)
 
     @classmethod
     def straight(
@@ -215,48 +326,6 @@ class AncfBeam(SectionPoints):
             name=name,
         )
 
-    @property
-    def kind(self) -> Hashable:
-        """Key of beams that are assembled together: same class and formulation."""
-        return type(self), self.formulation
-
-    @classmethod
-    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
-        """Assembly of all beams of one :attr:`kind`, with their warping springs."""
-        assembly = assemble_cells(ancf.ELEMENT, ancf.FUNCTIONS, bodies)
-        starts = np.cumsum([0, *(len(body.frames) for body in bodies)])
-        found = [
-            part._replace(nodes=part.nodes + start)
-            for body, start in zip(bodies, starts, strict=False)
-            for part in body.restraints
-        ]
-        if found:
-            assembly.further_terms.append(Warping(WarpingSprings.joined(found), assembly.count))
-        return assembly
-
-    @property
-    def element_nodes(self) -> Indices:
-        """Nodes of each element, shape (m, 4)."""
-        return self.elements
-
-    def element_data(self) -> Array:
-        """Data of the elements, with the strains of :attr:`unloaded` as natural strains."""
-        C = self.formulation.stiffness(self.stiffness, self.poisson, self.ends, self.lengths)
-        return ancf.data(self.unloaded[self.elements], self.lengths, C)
-
-    def element_inertia(self) -> Array:
-        """Mass matrix in the nodal coordinates of each element, shape (m, 4, 4, 4, 4)."""
-        return self.formulation.inertia(self.density, self.lengths)
-
-    @property
-    def restraints(self) -> list[WarpingSprings]:
-        """Warping springs, if there is a warping stiffness."""
-        if self.warping is None:
-            return []
-        held = self.unwarped()
-        own = self.unloaded, self.elements[:, 2:], self.lengths, self.warping
-        return [WarpingSprings.between(*own, held)]
-
     def point_in_cell(self, element: int, part: float) -> Point:
         """Point within an element, for joints, springs and loads.
 
@@ -267,23 +336,7 @@ class AncfBeam(SectionPoints):
         Raises:
             ValueError: There is no such element, or ``part`` is out of range.
         """
-        self._check_place(element, part)
-        nodes = self.elements[element].tolist()
-        attachment = self.formulation.place(nodes, float(part), float(self.lengths[element]))
-        return Point(self, nodes[0], f"element {element} at {part:g}", attachment)
-
-    def consistent_lengths(self) -> tuple[Indices, Array]:
-        """Nodes of each element and integrals of their shape functions over its length, (m, 4)."""
-        shares = np.zeros(self.elements.shape)
-        shares[:, :2] = 0.5 * self.lengths[:, np.newaxis]
-        return self.elements, shares
-
-    def director_weights(self) -> Array:
-        """Consistent weights on ``r_x`` of a unit line force: ``±ℓ²/12``, shape (m, 4, 3)."""
-        weights = np.zeros((*self.elements.shape, 3))
-        weights[:, 0, 0] = self.lengths**2 / 12
-        weights[:, 1, 0] = -weights[:, 0, 0]
-        return weights
+        return self._at(self.model.point_in_cell(element, part))
 
 
 def _poisson(section: Section, given: float | None) -> float:

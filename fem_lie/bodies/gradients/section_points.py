@@ -9,10 +9,10 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.attachments.at_nodes import on_section
 from fem_lie.attachments.attachment import AttachmentFrame
-from fem_lie.bodies.beams.sectioned import Sectioned
-from fem_lie.bodies.body import Point
+from fem_lie.bodies.beams.sectioned import SectionedModel
+from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.gradients.axes import follow_sections
-from fem_lie.bodies.nodes import Follower
+from fem_lie.bodies.model import Follower, MaterialPoint
 from fem_lie.bodies.points import require_point
 from fem_lie.lie.node_types import MIXED_DERIVATIVE, NodeType
 
@@ -23,8 +23,8 @@ _AT_A_POINT = np.array([[[1.0, 0, 0], [0, 0, 0]], [[0, 1, 0], [0, 0, 1]]])
 """Weights of position, ``r_y`` and ``r_z`` in the coordinates of a point."""
 
 
-class SectionPoints(Sectioned):
-    """Body of points of two nodes: one with position and ``r_x``, one with ``r_y`` and ``r_z``.
+class SectionPointsModel(SectionedModel):
+    """Model of points of two nodes: one with position and ``r_x``, one with ``r_y`` and ``r_z``.
 
     Attributes:
         points_count: Number of points; their second nodes come after all first nodes.
@@ -51,15 +51,23 @@ class SectionPoints(Sectioned):
         lengths[self.node_types == MIXED_DERIVATIVE] = False
         return lengths
 
-    def _named(self, name: str) -> Point:
-        """Point with a name, with the attachment frame of its section."""
-        node = super()._named(name).node
-        return Point(self, node, name, self.attachment_of(node))
+    def named(self, name: str) -> MaterialPoint:
+        """Material point with a name, with the attachment frame of its section.
 
-    def _numbered(self, node: int) -> Point:
-        """Point with a number, with the attachment frame of its section."""
-        point = super()._numbered(node)
-        return Point(self, point.node, point.name, self.attachment_of(point.node))
+        Args:
+            name: Name of the point.
+        """
+        node = super().named(name).node
+        return MaterialPoint(node, name, self.attachment_of(node))
+
+    def numbered(self, node: int) -> MaterialPoint:
+        """Material point with a number, with the attachment frame of its section.
+
+        Args:
+            node: Number of the node.
+        """
+        point = super().numbered(node)
+        return point._replace(attachment=self.attachment_of(point.node))
 
     def attachment_of(self, node: int) -> AttachmentFrame:
         """Attachment frame of the section.
@@ -73,36 +81,6 @@ class SectionPoints(Sectioned):
                 "have no positions"
             )
         return on_section((node, node + self.points_count), _AT_A_POINT)
-
-    def clamp(self, *points: Point) -> None:
-        """Hold positions of points, and rotations and shear of their sections.
-
-        Strains in the plane of a section and the gradient along the beam stay free, so that the
-        beam may be sheared there.
-
-        Args:
-            points: Points of the body.
-
-        Raises:
-            ValueError: A point is not on this body.
-            TypeError: An argument is not a point.
-        """
-        for node in self._own(points, "clamp"):
-            self.held[node, _PLACE] = True
-            self.held[node + self.points_count, _TURNED] = True
-
-    def pin(self, *points: Point) -> None:
-        """Hold positions of points.
-
-        Args:
-            points: Points of the body.
-
-        Raises:
-            ValueError: A point is not on this body.
-            TypeError: An argument is not a point.
-        """
-        for node in self._own(points, "pin"):
-            self.held[node, _PLACE] = True
 
     def unwarped(self) -> Indices:
         """MIXED_DERIVATIVE nodes of clamped sections."""
@@ -119,10 +97,46 @@ class SectionPoints(Sectioned):
 
         return follow
 
+
+class SectionPoints(Body):
+    """Body of points with sections, and its supports."""
+
+    model: SectionPointsModel
+
+    def clamp(self, *points: Point) -> None:
+        """Hold positions of points, and rotations and shear of their sections.
+
+        Strains in the plane of a section and the gradient along the beam stay free, so that the
+        beam may be sheared there.
+
+        Args:
+            points: Points of the body.
+
+        Raises:
+            ValueError: A point is not on this body.
+            TypeError: An argument is not a point.
+        """
+        for node in self._own(points, "clamp"):
+            self.model.held[node, _PLACE] = True
+            self.model.held[node + self.model.points_count, _TURNED] = True
+
+    def pin(self, *points: Point) -> None:
+        """Hold positions of points.
+
+        Args:
+            points: Points of the body.
+
+        Raises:
+            ValueError: A point is not on this body.
+            TypeError: An argument is not a point.
+        """
+        for node in self._own(points, "pin"):
+            self.model.held[node, _PLACE] = True
+
     def _own(self, points: Sequence[Point], what: str) -> list[int]:
         for point in points:
             require_point(point, f"{type(self).__name__}.{what}: a point")
-            if point.body is not self or not self.attachment_of(point.node).same(
+            if point.body is not self or not self.model.attachment_of(point.node).same(
                 point.joint_attachment
             ):
                 raise ValueError(

@@ -9,7 +9,8 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices, numbers
-from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
+from fem_lie.bodies.body import Body
+from fem_lie.bodies.model import NO_HOLDS, BodyModel, Holds, MaterialPoint
 from fem_lie.bodies.reduced.assembly import ReducedAssembly
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.lie.node_types import NodeType
@@ -17,16 +18,8 @@ from fem_lie.lie.node_types.floating import WithinFrame
 from fem_lie.lie.node_types.floating_coordinates import all_coordinates, all_rates
 
 
-class ReducedOrderBody(Body):
-    """Reduced-order body: moves with the frame of one interface, and deforms in few modes.
-
-    Strains are small, motion is arbitrarily large. The energy is ``½ eᵀ K e`` with ``e_a = z_a + ½
-    Q_abc z_b z_c``, which includes stress stiffening and the shortening by bending. Inertia is that
-    of all points of the body, gyroscopic and centrifugal forces included, for positions and
-    directors within the frame that are linear in the coordinates.
-    :func:`~fem_lie.reduction.reduced_order_body` computes such a body. Interfaces are nodes with
-    frames, on which joints, springs, loads, clamps and contacts act as on those of any other body;
-    the amplitudes of internal modes are further nodes.
+class ReducedOrderModel(BodyModel):
+    """Model of a reduced-order body.
 
     Attributes:
         interfaces: Nodes of the full body that are interfaces, shape (1 + i,).
@@ -40,19 +33,6 @@ class ReducedOrderBody(Body):
         full: Full body.
         shapes: Modes: displacement and rotation of each node of the full body for each coordinate,
             in components along the frame, shape (m, n, 6).
-
-    Example:
-        >>> section = fl.Section.circle(0.02, fl.Material(E=2e11, nu=0.3, density=7800.0))
-        >>> full = fl.Scene()
-        >>> beam = full.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=8))
-        >>> rod = fl.reduction.reduced_order_body(full, [beam.point("start"), beam.point("end")], 4)
-        >>> scene = fl.Scene(gravity=(0, 0, -9.81))
-        >>> rod = scene.add(rod)
-        >>> hinge = scene.add(fl.joints.Revolute(fl.ground(), rod.point("start"), axis=(0, 1, 0)))
-        >>> scheme = fl.GeneralisedAlpha(radius=0.8)
-        >>> result = scheme.run(scene, duration=0.2, step=2e-3, progress=False)
-        >>> bool(result.position(rod.point("end"))[-1, 2] < -0.2)
-        True
     """
 
     def __init__(
@@ -64,8 +44,9 @@ class ReducedOrderBody(Body):
         full: Body,
         *,
         points: Mapping[str, int],
-        quadratic: Array | None = None,
-        name: str = "",
+        quadratic: Array | None,
+        class_name: str,
+        name: str,
     ) -> None:
         """Create the nodes.
 
@@ -78,6 +59,7 @@ class ReducedOrderBody(Body):
             points: Index of each named interface.
             quadratic: Quadratic coefficients of the strains, shape (m, m, m); default: zero, so
                 that the stiffness is constant.
+            class_name: Name of the class of the body.
             name: Name in messages and results.
 
         Raises:
@@ -110,20 +92,24 @@ class ReducedOrderBody(Body):
         super().__init__(
             np.concatenate([frames, amplitudes]),
             cells=np.stack([np.zeros_like(nodes), nodes], axis=1),
-            outline=None,
-            size=full.size,
+            class_name=class_name,
+            size=full.model.size,
             points=dict(points),
             name=name,
         )
 
-    def _numbered(self, node: int) -> Point:
-        """Point at an interface; modal nodes have no points."""
+    def numbered(self, node: int) -> MaterialPoint:
+        """Material point at an interface; modal nodes have no points.
+
+        Args:
+            node: Number of the interface.
+        """
         if not 0 <= node <= len(self.within):
             raise ValueError(
                 f"{self.label} has interfaces 0 … {len(self.within)}, got {node}: what is held or "
                 "loaded has to be an interface of the reduced body"
             )
-        return Point(self, node, f"interface {node}")
+        return MaterialPoint(node, f"interface {node}")
 
     @property
     def node_types(self) -> Indices:
@@ -151,9 +137,9 @@ class ReducedOrderBody(Body):
         return type(self), len(self.stiffness), len(self.within)
 
     @classmethod
-    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
+    def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
         """Assembly of all bodies of one :attr:`kind`."""
-        return ReducedAssembly(bodies)
+        return ReducedAssembly(models)
 
     def coordinates(self, frames: Array) -> Array:
         """Coordinates in states of its nodes, shape (s, m).
@@ -209,6 +195,77 @@ class ReducedOrderBody(Body):
         axes = np.einsum("snij,nkj->snki", turning, inside)
         parts = v + np.cross(ω, arms) + rates[:, :, :3], ω + spin
         return np.concatenate([np.einsum("snki,sni->snk", axes, part) for part in parts], axis=2)
+
+
+class ReducedOrderBody(Body):
+    """Reduced-order body: moves with the frame of one interface, and deforms in few modes.
+
+    Strains are small, motion is arbitrarily large. The energy is ``½ eᵀ K e`` with ``e_a = z_a + ½
+    Q_abc z_b z_c``, which includes stress stiffening and the shortening by bending. Inertia is that
+    of all points of the body, gyroscopic and centrifugal forces included, for positions and
+    directors within the frame that are linear in the coordinates.
+    :func:`~fem_lie.reduction.reduced_order_body` computes such a body. Interfaces are nodes with
+    frames, on which joints, springs, loads, clamps and contacts act as on those of any other body;
+    the amplitudes of internal modes are further nodes.
+
+    Example:
+        >>> section = fl.Section.circle(0.02, fl.Material(E=2e11, nu=0.3, density=7800.0))
+        >>> full = fl.Scene()
+        >>> beam = full.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=8))
+        >>> rod = fl.reduction.reduced_order_body(full, [beam.point("start"), beam.point("end")], 4)
+        >>> scene = fl.Scene(gravity=(0, 0, -9.81))
+        >>> rod = scene.add(rod)
+        >>> hinge = scene.add(fl.joints.Revolute(fl.ground(), rod.point("start"), axis=(0, 1, 0)))
+        >>> scheme = fl.GeneralisedAlpha(radius=0.8)
+        >>> result = scheme.run(scene, duration=0.2, step=2e-3, progress=False)
+        >>> bool(result.position(rod.point("end"))[-1, 2] < -0.2)
+        True
+    """
+
+    model: ReducedOrderModel
+
+    def __init__(
+        self,
+        interfaces: Sequence[int],
+        stiffness: Array,
+        density: Array,
+        shapes: Array,
+        full: Body,
+        *,
+        points: Mapping[str, int],
+        quadratic: Array | None = None,
+        name: str = "",
+    ) -> None:
+        """Create the nodes.
+
+        Args:
+            interfaces: Nodes of the full body that are interfaces; the first is the frame.
+            stiffness: Stiffness in the coordinates, shape (m, m).
+            density: Mass matrix of ``(x, d_k, z_a d_k)``, shape (4 + 3 m, 4 + 3 m).
+            shapes: Modes, shape (m, n, 6).
+            full: Full body.
+            points: Index of each named interface.
+            quadratic: Quadratic coefficients of the strains, shape (m, m, m); default: zero, so
+                that the stiffness is constant.
+            name: Name in messages and results.
+
+        Raises:
+            ValueError: Shapes of matrices do not agree with each other or with the interfaces, or
+                matrices are not symmetric and finite.
+        """
+        super().__init__(
+            ReducedOrderModel(
+                interfaces,
+                stiffness,
+                density,
+                shapes,
+                full,
+                points=points,
+                quadratic=quadratic,
+                class_name=type(self).__name__,
+                name=name,
+            )
+        )
 
 
 def _symmetric(value: Array, size: int, what: str) -> Array:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import instance, positive
 from fem_lie.bodies.beams.line_body import Placed
-from fem_lie.bodies.rods.cable_body import CableBody, successive
+from fem_lie.bodies.rods.cable_body import CableBody, CableModel, successive
 from fem_lie.elements.beams.element import BeamFormulation
 from fem_lie.elements.rods.cable import HermiteCable
 from fem_lie.mesh.curves import curve, straight_line
@@ -80,7 +80,6 @@ class Cable(CableBody):
             TypeError: An argument has an unexpected type.
         """
         mesh = line_of(mesh, "Cable")
-        self.source = mesh.source
         instance(section, Section, "Cable: section", "a Section")
         instance(formulation, BeamFormulation | None, "Cable: formulation", "an element or None")
         element = HermiteCable() if formulation is None else formulation
@@ -97,7 +96,10 @@ class Cable(CableBody):
             stretch = lengths.sum() / positive(length, "Cable: length")
             lengths = lengths / stretch
         placed = Placed(element.placed(frames, stretch), elements, lengths, masters, elements)
-        super().__init__(mesh, placed, successive(elements), section, element, damping, name)
+        names = type(self).__name__, name
+        super().__init__(
+            CableModel(mesh, placed, successive(elements), section, element, damping, *names)
+        )
 
     @classmethod
     def straight(

@@ -24,9 +24,9 @@ import numpy as np
 from fem_lie._arrays import Array, Indices, instance
 from fem_lie._jit import compiled
 from fem_lie.bodies.beams.assembly import BeamAssembly
-from fem_lie.bodies.beams.line_body import LineBody, Placed
-from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
-from fem_lie.bodies.nodes import Follower, HeldRotation
+from fem_lie.bodies.beams.line_body import LineBody, LineModel, Placed
+from fem_lie.bodies.body import Point
+from fem_lie.bodies.model import NO_HOLDS, Follower, HeldRotation, Holds, MaterialPoint
 from fem_lie.bodies.points import require_point
 from fem_lie.elements.beams.element import BeamFormulation
 from fem_lie.elements.rods.bends import BendingSprings, Bends, Successive
@@ -109,14 +109,18 @@ def following(frames: Array, edges: Indices, slopes: bool) -> Follower | None:
     return turn
 
 
-AnyCableBody = TypeVar("AnyCableBody", bound="CableBody")
-
 _EI = 4
 """Index of ``EI`` in the section stiffness on (Γ, κ)."""
 
 
-class CableBody(LineBody):
-    """Body along lines without directions across them."""
+class CableModel(LineModel):
+    """Model of a body along lines without directions across them.
+
+    Attributes:
+        clamped: Nodes whose directions are held by rotational springs.
+        follows: Whether nodal axes rotate with the body.
+        springs: Rotational springs between its elements; ``None`` if elements bend.
+    """
 
     def __init__(
         self,
@@ -126,6 +130,7 @@ class CableBody(LineBody):
         section: Section,
         formulation: BeamFormulation,
         damping: Damping | None,
+        class_name: str,
         name: str,
     ) -> None:
         """Check that the element supports the section and the damping.
@@ -138,6 +143,7 @@ class CableBody(LineBody):
             section: Section of all elements.
             formulation: Finite element.
             damping: Damping; default: none.
+            class_name: Name of the class of the body.
             name: Name in messages and results.
 
         Raises:
@@ -145,37 +151,34 @@ class CableBody(LineBody):
                 frames.
             TypeError: An argument has an unexpected type.
         """
-        what = type(self).__name__
-        instance(section, Section, f"{what}: section", "a Section")
-        instance(damping, Damping | None, f"{what}: damping", "a Damping or None")
+        instance(section, Section, f"{class_name}: section", "a Section")
+        instance(damping, Damping | None, f"{class_name}: damping", "a Damping or None")
         if formulation.node_type == NodeType.FRAME:
             raise ValueError(
-                f"{what}: expected a formulation with positions and position gradients, got "
+                f"{class_name}: expected a formulation with positions and position gradients, got "
                 f"{formulation}, whose nodes are frames"
             )
         formulation.check(section.stiffness)
         if damping is not None:
             _check_damping(damping, formulation)
         sections = [section] * len(placed.elements)
-        super().__init__(mesh, placed, sections, formulation, damping, name)
-        self._clamped: list[int] = []
-        self._follows = False
-        self._springs: Bends | None = None
+        super().__init__(mesh, placed, sections, formulation, damping, class_name, name)
+        self.clamped: list[int] = []
+        self.follows = False
+        self.springs: Bends | None = None
         if isinstance(formulation, DiscreteCable):
             places = self.frames[:, 0]
-            self._springs = Bends.between(
-                places, successive, self._flexibility, formulation.natural
-            )
+            self.springs = Bends.between(places, successive, self._flexibility, formulation.natural)
 
     @classmethod
-    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
+    def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
         """Assembly of all bodies of one kind, with the springs between their elements."""
-        assembly = BeamAssembly(bodies)
-        starts = np.cumsum([0, *(len(body.frames) for body in bodies)])
+        assembly = BeamAssembly(models)
+        starts = np.cumsum([0, *(len(model.frames) for model in models)])
         found = [
             part._replace(nodes=assembly.order[part.nodes + start])
-            for body, start in zip(bodies, starts, strict=False)
-            for part in body.bends
+            for model, start in zip(models, starts, strict=False)
+            for part in model.bends
         ]
         if found:
             assembly.further_terms.append(BendingSprings(Bends.joined(found), assembly.count))
@@ -184,11 +187,11 @@ class CableBody(LineBody):
     @property
     def bends(self) -> list[Bends]:
         """Rotational springs between its elements, and at clamped ends; empty if elements bend."""
-        if self._springs is None:
+        if self.springs is None:
             return []
-        edges = np.array([self._edge_at(node) for node in self._clamped], dtype=np.int64)
+        edges = np.array([self.edge_at(node) for node in self.clamped], dtype=np.int64)
         ends = self.elements[edges]
-        nodes = np.array(self._clamped, dtype=np.int64)
+        nodes = np.array(self.clamped, dtype=np.int64)
         other = np.where(ends[:, 0] == nodes, ends[:, 1], ends[:, 0])
         # along the line into the body; scaled to the length of the edge, so that its round-off is
         # that of the edge in all units
@@ -196,7 +199,76 @@ class CableBody(LineBody):
         signs = np.sign(np.einsum("bj,bj->b", tangents, inwards))
         fixed = tangents * (signs * np.linalg.norm(inwards, axis=1))[:, np.newaxis]
         pairs = np.column_stack([nodes, other])
-        return [self._springs, Bends.at_ends(pairs, fixed, self._flexibility[edges])]
+        return [self.springs, Bends.at_ends(pairs, fixed, self._flexibility[edges])]
+
+    def closest(self, position: Array) -> MaterialPoint:
+        """Closest node: joints and loads act at nodes only.
+
+        Args:
+            position: Position in the reference configuration, shape (3,).
+        """
+        return self.numbered(self.closest_node(position))
+
+    def follower(self) -> Follower | None:
+        """Function that rotates the axes, after a call of :meth:`follow`."""
+        return self.rotating_axes() if self.follows else None
+
+    def rotating_axes(self) -> Follower | None:
+        """Function that rotates the axes; ``None`` if the body is straight."""
+        return following(self.frames, self.elements, self.node_type == NodeType.POSITION_GRADIENT)
+
+    def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
+        """Whether nodes rotate about their third axes: true unless they have positions only.
+
+        Raises:
+            ValueError: Nodes have positions only, and a joint or load acts on their rotations.
+        """
+        if self.springs is not None and any(hold.needed for hold in holds):
+            self.require_direction(0)
+        return True
+
+    def require_direction(self, node: int) -> None:
+        """Raise ``ValueError`` if its nodes have no direction that a clamp could hold.
+
+        Args:
+            node: Number of the node.
+        """
+        if self.springs is not None:
+            raise ValueError(
+                f"{self.label} has positions and no directions at its nodes: clamp its ends by "
+                "clamp(point), or hold positions by pin(point) and spherical joints"
+            )
+
+    @property
+    def _flexibility(self) -> Array:
+        """Bending flexibility ``ℓ/EI`` of each element, shape (m,)."""
+        return np.asarray(self.lengths / self.stiffness[:, _EI, _EI])
+
+    def edge_at(self, node: int) -> int:
+        """Element that ends at a node.
+
+        Args:
+            node: Number of the node.
+
+        Raises:
+            ValueError: The node is not an end of the body.
+        """
+        edges = np.flatnonzero((self.elements == node).any(axis=1))
+        if len(edges) != 1:
+            raise ValueError(
+                f"the direction of {self.label} can be held at ends, but node {node} has "
+                f"{len(edges)} elements"
+            )
+        return int(edges[0])
+
+
+AnyCableBody = TypeVar("AnyCableBody", bound="CableBody")
+
+
+class CableBody(LineBody):
+    """Body along lines without directions across them."""
+
+    model: CableModel
 
     def follow(self: AnyCableBody) -> AnyCableBody:
         """Let nodal axes rotate with the body: ``Cable.curve(…).follow()``.
@@ -207,24 +279,13 @@ class CableBody(LineBody):
         Raises:
             ValueError: The body is straight, so that its rotation about the line is undefined.
         """
-        if self._following() is None:
+        if self.model.rotating_axes() is None:
             raise ValueError(
                 f"follow: expected a body that is not straight, got {self.label}, whose rotation "
                 "about its line is undefined: give it a small curvature"
             )
-        self._follows = True
+        self.model.follows = True
         return self
-
-    def _closest(self, position: Array) -> Point:
-        """Closest node: joints and loads act at nodes only."""
-        return Body._closest(self, position)
-
-    def follower(self) -> Follower | None:
-        """Function that rotates the axes, after a call of :meth:`follow`."""
-        return self._following() if self._follows else None
-
-    def _following(self) -> Follower | None:
-        return following(self.frames, self.elements, self.node_type == NodeType.POSITION_GRADIENT)
 
     def pin(self, *points: Point) -> None:
         """Hold the positions of points of this body, not its directions there.
@@ -237,7 +298,7 @@ class CableBody(LineBody):
             TypeError: An argument is not a point.
         """
         for node in self._own(points, "pin"):
-            self.held[node, :3] = True
+            self.model.held[node, :3] = True
 
     def clamp(self, *points: Point) -> None:
         """Hold the positions of points of this body, and its directions there.
@@ -249,40 +310,13 @@ class CableBody(LineBody):
             ValueError: A point is not on this body, or is not an end of a discrete cable.
             TypeError: An argument is not a point.
         """
-        nodes = self._own(points, "clamp")
-        if self._springs is not None:
+        model, nodes = self.model, self._own(points, "clamp")
+        if model.springs is not None:
             for node in nodes:
-                self._edge_at(node)
-            self._clamped += [node for node in nodes if node not in self._clamped]
+                model.edge_at(node)
+            model.clamped += [node for node in nodes if node not in model.clamped]
         for node in nodes:
-            self.held[node] |= np.array(TRAITS[self.node_type].clamped)
-
-    def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
-        """Whether nodes rotate about their third axes: true unless they have positions only.
-
-        Raises:
-            ValueError: Nodes have positions only, and a joint or load acts on their rotations.
-        """
-        if self._springs is not None and any(hold.needed for hold in holds):
-            self.require_direction(0)
-        return True
-
-    def require_direction(self, node: int) -> None:
-        """Raise ``ValueError`` if its nodes have no direction that a clamp could hold.
-
-        Args:
-            node: Number of the node.
-        """
-        if self._springs is not None:
-            raise ValueError(
-                f"{self.label} has positions and no directions at its nodes: clamp its ends by "
-                "clamp(point), or hold positions by pin(point) and spherical joints"
-            )
-
-    @property
-    def _flexibility(self) -> Array:
-        """Bending flexibility ``ℓ/EI`` of each element, shape (m,)."""
-        return np.asarray(self.lengths / self.stiffness[:, _EI, _EI])
+            model.held[node] |= np.array(TRAITS[model.node_type].clamped)
 
     def _own(self, points: Sequence[Point], what: str) -> list[int]:
         for point in points:
@@ -290,15 +324,6 @@ class CableBody(LineBody):
             if point.body is not self:
                 raise ValueError(f"{self.label} cannot hold {point.label}, a point of another body")
         return [point.node for point in points]
-
-    def _edge_at(self, node: int) -> int:
-        edges = np.flatnonzero((self.elements == node).any(axis=1))
-        if len(edges) != 1:
-            raise ValueError(
-                f"the direction of {self.label} can be held at ends, but node {node} has "
-                f"{len(edges)} elements"
-            )
-        return int(edges[0])
 
 
 def successive(elements: Indices) -> Successive:

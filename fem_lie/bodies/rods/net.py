@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices, indices_of, instance, numbers, points_of, positive
 from fem_lie.bodies.beams.line_body import Placed
-from fem_lie.bodies.rods.cable_body import CableBody
+from fem_lie.bodies.rods.cable_body import CableBody, CableModel
 from fem_lie.elements.rods.bends import Successive
 from fem_lie.elements.rods.discrete import DiscreteCable
 from fem_lie.mesh.lines import LineMesh
@@ -79,7 +79,8 @@ class Net(CableBody):
         lengths = lengths / _stretches(stretch, [len(cable) - 1 for cable in cables])
         placed = Placed(frames, edges, lengths, np.arange(len(places)), edges)
         element = DiscreteCable() if formulation is None else formulation
-        super().__init__(mesh, placed, along, section, element, damping, name)
+        names = type(self).__name__, name
+        super().__init__(CableModel(mesh, placed, along, section, element, damping, *names))
 
 
 def _stretches(stretch: npt.ArrayLike, edges: list[int]) -> Array:

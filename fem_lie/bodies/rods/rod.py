@@ -11,10 +11,9 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.beams.assembly import BeamAssembly
-from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.beams.beam import Beam, BeamModel
 from fem_lie.bodies.beams.sectioned import Sections
-from fem_lie.bodies.body import NO_HOLDS, Holds
-from fem_lie.bodies.nodes import Follower
+from fem_lie.bodies.model import NO_HOLDS, Follower, Holds
 from fem_lie.elements.beams.centres import torsion_about_centres
 from fem_lie.elements.beams.element import BeamFormulation
 from fem_lie.elements.rods.corners import Corners, CornerSprings
@@ -44,75 +43,24 @@ def _log_stiff_torsion(label: str, stiffness: Array) -> None:
         )
 
 
-class Rod(Beam):
-    """Shear-rigid :class:`~fem_lie.Beam`, with the same constructors, supports and queries.
+class RodModel(BeamModel):
+    """Model of a rod.
 
-    The first axis of a node is the tangent. Axial, torsional and bending stiffness of the section
-    are used, with their couplings; the axis may be anywhere in the section. Sections whose shear
-    centre is not their tension centre, such as channels, need a Beam: a rod twists about the
-    tension centre, and a warning in the log gives the error. With
-    :class:`~fem_lie.elements.KirchhoffRod`, the default, all nodes have frames. With
-    :class:`~fem_lie.elements.DiscreteRod`, which needs one smooth open line, only the two ends
-    have; the other nodes have a position and a rotation about the edge that follows them.
-
-    Along the mesh of a :class:`~fem_lie.mesh.Spline` the unloaded rod is exactly that spline, also
-    after knot insertion.
-
-    Example:
-        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
-        >>> tube = fl.Section.circle(0.01, steel)
-        >>> rod = fl.Rod.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
-        >>> type(rod.formulation).__name__
-        'KirchhoffRod'
+    Attributes:
+        corners: Rotational springs between its edges; ``None`` if elements have bending stiffness.
     """
 
-    standard: ClassVar[BeamFormulation] = KirchhoffRod()
-    springs: ClassVar[bool] = True
-
-    def __init__(
-        self,
-        mesh: LineMesh | dolfinx.mesh.Mesh,
-        section: Sections,
-        *,
-        up: Up | Twisted | None = None,
-        formulation: BeamFormulation | None = None,
-        damping: Damping | None = None,
-        rotary_inertia: bool = True,
-        name: str = "",
-    ) -> None:
-        """Create the nodal frames; arguments as of :class:`~fem_lie.Beam`.
-
-        Raises:
-            ValueError: As for a beam; or the element is a :class:`~fem_lie.elements.DiscreteRod`
-                and the line has corners, branches or no ends, the section couples axial strain and
-                bending, or there is damping of strain.
-        """
-        super().__init__(
-            mesh,
-            section,
-            up=up,
-            formulation=formulation,
-            damping=damping,
-            rotary_inertia=rotary_inertia,
-            name=name,
-        )
-        if isinstance(self.formulation, KirchhoffRod):
-            _log_stiff_torsion(self.label, self.stiffness)
-            if isinstance(mesh, LineMesh):
-                self._follow_cubics(mesh.slopes)
-        self._corners: Corners | None = None
-        if isinstance(self.formulation, DiscreteRod):
-            self._corners = self._made_of_edges(self.formulation)
+    corners: Corners | None = None
 
     @classmethod
-    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
+    def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
         """Assembly of all rods of one kind, with the springs between their edges."""
-        assembly = BeamAssembly(bodies)
-        starts = np.cumsum([0, *(len(body.frames) for body in bodies)])
+        assembly = BeamAssembly(models)
+        starts = np.cumsum([0, *(len(model.frames) for model in models)])
         found = [
-            body.corners._replace(nodes=assembly.order[body.corners.nodes + start])
-            for body, start in zip(bodies, starts, strict=False)
-            if body.corners is not None
+            model.corners._replace(nodes=assembly.order[model.corners.nodes + start])
+            for model, start in zip(models, starts, strict=False)
+            if model.corners is not None
         ]
         if found:
             joined = Corners(*(np.concatenate(column) for column in zip(*found, strict=True)))
@@ -122,21 +70,16 @@ class Rod(Beam):
     @property
     def goes_straight(self) -> bool:
         """Whether statics moves its end frames by ``x + R u``: if it consists of edges."""
-        return self._corners is not None
-
-    @property
-    def corners(self) -> Corners | None:
-        """Rotational springs between its edges; ``None`` if elements have bending stiffness."""
-        return self._corners
+        return self.corners is not None
 
     @property
     def edge_frames(self) -> Indices:
         """Nodes with a frame on an edge, and the other nodes: all edges but the first."""
-        return super().edge_frames if self._corners is None else self.elements[1:]
+        return super().edge_frames if self.corners is None else self.elements[1:]
 
     def follower(self) -> Follower | None:
         """Function that rotates the frames of edges with them by the smallest rotation."""
-        if self._corners is None:
+        if self.corners is None:
             return None
         inside, after = self.edge_frames.T
 
@@ -154,10 +97,10 @@ class Rod(Beam):
             about: Position at rest, shape (3,).
         """
         super().add_rigid_motion(translation, spin, about)
-        if self._corners is not None:
+        if self.corners is not None:
             self.velocities[self.elements[1:, 0], 4:] = 0.0
 
-    def _follow_cubics(self, slopes: Array | None) -> None:
+    def follow_cubics(self, slopes: Array | None) -> None:
         """Use the slopes of a spline, if given, instead of cubics with tangents only."""
         if slopes is None:
             return
@@ -172,7 +115,7 @@ class Rod(Beam):
         self.slopes = slopes
         self.lengths = speeds_of_cubics(ends, slopes, _POINTS) @ _WEIGHTS
 
-    def _made_of_edges(self, formulation: DiscreteRod) -> Corners:
+    def made_of_edges(self, formulation: DiscreteRod) -> Corners:
         """Hold unknowns that nodes of a discrete rod do not have, and return its springs."""
         m = len(self.elements)
         order = self.chains.order
@@ -201,3 +144,66 @@ class Rod(Beam):
         return corners(
             self.elements, self.lengths, self.stiffness, self.frames, formulation.natural
         )
+
+
+class Rod(Beam):
+    """Shear-rigid :class:`~fem_lie.Beam`, with the same constructors, supports and queries.
+
+    The first axis of a node is the tangent. Axial, torsional and bending stiffness of the section
+    are used, with their couplings; the axis may be anywhere in the section. Sections whose shear
+    centre is not their tension centre, such as channels, need a Beam: a rod twists about the
+    tension centre, and a warning in the log gives the error. With
+    :class:`~fem_lie.elements.KirchhoffRod`, the default, all nodes have frames. With
+    :class:`~fem_lie.elements.DiscreteRod`, which needs one smooth open line, only the two ends
+    have; the other nodes have a position and a rotation about the edge that follows them.
+
+    Along the mesh of a :class:`~fem_lie.mesh.Spline` the unloaded rod is exactly that spline, also
+    after knot insertion.
+
+    Example:
+        >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+        >>> tube = fl.Section.circle(0.01, steel)
+        >>> rod = fl.Rod.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
+        >>> type(rod.formulation).__name__
+        'KirchhoffRod'
+    """
+
+    model: RodModel
+    _model_class = RodModel
+    _default: ClassVar[BeamFormulation] = KirchhoffRod()
+    _has_springs: ClassVar[bool] = True
+
+    def __init__(
+        self,
+        mesh: LineMesh | dolfinx.mesh.Mesh,
+        section: Sections,
+        *,
+        up: Up | Twisted | None = None,
+        formulation: BeamFormulation | None = None,
+        damping: Damping | None = None,
+        rotary_inertia: bool = True,
+        name: str = "",
+    ) -> None:
+        """Create the nodal frames; arguments as of :class:`~fem_lie.Beam`.
+
+        Raises:
+            ValueError: As for a beam; or the element is a :class:`~fem_lie.elements.DiscreteRod`
+                and the line has corners, branches or no ends, the section couples axial strain and
+                bending, or there is damping of strain.
+        """
+        super().__init__(
+            mesh,
+            section,
+            up=up,
+            formulation=formulation,
+            damping=damping,
+            rotary_inertia=rotary_inertia,
+            name=name,
+        )
+        model = self.model
+        if isinstance(model.formulation, KirchhoffRod):
+            _log_stiff_torsion(model.label, model.stiffness)
+            if isinstance(mesh, LineMesh):
+                model.follow_cubics(mesh.slopes)
+        if isinstance(model.formulation, DiscreteRod):
+            model.corners = model.made_of_edges(model.formulation)

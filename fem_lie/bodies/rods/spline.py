@@ -8,7 +8,7 @@ from scipy.interpolate import BSpline
 
 from fem_lie._arrays import instance
 from fem_lie.bodies.beams.line_body import Placed
-from fem_lie.bodies.rods.cable_body import CableBody, successive
+from fem_lie.bodies.rods.cable_body import CableBody, CableModel, successive
 from fem_lie.elements.rods.isogeometric import IsogeometricCable
 from fem_lie.mesh.curves import Spline
 from fem_lie.sections.material import Damping
@@ -72,7 +72,10 @@ class SplineCable(CableBody):
         scale = arc / (u[-1] - u[0])
         frames[:, 1] = rates[: len(mesh.points)] / scale
         placed = Placed(frames, elements, np.diff(u) * scale, masters, elements)
-        super().__init__(mesh, placed, successive(elements), section, element, damping, name)
+        names = type(self).__name__, name
+        super().__init__(
+            CableModel(mesh, placed, successive(elements), section, element, damping, *names)
+        )
 
     @classmethod
     def of(

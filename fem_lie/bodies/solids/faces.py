@@ -1,19 +1,16 @@
-"""Faces, curves and points of a solid: nodes, and supports."""
+"""Faces, curves and points of a solid, and their nodes."""
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Any
 
 import basix
 import dolfinx
 import numpy as np
-import numpy.typing as npt
 from dolfinx import fem
 
-from fem_lie._arrays import Array, Indices, direction
-from fem_lie.bodies.body import Body, Point
+from fem_lie._arrays import Array, Indices
 from fem_lie.mesh.shapes import FaceRule, nodes_of
 
 FACETS = {"tetrahedron": "triangle", "hexahedron": "quadrilateral"}
@@ -110,77 +107,3 @@ def _facet_nodes(cell: str, degree: int) -> Indices:
         gaps = np.abs(positions[np.newaxis] - expected[:, np.newaxis]).max(axis=2)
         found.append(gaps.argmin(axis=1))
     return np.array(found)
-
-
-_SAME = 1e-9  # sine, as of directions that are meant to be equal
-
-
-class SupportedSolid(Body):
-    """Body whose nodes have positions only."""
-
-    @abstractmethod
-    def nodes(self, where: str) -> Indices:
-        """Numbers of the nodes of a named face, curve, point or group of cells."""
-
-    def clamp(self, name: str) -> list[Point]:
-        """Hold all nodes of a named face, curve, point or group of cells.
-
-        Args:
-            name: Name of a face, curve, point or group of cells.
-
-        Returns:
-            Held points, for :meth:`fem_lie.Result.reaction`.
-
-        Raises:
-            ValueError: There is no such set; the message lists what exists.
-        """
-        self.held[self.nodes(name), :3] = True
-        return self.points(name)
-
-    def roller(self, name: str, normal: npt.ArrayLike) -> list[Point]:
-        """Hold displacements along a direction fixed in space, as on a plane of symmetry.
-
-        Nodal axes are rotated so that one is that direction, and do not rotate any more.
-        Constraints of earlier calls remain.
-
-        Args:
-            name: A named face, curve, point or group of cells.
-            normal: The direction, global components.
-
-        Returns:
-            Held points, for :meth:`fem_lie.Result.reaction`.
-
-        Raises:
-            ValueError: There is no such set, or the direction is zero.
-        """
-        n = direction(normal, f"the direction of roller {name!r}")
-        for node in self.nodes(name):
-            self._hold_along(int(node), n)
-        return self.points(name)
-
-    def _hold_along(self, node: int, along: Array) -> None:
-        held, axes = self.held[node, :3], self.frames[node, 1:]
-        before = axes[held]
-        rest = along - before.T @ (before @ along)
-        size = np.linalg.norm(rest)
-        if size <= _SAME:
-            return
-        rest /= size
-        free = axes[~held]
-        match = np.abs(free @ rest)
-        if match.max() < 1.0 - _SAME:
-            free = _perpendicular(np.vstack([before, rest]))
-            known = np.vstack([before, rest])
-            turned = np.vstack([known, free])
-            turned[2] *= np.sign(np.linalg.det(turned))
-            velocity = axes.T @ self.velocities[node, :3]
-            self.frames[node, 1:] = turned
-            self.velocities[node, :3] = turned @ velocity
-            held[:] = np.arange(3) < len(known)
-            return
-        held[np.flatnonzero(~held)[match.argmax()]] = True
-
-
-def _perpendicular(known: Array) -> Array:
-    """Unit vectors perpendicular to ``known`` (k, 3), which is orthonormal, shape (3 − k, 3)."""
-    return np.asarray(np.linalg.svd(known)[2][len(known) :])

@@ -3,45 +3,24 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Hashable, Mapping, Sequence
-from functools import cached_property
-from typing import Any
 
 import dolfinx
 import numpy as np
 import numpy.typing as npt
-from dolfinx import fem
 
-from fem_lie._arrays import (
-    Array,
-    Indices,
-    diameter,
-    instance,
-    log_coincident,
-    numbers,
-    text,
-    whole,
-)
-from fem_lie.attachments.patch import in_the_mean
+from fem_lie._arrays import direction, instance, whole
 from fem_lie.bodies.beams.assembly import mass_only
-from fem_lie.bodies.body import NO_HOLDS, Holds, Point, Where
-from fem_lie.bodies.per_cell import of_groups
-from fem_lie.bodies.solids.assembly import SolidAssembly
-from fem_lie.bodies.solids.faces import Faces, SupportedSolid, faces_of, nodes_on
-from fem_lie.elements.solids.element import SolidFormulation, default_formulation
-from fem_lie.lie.node_types import NodeType
-from fem_lie.mesh.volumes import VolumeMesh, VolumeRule, brick
+from fem_lie.bodies.body import Body, Point, Where
+from fem_lie.bodies.solids.model import SolidMaterials, SolidModel
+from fem_lie.elements.solids.element import SolidFormulation
+from fem_lie.mesh.volumes import VolumeMesh, brick
 from fem_lie.sections.material import Damping
 from fem_lie.sections.solid_materials import SolidMaterial
 
 _log = logging.getLogger(__name__)
 
-_ORTHONORMAL = 1e-8
 
-SolidMaterials = SolidMaterial | Mapping[str, SolidMaterial]
-
-
-class Solid(SupportedSolid):
+class Solid(Body):
     """Solid of hexahedra or tetrahedra, of any hyperelastic material.
 
     Its nodes have positions. Their axes rotate with the adjacent cells when a state is accepted.
@@ -51,23 +30,12 @@ class Solid(SupportedSolid):
     Joints, springs, drives and moments act on a patch of nodes by :meth:`point`; forces and
     supports may act on nodes, too.
 
-    Attributes:
-        mesh: Unloaded mesh.
-        degree: Degree of the interpolation of positions.
-        connectivity: Nodes of each cell, shape (m, k).
-        places: Unloaded positions of the nodes, shape (n, 3).
-        material: Constitutive law of all cells.
-        parameters: Parameters of the law in each cell, shape (m, p).
-        density: Mass density of each cell, shape (m,).
-        has_mass: Whether all cells have a density.
-        formulation: Finite element.
-        damping: Mass-proportional damping.
-        rule: Quadrature rule of the cells.
-
     Example:
         >>> rubber = fl.sections.NeoHooke(E=1e6, nu=0.3)
         >>> block = fl.Solid.brick((1, 1, 2), rubber, cells=(1, 1, 2))
     """
+
+    model: SolidModel
 
     def __init__(
         self,
@@ -100,34 +68,13 @@ class Solid(SupportedSolid):
             mesh = VolumeMesh(mesh)
         instance(mesh, VolumeMesh, "Solid: mesh", "a VolumeMesh; see block(), read_gmsh_volume()")
         instance(formulation, SolidFormulation | None, "Solid: formulation", "an element or None")
-        self.degree = mesh.degree if degree is None else whole(degree, "Solid: degree")
-        if self.degree > 2:
+        degree = mesh.degree if degree is None else whole(degree, "Solid: degree")
+        if degree > 2:
             raise ValueError(f"Solid: degree must be 1 or 2, got {degree!r}")
-        self.mesh, self.source = mesh, mesh.mesh
-        materials = self._take(material)
-        if formulation is None:
-            formulation = default_formulation(mesh.cell, self.degree, materials)
-        self.formulation = formulation
-        self.formulation.check(mesh.cell, self.degree)
-        self.damping = mass_only(damping, "Solid")
-        self._space = fem.functionspace(mesh.mesh, ("P", self.degree))
-        self.connectivity: Indices = self._space.dofmap.list.astype(np.int64)
-        self.rule = VolumeRule.of(mesh.mesh, self.degree)
-        places: Array = self._space.tabulate_dof_coordinates()
-        self.places = places
-        frames = np.concatenate([places[:, np.newaxis], np.tile(np.eye(3), (len(places), 1, 1))], 1)
-        super().__init__(
-            frames,
-            cells=np.empty((0, 2), dtype=np.int64),
-            outline=None,
-            size=diameter(places),
-            points=self._points_by_name(),
-            name=name,
-        )
-        log_coincident(self.label, places)
-        self.faces = self.skin.drawn()
-        self.thickness = np.zeros(len(self.faces))
-        if (mesh.cell, self.degree) == ("tetrahedron", 1):
+        names = type(self).__name__, name
+        damping = mass_only(damping, "Solid")
+        super().__init__(SolidModel(mesh, degree, material, formulation, damping, *names))
+        if (mesh.cell, degree) == ("tetrahedron", 1):
             _log.warning(
                 "%s has tetrahedra of degree 1, which are much too stiff in bending and lock with "
                 "nearly incompressible material: Solid(…, degree=2) is not",
@@ -169,88 +116,6 @@ class Solid(SupportedSolid):
             mesh, material, degree=degree, formulation=formulation, damping=damping, name=name
         )
 
-    def _take(self, material: SolidMaterials) -> list[SolidMaterial]:
-        """Set law, parameters and density of the cells; return the distinct materials."""
-        count = self.mesh.cells
-        if isinstance(material, Mapping):
-            expected = "a SolidMaterial such as NeoHooke(E, nu, density)"
-            kind: Any = SolidMaterial
-            each = of_groups(material, kind, expected, count, self.mesh.group)
-        else:
-            instance(material, SolidMaterial, "Solid: material", "a SolidMaterial or one per group")
-            each = [material] * count
-        self.material = each[0]
-        for other in each:
-            alike = len(other.parameters) == len(self.material.parameters)
-            if other.law != self.material.law or not alike:
-                raise ValueError(
-                    "all cells of a Solid have one law, and differ in its parameters and density: "
-                    f"got {self.material} and {other}; join two Solids instead"
-                )
-        self.parameters = np.array([of.parameters for of in each], dtype=np.float64)
-        self.has_mass = all(bool(of.density) for of in each)
-        self.density = np.array([0.0 if of.density is None else of.density for of in each])
-        return list({id(of): of for of in each}.values())
-
-    def _points_by_name(self) -> dict[str, int]:
-        """Nodes of the named points that are one node each."""
-        named = {key: nodes_on(self._space, *self.mesh.part(key)) for key in self.mesh.named_points}
-        return {key: int(nodes[0]) for key, nodes in named.items() if len(nodes) == 1}
-
-    @cached_property
-    def skin(self) -> Faces:
-        """All facets of the boundary."""
-        topology = self.mesh.mesh.topology
-        topology.create_connectivity(2, 3)
-        facets = dolfinx.mesh.exterior_facet_indices(topology)
-        return faces_of(self._space, facets.astype(np.int64), self.degree)
-
-    @property
-    def node_type(self) -> NodeType:
-        """Nodes with positions only."""
-        return NodeType.POSITION
-
-    @property
-    def kind(self) -> Hashable:
-        """The solid itself: each solid is assembled on its own mesh."""
-        return self
-
-    @classmethod
-    def assemble(cls, bodies: Sequence[Any], holds: Holds = NO_HOLDS) -> SolidAssembly:
-        """Assembly of the only body."""
-        (body,) = bodies
-        return SolidAssembly(body)
-
-    @property
-    def space(self) -> fem.FunctionSpace:
-        """Lagrange space on the unloaded mesh whose nodes are those of the body."""
-        return self._space
-
-    @property
-    def volume(self) -> float:
-        """Unloaded volume."""
-        return float(self.rule.volumes.sum())
-
-    def nodes(self, where: str) -> Indices:
-        """Numbers of the nodes of a named face, curve, point or group of cells.
-
-        Args:
-            where: Name of the point, curve, face or group.
-        """
-        text(where, f"the name of a set of points of {self.label}")
-        return nodes_on(self._space, *self.mesh.part(where))
-
-    def facets(self, name: str) -> Faces:
-        """Facets of a named face, as surface cells.
-
-        Args:
-            name: Name of the face.
-
-        Raises:
-            ValueError: There is no such face; the message lists those that exist.
-        """
-        return faces_of(self._space, self.mesh.face(name), self.degree)
-
     def point(
         self,
         where: Where,
@@ -282,36 +147,41 @@ class Solid(SupportedSolid):
         nodes = self.nodes(where)
         if len(nodes) == 1 and axes is None:
             return Point(self, int(nodes[0]), where)
-        return self._mean(where, nodes, np.eye(3) if axes is None else axes)
+        frame = self.model.mean_frame(where, np.eye(3) if axes is None else axes)
+        return Point(self, int(nodes[0]), where, frame)
 
-    def _mean(self, name: str, nodes: Indices, axes: npt.ArrayLike) -> Point:
-        """Point with the mean frame of a named set."""
-        weights: Array = np.ones(len(nodes))
-        if name in self.mesh.faces:
-            faces, total = self.facets(name), np.zeros(len(self.frames))
-            np.add.at(total, faces.nodes, faces.consistent_areas(self.places))
-            weights = total[nodes]
-        chosen = numbers(axes, f"axes of {self.label}.{name}")
-        if chosen.shape != (3, 3) or not _is_rotation(chosen):
-            raise ValueError(
-                f"axes of {self.label}.{name}: expected three orthonormal, right-handed rows, "
-                f"got\n{chosen}"
-            )
-        attachment = in_the_mean([int(node) for node in nodes], self.places[nodes], weights, chosen)
-        return Point(self, int(nodes[0]), name, attachment)
-
-    def cells_of(self, group: str | None = None) -> Indices:
-        """Cells of a named group (default: all).
+    def clamp(self, name: str) -> list[Point]:
+        """Hold all nodes of a named face, curve, point or group of cells.
 
         Args:
-            group: Name of the group; default: all.
+            name: Name of a face, curve, point or group of cells.
+
+        Returns:
+            Held points, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
-            ValueError: There is no such group; the message lists those that exist.
+            ValueError: There is no such set; the message lists what exists.
         """
-        return np.arange(self.mesh.cells) if group is None else self.mesh.group(group)
+        self.model.held[self.nodes(name), :3] = True
+        return self.points(name)
 
+    def roller(self, name: str, normal: npt.ArrayLike) -> list[Point]:
+        """Hold displacements along a direction fixed in space, as on a plane of symmetry.
 
-def _is_rotation(axes: Array) -> bool:
-    gap = np.abs(axes @ axes.T - np.eye(3)).max()
-    return bool(gap <= _ORTHONORMAL and np.linalg.det(axes) > 0.0)
+        Nodal axes are rotated so that one is that direction, and do not rotate any more.
+        Constraints of earlier calls remain.
+
+        Args:
+            name: A named face, curve, point or group of cells.
+            normal: The direction, global components.
+
+        Returns:
+            Held points, for :meth:`fem_lie.Result.reaction`.
+
+        Raises:
+            ValueError: There is no such set, or the direction is zero.
+        """
+        n = direction(normal, f"the direction of roller {name!r}")
+        for node in self.nodes(name):
+            self.model.hold_along(int(node), n)
+        return self.points(name)

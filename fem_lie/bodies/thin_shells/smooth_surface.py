@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from inspect import unwrap
 from typing import ClassVar
 
@@ -13,14 +13,13 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, Flags, Indices, direction, number, text
 from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.attachments.surface import on_surface
-from fem_lie.bodies.beams.assembly import mass_only
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.closest import AT_NODE, closest_on_surface
-from fem_lie.bodies.nodes import Follower
+from fem_lie.bodies.model import Follower, MaterialPoint
 from fem_lie.bodies.thin_shells.assembly import follow_surface
 from fem_lie.bodies.thin_shells.given_sections import ThinSections, section_per_cell
 from fem_lie.bodies.thin_shells.integrals import Quadrature, along_edge, over_cells
-from fem_lie.bodies.thin_shells.supports import HeldSurface
+from fem_lie.bodies.thin_shells.supports import HeldSurface, HeldSurfaceModel
 from fem_lie.elements.thin_shells.rows import (
     CORNERS,
     NODES,
@@ -32,9 +31,7 @@ from fem_lie.elements.thin_shells.rows import (
 )
 from fem_lie.lie.node_types import NodeType
 from fem_lie.mesh.bicubic import hermite
-from fem_lie.mesh.bicubic.patch_coupling import Joined, PatchCoupling, frames_of
-from fem_lie.mesh.bicubic.smooth_patch import SmoothPatch
-from fem_lie.mesh.bicubic.spline_mesh import SplineMesh, surface_of
+from fem_lie.mesh.bicubic.patch_coupling import Joined, frames_of
 from fem_lie.sections.material import Damping
 
 # without the compiler, which takes longer than 16 calls
@@ -46,8 +43,8 @@ _AT_A_POINT = np.array([[[1.0, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 0, 1]]])
 Direction = Callable[[Array], npt.ArrayLike]
 
 
-class SmoothSurface(HeldSurface):
-    """Body on smooth patches; subclasses define the fourth vector of a point.
+class SmoothSurfaceModel(HeldSurfaceModel):
+    """Model of a body on smooth patches; subclasses define the fourth vector of a point.
 
     A point has a position, the derivatives ``∂u, ∂v`` in parameters that are lengths, and a fourth
     vector. It is two nodes: rows 0 and 1 of ``frames[i]`` are position and ∂u, rows 1 and 2 of
@@ -62,6 +59,7 @@ class SmoothSurface(HeldSurface):
         sections: Section of each cell.
         stiffness: Section stiffness of each cell, shape (m, 8, 8).
         density: Mass per area of each cell, shape (m,).
+        has_mass: Whether all cells have inertia.
         axes: Vector in each cell whose projection onto the surface is e₁ of its strains, (m, 3).
         damping: Mass-proportional damping.
         table: Shape functions and derivatives along ξ and η at points (g, 2), shape (g, 3 or more,
@@ -73,40 +71,30 @@ class SmoothSurface(HeldSurface):
 
     def __init__(
         self,
-        patches: SmoothPatch | Mapping[str, SmoothPatch] | SplineMesh,
+        surface: Joined,
         section: ThinSections,
-        *,
-        along: npt.ArrayLike | Direction | None = None,
-        damping: Damping | None = None,
-        joined: bool | None = None,
-        couplings: Sequence[PatchCoupling] = (),
-        name: str = "",
+        along: npt.ArrayLike | Direction | None,
+        damping: Damping,
+        class_name: str,
+        name: str,
     ) -> None:
         """Create the nodes.
 
         Args:
-            patches: One patch, with edges "a=0", "a=1", "b=0", "b=1" and corners "00", "10", "01",
-                "11"; or several by names, which prefix those of edges and corners: "roof.a=0",
-                "roof.00"; or a spline mesh with cells of several sizes, which defines what is
-                joined.
+            surface: Patches with joined edges.
             section: One for all cells, one for each patch, or a function of the centre of a cell,
                 shape (3,).
             along: e₁ of the section axes before projection onto the surface: one vector, or a
                 function of the centre of a cell; default: along a.
             damping: Mass-proportional damping.
-            joined: Whether coincident edges are joined smoothly; default: if there are several
-                patches.
-            couplings: Coincident edges with different parametrisations, coupled by springs.
+            class_name: Name of the class of the body.
             name: Name in messages and results.
 
         Raises:
-            ValueError: There is no patch, parametrisations of joined edges do not agree, a patch
-                has no section, ``along`` is normal to the surface, or there is damping of strain.
+            ValueError: A patch has no section, or ``along`` is normal to the surface.
             TypeError: An argument has an unexpected type.
         """
-        text(name, "ThinShell: name")
-        surface = surface_of(patches, joined, couplings, name or "ThinShell")
-        self.damping = mass_only(damping, "ThinShell")
+        self.damping = damping
         self._edges, self._groups = surface.edges, surface.groups
         self._corners = surface.corners
         self.points_count = count = len(surface.rows)
@@ -116,8 +104,7 @@ class SmoothSurface(HeldSurface):
         assert self.sizes.shape[1] == SIZES
         super().__init__(
             frames_of(surface.rows, fourth),
-            cells=np.empty((0, 2), dtype=np.int64),
-            outline=None,
+            class_name=class_name,
             size=float(np.linalg.norm(np.ptp(surface.rows[:, 0], axis=0))),
             points=surface.named,
             name=name,
@@ -165,8 +152,8 @@ class SmoothSurface(HeldSurface):
             )
         return on_surface((node, node + self.points_count), _AT_A_POINT)
 
-    def point_in_cell(self, cell: int, ξ: float, η: float) -> Point:
-        """Point within a cell, for joints, springs and loads.
+    def point_in_cell(self, cell: int, ξ: float, η: float) -> MaterialPoint:
+        """Material point within a cell, for joints, springs and loads.
 
         Args:
             cell: Index of the cell.
@@ -190,13 +177,17 @@ class SmoothSurface(HeldSurface):
         shares[_NODE, _HALF] = (shapes @ self.extraction()[cell]).T
         nodes = self.connectivity[cell]
         name = f"({ξ:g}, {η:g}) in cell {cell}"
-        return Point(self, int(nodes[0]), name, on_surface(nodes, shares))
+        return MaterialPoint(int(nodes[0]), name, on_surface(nodes, shares))
 
-    def _closest(self, position: Array) -> Point:
-        """Closest point of the surface: a node, or a point within a cell."""
-        node = super()._closest(position)
-        if np.linalg.norm(node.position - position) <= AT_NODE * self.size:
-            return node
+    def closest(self, position: Array) -> MaterialPoint:
+        """Closest point of the surface: a node, or a point within a cell.
+
+        Args:
+            position: Position in the reference configuration, shape (3,).
+        """
+        node = self.closest_node(position)
+        if np.linalg.norm(self.frames[node, 0] - position) <= AT_NODE * self.size:
+            return self.numbered(node)
         vectors = self.vectors()
 
         def surface(cell: int, at: Array) -> Array:
@@ -339,3 +330,22 @@ class SmoothSurface(HeldSurface):
                 f"{axes[cell]}"
             )
         return axes
+
+
+class SmoothSurface(HeldSurface):
+    """Body on smooth patches."""
+
+    model: SmoothSurfaceModel
+
+    def point_in_cell(self, cell: int, ξ: float, η: float) -> Point:
+        """Point within a cell, for joints, springs and loads.
+
+        Args:
+            cell: Index of the cell.
+            ξ: From 0 to 1 along a.
+            η: From 0 to 1 along b.
+
+        Raises:
+            ValueError: There is no such cell, or ``ξ`` or ``η`` is out of range.
+        """
+        return self._at(self.model.point_in_cell(cell, ξ, η))

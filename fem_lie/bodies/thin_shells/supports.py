@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, Flags, Indices, direction
 from fem_lie.bodies.body import Body, Point
+from fem_lie.bodies.model import BodyModel
 from fem_lie.lie.node_types import NodeType, set_all_axes
 from fem_lie.mesh.bicubic.patch_coupling import Edge
 
@@ -28,8 +29,8 @@ _HALVES = ((0, 0), (0, 1), (1, 1), (1, 0))
 """Of each vector: 1 if the second node of the point has it, and its index in that node."""
 
 
-class HeldSurface(Body):
-    """Body of points with positions and surface gradients.
+class HeldSurfaceModel(BodyModel):
+    """Model of a body of points with positions and surface gradients.
 
     Attributes:
         points_count: Number of points; their second nodes come after all first nodes.
@@ -52,10 +53,10 @@ class HeldSurface(Body):
         """
         if name in self._edges:
             return self._edges[name]
-        if name in self._points:
+        if name in self.point_names:
             none = np.empty(0, dtype=np.int64)
-            return Edge(np.array([self._points[name]]), -1, none, 0)
-        known = ", ".join([*self._edges, *self._points])
+            return Edge(np.array([self.point_names[name]]), -1, none, 0)
+        known = ", ".join([*self._edges, *self.point_names])
         raise ValueError(f"{self.label} has no edge or corner {name!r}; it has: {known}")
 
     def nodes(self, where: str) -> Indices:
@@ -66,120 +67,39 @@ class HeldSurface(Body):
         """
         return self.edge(where).points
 
-    def clamp(self, name: str) -> list[Point]:
-        """Hold positions and normals of an edge or corner; strains across the edge stay free.
-
-        Args:
-            name: Name of an edge or corner.
-
-        Returns:
-            Held points, for :meth:`fem_lie.Result.reaction`.
-
-        Raises:
-            ValueError: There is no such edge; the message lists what exists.
-        """
-        edge = self.edge(name)
-        for point in map(int, edge.points):
-            slopes = self.frames[point, 1], self.frames[point + self.points_count, 2]
-            n = direction(np.cross(*slopes), f"the normal of {self.label}")
-            axis = self._axis_along(point, n, name)
-            self._held(point, PLACE)[:] = True
-            for k in (ALONG_A, ALONG_B, MIXED):
-                if k == ALONG_A + edge.along:
-                    self._held(point, k)[:] = True
-                elif k == MIXED and self.fourth_is_director:
-                    self._held(point, k)[np.arange(3) != axis] = True
-                elif not self.fourth_is_director and (k != MIXED or edge.along >= 0):
-                    self._held(point, k)[axis] = True
-        return self.points(name)
-
-    def hinge(self, name: str) -> list[Point]:
-        """Hold the positions of an edge or corner, not the normals.
-
-        Args:
-            name: Name of an edge or corner.
-
-        Returns:
-            Held points, for :meth:`fem_lie.Result.reaction`.
-
-        Raises:
-            ValueError: There is no such edge; the message lists what exists.
-        """
-        edge = self.edge(name)
-        for point in edge.points:
-            self._held(point, PLACE)[:] = True
-            if edge.along >= 0:
-                self._held(point, ALONG_A + edge.along)[:] = True
-        return self.points(name)
-
-    def roller(self, name: str, normal: npt.ArrayLike) -> list[Point]:
-        """Hold displacements of an edge or corner along a direction fixed in space.
-
-        Two rollers along the same edge are a diaphragm.
-
-        Args:
-            name: Name of the edge or corner.
-            normal: The direction, global components.
-
-        Returns:
-            Held points, for :meth:`fem_lie.Result.reaction`.
-
-        Raises:
-            ValueError: There is no such edge, the direction is zero, or a point is held along
-                directions that are neither parallel nor perpendicular to it.
-        """
-        edge, n = self.edge(name), direction(normal, f"the direction of roller {name!r}")
-        for point in edge.points:
-            axis = self._axis_along(int(point), n, name)
-            self._held(point, PLACE)[axis] = True
-            if edge.along >= 0:
-                self._held(point, ALONG_A + edge.along)[axis] = True
-        return self.points(name)
-
-    def symmetry(self, name: str, normal: npt.ArrayLike) -> list[Point]:
-        """Hold an edge on a plane of symmetry: the surface continues as its mirror image.
-
-        Args:
-            name: Name of the edge.
-            normal: Normal of the plane, global components.
-
-        Returns:
-            Held points, for :meth:`fem_lie.Result.reaction`.
-
-        Raises:
-            ValueError: There is no such edge, it is not in a plane with that normal, or the
-                parameter lines that end on it are not normal to the plane.
-        """
-        edge, n = self.edge(name), direction(normal, f"the normal of symmetry {name!r}")
-        self._check_symmetry(edge, n, name)
-        for point in edge.points:
-            axis = self._axis_along(int(point), n, name)
-            others = np.arange(3) != axis
-            self._held(point, PLACE)[axis] = True
-            self._held(point, ALONG_A + edge.along)[axis] = True
-            self._held(point, ALONG_B - edge.along)[others] = True
-            self._held(point, MIXED)[~others if self.fourth_is_director else others] = True
-        return self.points(name)
-
     def axes_are_held(self) -> Flags:
         """Mask of the points with held components along their axes, shape (n,)."""
         found = self.held.reshape(2, self.points_count, 2, 3).sum(axis=-1) % 3 > 0
         return np.asarray(found[0].any(axis=1) | found[1].any(axis=1))
 
-    def _held(self, point: int, vector: int) -> Flags:
-        """View of the constraints of a vector of a point, shape (3,)."""
+    def constraints(self, point: int, vector: int) -> Flags:
+        """View of the constraints of a vector of a point, shape (3,).
+
+        Args:
+            point: Number of the point.
+            vector: Index of the vector.
+        """
         second, half = _HALVES[vector]
         return self.held[point + second * self.points_count, 3 * half : 3 * half + 3]
 
-    def _axis_along(self, point: int, n: Array, name: str) -> int:
-        """Index of the axis of a point along ``n``; its axes are rotated if there is none."""
+    def axis_along(self, point: int, n: Array, name: str) -> int:
+        """Index of the axis of a point along ``n``; its axes are rotated if there is none.
+
+        Args:
+            point: Number of the point.
+            n: Unit vector, shape (3,).
+            name: Name of the edge, for messages.
+
+        Raises:
+            ValueError: The point is held along directions neither parallel nor perpendicular.
+        """
         first, second = point, point + self.points_count
         rows = self.frames[first]
         axes = np.array([np.cross(rows[2], rows[3]), rows[2], rows[3]])
         found = np.flatnonzero(np.abs(axes @ n) > 1.0 - _AGREE)
         if len(found):
             return int(found[0])
-        held = np.array([self._held(point, k) for k in range(4)])
+        held = np.array([self.constraints(point, k) for k in range(4)])
         used = np.asarray(held[held.sum(axis=1) % 3 > 0].any(axis=0)).reshape(3)
         if np.abs(axes[used] @ n).max(initial=0.0) > _AGREE:
             raise ValueError(
@@ -203,7 +123,14 @@ class HeldSurface(Body):
         self.frames[[first, second]] = both
         return axis
 
-    def _check_symmetry(self, edge: Edge, n: Array, name: str) -> None:
+    def check_symmetry(self, edge: Edge, n: Array, name: str) -> None:
+        """Raise ``ValueError`` unless an edge is on a plane of symmetry.
+
+        Args:
+            edge: The edge.
+            n: Unit normal of the plane, shape (3,).
+            name: Name of the edge, for messages.
+        """
         if edge.along < 0:
             raise ValueError(f"a plane of symmetry needs an edge of {self.label}, got {name!r}")
         across = ALONG_B - edge.along
@@ -218,3 +145,106 @@ class HeldSurface(Body):
                 f"positions vary by {height:.2e} along it, and the sine between it and the "
                 f"parameter lines that end there is up to {skew.max():.2e}"
             )
+
+
+class HeldSurface(Body):
+    """Body of points with positions and surface gradients, and its supports."""
+
+    model: HeldSurfaceModel
+
+    def clamp(self, name: str) -> list[Point]:
+        """Hold positions and normals of an edge or corner; strains across the edge stay free.
+
+        Args:
+            name: Name of an edge or corner.
+
+        Returns:
+            Held points, for :meth:`fem_lie.Result.reaction`.
+
+        Raises:
+            ValueError: There is no such edge; the message lists what exists.
+        """
+        model, edge = self.model, self.model.edge(name)
+        for point in map(int, edge.points):
+            slopes = model.frames[point, 1], model.frames[point + model.points_count, 2]
+            n = direction(np.cross(*slopes), f"the normal of {self.label}")
+            axis = model.axis_along(point, n, name)
+            model.constraints(point, PLACE)[:] = True
+            for k in (ALONG_A, ALONG_B, MIXED):
+                if k == ALONG_A + edge.along:
+                    model.constraints(point, k)[:] = True
+                elif k == MIXED and model.fourth_is_director:
+                    model.constraints(point, k)[np.arange(3) != axis] = True
+                elif not model.fourth_is_director and (k != MIXED or edge.along >= 0):
+                    model.constraints(point, k)[axis] = True
+        return self.points(name)
+
+    def hinge(self, name: str) -> list[Point]:
+        """Hold the positions of an edge or corner, not the normals.
+
+        Args:
+            name: Name of an edge or corner.
+
+        Returns:
+            Held points, for :meth:`fem_lie.Result.reaction`.
+
+        Raises:
+            ValueError: There is no such edge; the message lists what exists.
+        """
+        model, edge = self.model, self.model.edge(name)
+        for point in edge.points:
+            model.constraints(point, PLACE)[:] = True
+            if edge.along >= 0:
+                model.constraints(point, ALONG_A + edge.along)[:] = True
+        return self.points(name)
+
+    def roller(self, name: str, normal: npt.ArrayLike) -> list[Point]:
+        """Hold displacements of an edge or corner along a direction fixed in space.
+
+        Two rollers along the same edge are a diaphragm.
+
+        Args:
+            name: Name of the edge or corner.
+            normal: The direction, global components.
+
+        Returns:
+            Held points, for :meth:`fem_lie.Result.reaction`.
+
+        Raises:
+            ValueError: There is no such edge, the direction is zero, or a point is held along
+                directions that are neither parallel nor perpendicular to it.
+        """
+        model, edge = self.model, self.model.edge(name)
+        n = direction(normal, f"the direction of roller {name!r}")
+        for point in edge.points:
+            axis = model.axis_along(int(point), n, name)
+            model.constraints(point, PLACE)[axis] = True
+            if edge.along >= 0:
+                model.constraints(point, ALONG_A + edge.along)[axis] = True
+        return self.points(name)
+
+    def symmetry(self, name: str, normal: npt.ArrayLike) -> list[Point]:
+        """Hold an edge on a plane of symmetry: the surface continues as its mirror image.
+
+        Args:
+            name: Name of the edge.
+            normal: Normal of the plane, global components.
+
+        Returns:
+            Held points, for :meth:`fem_lie.Result.reaction`.
+
+        Raises:
+            ValueError: There is no such edge, it is not in a plane with that normal, or the
+                parameter lines that end on it are not normal to the plane.
+        """
+        model, edge = self.model, self.model.edge(name)
+        n = direction(normal, f"the normal of symmetry {name!r}")
+        model.check_symmetry(edge, n, name)
+        for point in edge.points:
+            axis = model.axis_along(int(point), n, name)
+            others = np.arange(3) != axis
+            model.constraints(point, PLACE)[axis] = True
+            model.constraints(point, ALONG_A + edge.along)[axis] = True
+            model.constraints(point, ALONG_B - edge.along)[others] = True
+            model.constraints(point, MIXED)[~others if model.fourth_is_director else others] = True
+        return self.points(name)

@@ -44,7 +44,7 @@ class _PointPair(PenaltyPair, ImpactPair):
             raise ValueError(f"{self.label}: expected surfaces on different frames, got one frame")
         near = NearPairs(a, b, flat=flat, same=same)
         near.update(H)
-        sizes = np.where(a.radii > 0.0, a.radii, max(body.size for body in self.bodies))
+        sizes = np.where(a.radii > 0.0, a.radii, max(body.model.size for body in self.bodies))
         g, positions = gaps(H, a, b, near.now, flat)
         self.refuse_overlap(g, positions, sizes[near.now[:, 0]])
 

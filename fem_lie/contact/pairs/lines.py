@@ -62,7 +62,11 @@ class Line(LineSurface):
 
     def pieces(self) -> list[Piece]:
         """One cubic segment for each element, chain by chain."""
-        chains, elements, lengths = self.beam.chains, self.beam.elements, self.beam.lengths
+        chains, elements, lengths = (
+            self.beam.model.chains,
+            self.beam.model.elements,
+            self.beam.model.lengths,
+        )
         positions = self.beam.frames[:, 0]
         last = {*(np.array(chains.first[1:]) - 1), len(chains.order) - 1}
         found = []

@@ -17,7 +17,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
-from fem_lie.bodies.nodes import HeldRotation
+from fem_lie.bodies.model import HeldRotation
 from fem_lie.contact.convex.table import PolyhedronPair
 from fem_lie.contact.friction.forces import Friction
 from fem_lie.contact.laws.law import ContactTerm, Impact, Penalty
@@ -158,7 +158,7 @@ class ContactPair(ABC):
             ValueError: A body has such nodes.
         """
         for body in self.bodies if self.has_friction else ():
-            body.require_frames(f"{self.label}: friction")
+            body.model.require_frames(f"{self.label}: friction")
 
     def initial_frames(self, nodes: Nodes) -> Array:
         """Initial frames of the nodes of the bodies, in the order of their numbers.
@@ -181,7 +181,7 @@ class ContactPair(ABC):
         numbers = [nodes(body) for body in self.bodies]
         found = np.zeros(1 + max(int(each.max()) for each in numbers), dtype=np.int64)
         for body, each in zip(self.bodies, numbers, strict=True):
-            found[each] = body.node_types
+            found[each] = body.model.node_types
         return found
 
     def numbered(self) -> tuple[Nodes, Array]:
@@ -227,10 +227,10 @@ class ContactPair(ABC):
             for node in range(len(body.frames)):
                 yield body, HeldRotation(node, by, what)
         for surface in surfaces:
-            if not any(body.uncoupled for body in bodies_of(surface)):
+            if not any(body.model.uncoupled for body in bodies_of(surface)):
                 continue
             for owner, node in surface.moments(self.law.friction > 0.0):
-                if owner is not None and owner.uncoupled:
+                if owner is not None and owner.model.uncoupled:
                     yield owner, HeldRotation(node, (by, node), what, needed=False)
 
 

@@ -145,7 +145,7 @@ class Facets(PatchSurface):
         """Raise ``TypeError`` or ``ValueError`` if an argument has a wrong type or value."""
         instance(self.body, Body, "Facets: body", "a Solid, ThinShell or AncfShell")
         whole(self.gauss, "Facets: gauss")
-        if not len(self.body.faces):
+        if not len(self.body.model.faces):
             raise ValueError(f"Facets: body must have faces, got {self.body.label}, which has none")
         if self.thickness is not None:
             positive(self.thickness, "Facets: thickness")
@@ -157,13 +157,13 @@ class Facets(PatchSurface):
 
     @property
     def _thickness(self) -> Array:
-        given = getattr(self.body, "thickness", 0.0) if self.thickness is None else self.thickness
-        return np.broadcast_to(np.asarray(given, dtype=np.float64), len(self.body.faces))
+        given = self.body.model.thickness if self.thickness is None else self.thickness
+        return np.broadcast_to(np.asarray(given, dtype=np.float64), len(self.body.model.faces))
 
     @property
     def points(self) -> Sequence[Point]:
         """All nodes at corners of faces."""
-        return [Point(self.body, int(node)) for node in np.unique(self.body.faces)]
+        return [Point(self.body, int(node)) for node in np.unique(self.body.model.faces)]
 
     @property
     def rotation_invariant(self) -> bool:
@@ -176,9 +176,9 @@ class Facets(PatchSurface):
         Args:
             nodes: Gives the numbers of the nodes of a body in the scene.
         """
-        faces = self.body.faces
+        faces = self.body.model.faces
         cells = faces[:, [0, 1, 3, 2]] if faces.shape[1] == 4 else faces
-        places = np.round(self.body.frames[:, 0] / (_SAME * self.body.size))
+        places = np.round(self.body.frames[:, 0] / (_SAME * self.body.model.size))
         _, corners = np.unique(places, axis=0, return_inverse=True)
         own = nodes(self.body)[cells]
         found = patches_of(own, corners.ravel()[cells], 0.5 * self._thickness, straight=True)

@@ -95,15 +95,15 @@ class ShellSurface(PatchSurface):
 
     def _parts(self, cells: Indices) -> Indices:
         """Corner nodes of all patches, shape (m, 3 or 4)."""
-        parts = np.array(_PARTS[self.shell.mesh.cell, cells.shape[1]])
+        parts = np.array(_PARTS[self.shell.model.mesh.cell, cells.shape[1]])
         return np.ascontiguousarray(cells[:, parts].reshape(-1, parts.shape[1]))
 
     @property
     def radii(self) -> Array:
         """Half of the thickness of each patch, shape (m,)."""
-        cells = self.shell.connectivity
-        parts = len(_PARTS[self.shell.mesh.cell, cells.shape[1]])
-        thickness = self.shell.thickness if self.thickness is None else self.thickness
+        cells = self.shell.model.connectivity
+        parts = len(_PARTS[self.shell.model.mesh.cell, cells.shape[1]])
+        thickness = self.shell.model.thickness if self.thickness is None else self.thickness
         return 0.5 * np.repeat(np.broadcast_to(thickness, len(cells)), parts)
 
     def patches(self, nodes: Nodes) -> Patches:
@@ -112,8 +112,8 @@ class ShellSurface(PatchSurface):
         Args:
             nodes: Gives the numbers of the nodes of a body in the scene.
         """
-        own = self._parts(self.shell.connectivity)
-        corners, straight = self._parts(self.shell.mesh.cells), not self.smooth
+        own = self._parts(self.shell.model.connectivity)
+        corners, straight = self._parts(self.shell.model.mesh.cells), not self.smooth
         found = patches_of(own, corners, self.radii, straight=straight)
         if self.smooth:
             found.tangents[:, : own.shape[1]] = _tangents(self.shell.frames, own)

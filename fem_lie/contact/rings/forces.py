@@ -252,7 +252,7 @@ def _ropes_of(rope: Rope, rings: Rings, nodes: Nodes) -> Ropes:
     bodies = dict.fromkeys([rope.body, *(p.body for p in rings.of if p.body is not None)])
     kinds = np.zeros(1 + max(int(nodes(body).max()) for body in bodies), dtype=np.int64)
     for body in bodies:
-        own = body.node_types
+        own = body.model.node_types
         kinds[nodes(body)] = np.where(own == NodeType.FRAME, 0, own)
     starts = np.concatenate([[0.0], np.cumsum(rope.lengths)])
     return Ropes(slots, powers, starts, owners, rings.factors(), kinds)

@@ -80,8 +80,8 @@ class Rope(ContactSurface):
             ValueError: Two consecutive nodes have no element between them.
         """
         known: dict[frozenset[int], float] = {}
-        first, second = self.body.elements[:, 0], self.body.elements[:, 1]
-        for one, other, length in zip(first, second, self.body.lengths, strict=True):
+        first, second = self.body.model.elements[:, 0], self.body.model.elements[:, 1]
+        for one, other, length in zip(first, second, self.body.model.lengths, strict=True):
             known[frozenset((int(one), int(other)))] = float(length)
         path = [int(node) for node in self.path]
         pairs = [frozenset(pair) for pair in pairwise(path)]
@@ -99,14 +99,14 @@ class Rope(ContactSurface):
         Raises:
             ValueError: It is not, or its nodes have neither positions nor position gradients.
         """
-        path, kinds = self.path, self.body.node_types[self.path]
+        path, kinds = self.path, self.body.model.node_types[self.path]
         if len(path) < 3 or len(np.unique(path)) < len(path) or (kinds != kinds[0]).any():
             raise ValueError(
                 f"{self.label}: a rope has three nodes or more of one type, each once, got "
                 f"{len(path)}"
             )
         if kinds[0] not in (NodeType.FRAME, NodeType.POSITION_GRADIENT, NodeType.POSITION):
-            self.body.require_frames(self.label)
+            self.body.model.require_frames(self.label)
         _ = self.lengths
 
     @property
@@ -124,7 +124,7 @@ class Rope(ContactSurface):
         """
         lengths, m = self.lengths, len(self.path) - 1
         slots, powers = np.full((m, 4), -1), np.zeros((m, 4, 2, 4))
-        by_places = self.body.node_types[self.path[0]] == NodeType.POSITION
+        by_places = self.body.model.node_types[self.path[0]] == NodeType.POSITION
         for k in range(m):
             first, count = (max(k - 1, 0), min(m, k + 2)) if by_places else (k, k + 1)
             slots[k, : count - first + 1] = range(first, count + 1)
@@ -203,7 +203,9 @@ class Rings(ContactSurface):
         for point, position in zip(self.of, self.positions, strict=True):
             require_node(point, self.label)
             if point.body is not None and (position != point.body.frames[point.node, 0]).any():
-                point.body.require_frames(f"{self.label}: a ring with an offset from its node")
+                point.body.model.require_frames(
+                    f"{self.label}: a ring with an offset from its node"
+                )
 
     def factors(self) -> Array:
         """Weights of coordinate vectors (x, d₁, d₂, d₃); positions of rings on ground; (k, 4)."""

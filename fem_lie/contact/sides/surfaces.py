@@ -151,7 +151,7 @@ class ContactSurface(ABC):
         for point in self.points:
             require_node(point, self.label)
             if point.body is not None and not (self.rotation_invariant and _has_position(point)):
-                point.body.require_frames(self.label)
+                point.body.model.require_frames(self.label)
 
     @property
     def rotation_invariant(self) -> bool:
@@ -261,7 +261,7 @@ _WITH_POSITION = (NodeType.POSITION, NodeType.POSITION_GRADIENT, NodeType.SURFAC
 
 def _has_position(point: Point) -> bool:
     """Whether a point is a node with vector coordinates that include its position."""
-    return point.body is not None and int(point.body.node_types[point.node]) in _WITH_POSITION
+    return point.body is not None and int(point.body.model.node_types[point.node]) in _WITH_POSITION
 
 
 def _name(point: Point) -> str:

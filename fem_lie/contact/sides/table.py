@@ -202,4 +202,4 @@ def _frame_of(body: Body | None, node: int, nodes: Nodes) -> int:
     """Number of the master of a node within its body, or of ground."""
     if body is None:
         return GROUND
-    return int(nodes(body)[int(body.masters[node])])
+    return int(nodes(body)[int(body.model.masters[node])])

@@ -26,13 +26,13 @@ class ElementForces:
     """The disconnected elements of a beam; shapes as in :class:`~.beams.beam.Beam`."""
 
     def __init__(self, beam: Beam) -> None:
-        self._elements, self._formulation = beam.elements, beam.formulation
-        m, k = beam.elements.shape
+        self._elements, self._formulation = beam.model.elements, beam.model.formulation
+        m, k = beam.model.elements.shape
         torn = copy(beam)
-        torn.frames = beam.frames[beam.elements].reshape(m * k, 4, 3)
-        torn.elements = np.arange(m * k).reshape(m, k)
-        torn.has_mass = False
-        self._assembly = BeamAssembly([torn])
+        torn.model.frames = beam.frames[beam.model.elements].reshape(m * k, 4, 3)
+        torn.model.elements = np.arange(m * k).reshape(m, k)
+        torn.model.has_mass = False
+        self._assembly = BeamAssembly([torn.model])
 
     @property
     def viscous(self) -> bool:
@@ -140,8 +140,8 @@ def single_forces(scene: Scene, beam: Beam) -> Indices:
     nodes = [
         n for point in own for n in (point.attachment.nodes if point.attachment else (point.node,))
     ]
-    following = np.flatnonzero(beam.masters != np.arange(len(beam.masters)))
-    return np.unique([*nodes, *following, *beam.masters[following]]).astype(np.int64)
+    following = np.flatnonzero(beam.model.masters != np.arange(len(beam.model.masters)))
+    return np.unique([*nodes, *following, *beam.model.masters[following]]).astype(np.int64)
 
 
 def without_jumps(beam: Beam, ends: Array, single: Indices) -> Array:
@@ -160,8 +160,8 @@ def without_jumps(beam: Beam, ends: Array, single: Indices) -> Array:
         ends: Section forces, shape (T, m, 2, 6).
         single: Nodes at which values may jump.
     """
-    before, behind = neighbours(beam.elements, single)
-    lengths, found = beam.lengths, ends.copy()
+    before, behind = neighbours(beam.model.elements, single)
+    lengths, found = beam.model.lengths, ends.copy()
     share = (lengths[before] / (lengths[before] + lengths[behind]))[:, np.newaxis]
     jump = ends[:, before, 1] - ends[:, behind, 0]
     left, right = share * jump, (1.0 - share) * jump
@@ -172,7 +172,7 @@ def without_jumps(beam: Beam, ends: Array, single: Indices) -> Array:
     at_start, at_end = free_start[before], free_end[behind]
     found[:, before[at_start], 0] += left[:, at_start]
     found[:, behind[at_end], 1] -= right[:, at_end]
-    if beam.formulation.bows:
+    if beam.model.formulation.bows:
         moved = (found - ends)[..., 1:3]
         change = lengths[:, np.newaxis] * (moved[:, :, 1] - moved[:, :, 0]) / 12
         found[..., 4] += change[..., np.newaxis, 1]

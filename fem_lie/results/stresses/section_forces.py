@@ -69,7 +69,7 @@ def of_forces(name: str, values: Array, beam: Beam) -> Array:
     if name in ("V", "M"):
         first = 1 if name == "V" else 4
         return np.hypot(values[..., first], values[..., first + 1])
-    return outer_stress(values, beam.sections)[..., 0 if name == "stress max" else 1]
+    return outer_stress(values, beam.model.sections)[..., 0 if name == "stress max" else 1]
 
 
 def outer_stress(values: Array, sections: Sequence[Section]) -> Array:
@@ -125,7 +125,7 @@ def diagrams(
     """
     figure, axes = figure_of_rows(len(quantities), f"Section forces of {beam.label}", units)
     figure.set_size_inches(8.0, 1.2 + _HEIGHT * len(quantities))
-    chains = beam.chains
+    chains = beam.model.chains
     pieces = np.split(chains.order, chains.first[1:])
     strengths = np.linspace(_PALEST, 1.0, len(states)) if len(states) > 1 else [1.0]
     for ax, (name, values) in zip(axes, quantities, strict=True):
@@ -163,7 +163,7 @@ def section_forces(
     require_states(result)
     require_scene(scene)
     instance(beam, Beam, "beam", "a Beam")
-    beam.formulation.require_bends("a section force")
+    beam.model.formulation.require_bends("a section force")
     if beam not in scene.bodies:
         raise ValueError(f"{beam.label} is not in the scene")
     nodes, count = nodes_in(result.info, beam), len(result.frames)
@@ -176,7 +176,7 @@ def section_forces(
     elements, velocities = ElementForces(beam), None
     if isinstance(result, Result) and elements.viscous:
         velocities = result.velocities[rows][:, nodes]
-    ends = np.empty((len(rows), len(beam.elements), 2, 6))
+    ends = np.empty((len(rows), len(beam.model.elements), 2, 6))
     for k, values in enumerate(ends):
         elements.set_eigenstrain(strains[k])
         values[:] = elements.at_ends(frames[k], None if velocities is None else velocities[k])
@@ -185,7 +185,7 @@ def section_forces(
 
 def _strains(scene: Scene, beam: Beam, times: Array, factors: Array) -> Array:
     """Eigenstrains at these times, shape (T, m, 6)."""
-    total = np.zeros((len(times), len(beam.elements), 6))
+    total = np.zeros((len(times), len(beam.model.elements), 6))
     for number, load in enumerate(scene.loads):
         if isinstance(load, StrainLoad) and load.body is beam:
             given = load.history
@@ -229,7 +229,7 @@ class SectionForces(Fields):
 
         They are the mean of those at both ends, moved to the middle.
         """
-        return in_the_middle(self.beam.elements, self.frames, self.ends)
+        return in_the_middle(self.beam.model.elements, self.frames, self.ends)
 
     @cached_property
     def smooth_ends(self) -> Array:
@@ -252,7 +252,7 @@ class SectionForces(Fields):
     @property
     def arc(self) -> Array:
         """Arc length of both ends of each element from the start of its line, shape (m, 2)."""
-        return self.beam.chains.arc
+        return self.beam.model.chains.arc
 
     @cached_property
     def cut_forces(self) -> Array:
@@ -265,7 +265,7 @@ class SectionForces(Fields):
         return self._in_space(self.ends[..., 3:])
 
     def _in_space(self, vectors: Array) -> Array:
-        axes = self.frames[:, self.beam.elements[:, :2], 1:]
+        axes = self.frames[:, self.beam.model.elements[:, :2], 1:]
         return np.asarray(np.einsum("tmik,tmikj->tmij", vectors, axes))
 
     def at_points(self, state: int = -1) -> Array:
@@ -323,7 +323,7 @@ class SectionForces(Fields):
         """
         if point.body is not self.beam:
             raise ValueError(f"{point.label} is not a point of {self.beam.label}")
-        elements, ends = np.nonzero(self.beam.elements[:, :2] == point.node)
+        elements, ends = np.nonzero(self.beam.model.elements[:, :2] == point.node)
         joined = len(elements) == 2 and point.node not in self.single
         if len(elements) != 1 and not joined:
             raise ValueError(
@@ -341,7 +341,7 @@ class SectionForces(Fields):
             name: As for :meth:`raw`.
             units: Units of the label.
         """
-        at_ends, nodes = self.smooth(name), self.beam.elements[:, :2].ravel()
+        at_ends, nodes = self.smooth(name), self.beam.model.elements[:, :2].ravel()
         values = at_nodes(at_ends.reshape(len(at_ends), -1), nodes, self.frames.shape[1])
         return NodalColours(self.beam.name, values, f"{name} [{unit(name, units)}]")
 
@@ -386,5 +386,5 @@ class SectionForces(Fields):
         at_ends = {name: self.ends[..., i] for i, name in enumerate(self.components)}
         at_ends |= {"force": self.cut_forces, "moment": self.cut_moments}
         in_middle = {name: self.middle[..., i] for i, name in enumerate(self.components)}
-        positions = self.frames[:, self.beam.elements[:, :2], 0]
+        positions = self.frames[:, self.beam.model.elements[:, :2], 0]
         write_elements(path, self.times, positions, at_ends, in_middle)

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from fem_lie import _compat
 from fem_lie._arrays import Array, Flags, Indices, vector
+from fem_lie.bodies.shells.model import ShellModel
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.pictures.stage import Units
@@ -93,7 +94,7 @@ QUANTITIES = {each.name: each for each in _ALL}
 
 def names_of(shell: Shell | ThinShell, among: Iterable[str] = tuple(QUANTITIES)) -> tuple[str, ...]:
     """Names of the quantities that the sections of a shell have."""
-    every = _homogeneous(shell.stiffness, shell.thickness)
+    every = _homogeneous(shell.model.stiffness, shell.model.thickness)
     return tuple(name for name in among if every or not QUANTITIES[name].layer)
 
 
@@ -185,16 +186,16 @@ class ShellStress:
         return _STRESSES[shell]
 
     def __init__(self, shell: Shell) -> None:
-        self._assembly = Shell.assemble([shell])
+        self._assembly = ShellModel.assemble([shell.model])
         rule = integration(shell)[0]
         self._unloaded = self._assembly.carried.copy()
         self._expression = _compat.expression(self._assembly.stress, rule)
-        self._shape = len(shell.own_mesh.cells), len(rule), 8
+        self._shape = len(shell.model.own_mesh.cells), len(rule), 8
         # one scale for forces and moments: square roots of energy
-        diagonals = np.diagonal(shell.stiffness, axis1=-2, axis2=-1)
+        diagonals = np.diagonal(shell.model.stiffness, axis1=-2, axis2=-1)
         self._scale = 1.0 / np.sqrt(diagonals)[:, np.newaxis]
         self._noise = 1e-12 * float((1.0 / self._scale[..., :3]).max())
-        self.compliance = np.linalg.inv(shell.stiffness)
+        self.compliance = np.linalg.inv(shell.model.stiffness)
 
     def __call__(self, frames: Array) -> Array:
         """Stress resultants at frames, shape (m, g, 8)."""
@@ -229,8 +230,8 @@ _STRESSES: WeakKeyDictionary[Shell, ShellStress] = WeakKeyDictionary()
 
 def integration(shell: Shell) -> tuple[Array, Array]:
     """Reference coordinates (g, 2) and weights (g,) of the integration points."""
-    mesh = shell.own_mesh
-    degree = shell.formulation.measures_for(mesh.cell, mesh.degree).quadrature_degree
+    mesh = shell.model.own_mesh
+    degree = shell.model.formulation.measures_for(mesh.cell, mesh.degree).quadrature_degree
     points, weights = basix.make_quadrature(basix.CellType[mesh.cell], degree)
     return np.asarray(points, dtype=np.float64), np.asarray(weights, dtype=np.float64)
 
@@ -279,10 +280,10 @@ class StressPoints:
                 :func:`fem_lie.results.stresses.shell_resultants.resultants`.
             kink_angle: Largest angle, rad, between cells that share values.
         """
-        mesh, (rule, weights) = shell.own_mesh, integration(shell)
+        mesh, (rule, weights) = shell.model.own_mesh, integration(shell)
         points, x = CellPoints.of(mesh, rule), mesh.points[mesh.cells]
         across = np.cross(*np.moveaxis(points.tangents(x), 2, 0))
-        given = shell.axes[:, np.newaxis]
+        given = shell.model.axes[:, np.newaxis]
         section = axes_along(unit(across), given)
         at_nodes = axes_along(mesh.normals, given)
         groups = shared_values(mesh, _smooth(shell, kink_angle))
@@ -345,7 +346,7 @@ def mean_direction(groups: SharedValues, normals: Array, directions: Array) -> A
 
 def _smooth(shell: Shell, kink_angle: float) -> Callable[..., Flags]:
     """Function that says whether normals and sections of two cells are nearly equal at a node."""
-    normals, D = shell.own_mesh.normals, shell.stiffness
+    normals, D = shell.model.own_mesh.normals, shell.model.stiffness
     A, bending = D[:, :3, :3], D[:, 3:6, 3:6]
 
     def jumps(part: Array, a: Indices, b: Indices) -> Flags:

@@ -89,7 +89,7 @@ class ResultantValues(Fields):
         """
         raw = stress(frames)
         rule, _ = integration(shell)
-        nodal = np.einsum("kg,mgi->mki", extrapolation(shell.own_mesh, rule), raw)
+        nodal = np.einsum("kg,mgi->mki", extrapolation(shell.model.own_mesh, rule), raw)
         return cls(
             shell,
             frames,
@@ -103,7 +103,7 @@ class ResultantValues(Fields):
     @property
     def points(self) -> Array:
         """Positions of the integration points on the undeformed surface, shape (m, g, 3)."""
-        mesh = self.shell.own_mesh
+        mesh = self.shell.model.own_mesh
         return self.stress_points.points.positions(mesh.points[mesh.cells])
 
     @property
@@ -137,7 +137,7 @@ class ResultantValues(Fields):
         stress_points, patches = self.stress_points, self.stress_points.patches
         shared = stress_points.shared[patches.number]
         values = patches.mean(in_axes(self.in_cells, stress_points.asked_at_nodes, shared))
-        if self.shell.own_mesh.degree == 1:
+        if self.shell.model.own_mesh.degree == 1:
             values[patches.edge] = self._at_edges()
         return values
 
@@ -148,7 +148,9 @@ class ResultantValues(Fields):
         own = in_axes(self.at_points, stress_points.asked, stress_points.section)
         normal, e1 = (unit(self._mean(stress_points.section[:, :, i])) for i in (2, 0))
         section, axes = axes_along(normal, e1)[cells], stress_points.shared[which]
-        away = self._mean(self.points)[cells] - self.shell.own_mesh.points[patches.node[which]]
+        away = (
+            self._mean(self.points)[cells] - self.shell.model.own_mesh.points[patches.node[which]]
+        )
         return planes(
             np.searchsorted(np.flatnonzero(patches.edge), which),
             np.einsum("rj,rij->ri", away, axes[:, :2]),
@@ -170,7 +172,7 @@ class ResultantValues(Fields):
         3).
         """
         unloaded, moved = (
-            self._tangents(self.shell.own_mesh.points),
+            self._tangents(self.shell.model.own_mesh.points),
             self._tangents(self.frames[:, 0]),
         )
         return convected_axes(self.stress_points.asked, unloaded, moved)
@@ -189,7 +191,7 @@ class ResultantValues(Fields):
         """
         N, M, Q = self._tensors()
         x, t = self._slopes(self.frames[:, 0]), self._slopes(self.frames[:, 3])
-        cell = self.shell.own_mesh.cells
+        cell = self.shell.model.own_mesh.cells
         director = self.stress_points.points.positions(self.frames[cell, 3])[:, :, np.newaxis]
         return np.asarray(N @ x + M @ t + Q[..., np.newaxis] * director)
 
@@ -197,7 +199,9 @@ class ResultantValues(Fields):
     def cut_moments(self) -> Array:
         """Moments on these cuts, ``m_i = t × M_ij x,j``; shape (m, g, 2, 3)."""
         _, M, _ = self._tensors()
-        director = self.stress_points.points.positions(self.frames[self.shell.own_mesh.cells, 3])
+        director = self.stress_points.points.positions(
+            self.frames[self.shell.model.own_mesh.cells, 3]
+        )
         across = np.cross(director[:, :, np.newaxis], M @ self._slopes(self.frames[:, 0]))
         return np.asarray(across, dtype=np.float64)
 
@@ -208,11 +212,11 @@ class ResultantValues(Fields):
 
     def _tangents(self, nodal: Array) -> Array:
         """Derivatives of a nodal vector (n, 3) in the reference coordinates, (m, g, 2, 3)."""
-        return self.stress_points.points.tangents(nodal[self.shell.own_mesh.cells])
+        return self.stress_points.points.tangents(nodal[self.shell.model.own_mesh.cells])
 
     def _slopes(self, nodal: Array) -> Array:
         """Derivatives of a nodal vector along e₁ and e₂, shape (m, g, 2, 3)."""
-        unloaded = self._tangents(self.shell.own_mesh.points)
+        unloaded = self._tangents(self.shell.model.own_mesh.points)
         return slopes_along(self.stress_points.asked, unloaded, self._tangents(nodal))
 
     @cached_property
@@ -239,7 +243,7 @@ class ResultantValues(Fields):
         Args:
             name: Name of the quantity, such as "N11".
         """
-        return self._known(name).of(self._mean(self.at_points), self.shell.thickness)
+        return self._known(name).of(self._mean(self.at_points), self.shell.model.thickness)
 
     def smooth(self, name: str) -> Array:
         """A quantity of the averaged components, shape (p,), see :attr:`nodal`.
@@ -249,7 +253,7 @@ class ResultantValues(Fields):
         """
         known = self._known(name)
         patches = self.stress_points.patches
-        thickness = np.repeat(self.shell.thickness, patches.number.shape[1])
+        thickness = np.repeat(self.shell.model.thickness, patches.number.shape[1])
         mean = patches.mean(thickness.reshape(patches.number.shape))
         return known.of(self.nodal if known.turns else self.averaged, mean)
 
@@ -257,7 +261,7 @@ class ResultantValues(Fields):
         """A quantity of components (m, q, 8), or all eight."""
         if name is None:
             return values
-        thickness = np.broadcast_to(self.shell.thickness[:, np.newaxis], values.shape[:2])
+        thickness = np.broadcast_to(self.shell.model.thickness[:, np.newaxis], values.shape[:2])
         return self._known(name).of(values, thickness)
 
     def _known(self, name: str) -> Quantity:

@@ -62,7 +62,7 @@ class SolidStresses(Fields):
         Args:
             name: Name of the quantity, such as "von Mises".
         """
-        volumes = self.solid.rule.volumes
+        volumes = self.solid.model.rule.volumes
         total = np.einsum("mg,mgij->mij", volumes, self.at_points)
         return self._of(name, total / volumes.sum(axis=1)[:, np.newaxis, np.newaxis])
 
@@ -81,7 +81,7 @@ class SolidStresses(Fields):
     @property
     def displacements(self) -> Array:
         """Displacements of the nodes, shape (n, 3)."""
-        return np.asarray(self.frames[:, 0] - self.solid.places)
+        return np.asarray(self.frames[:, 0] - self.solid.model.places)
 
     def function(self, name: str) -> fem.Function:
         """A quantity as a continuous DOLFINx function on the undeformed mesh, for VTX files.
@@ -94,12 +94,12 @@ class SolidStresses(Fields):
         """
         given = {"displacement": self.displacements, "stress": self.nodal}
         values = given[name] if name in given else self.smooth(name)
-        mesh, shape = self.solid.mesh.mesh, values.shape[1:]
-        element = ("P", self.solid.degree, shape) if shape else ("P", self.solid.degree)
+        mesh, shape = self.solid.model.mesh.mesh, values.shape[1:]
+        element = ("P", self.solid.model.degree, shape) if shape else ("P", self.solid.model.degree)
         f = fem.Function(fem.functionspace(mesh, element), name=name)
         rows = f.x.array.reshape(len(values), -1)
         rows[f.function_space.dofmap.list] = values.reshape(len(values), -1)[
-            self.solid.connectivity
+            self.solid.model.connectivity
         ]
         return f
 
@@ -124,7 +124,7 @@ class SolidStresses(Fields):
             "stress": self.nodal.reshape(-1, 9),
         }
         data |= {name: self.smooth(name) for name in ("von Mises", "pressure")}
-        write_volume(path, self.solid.space, self.frames[:, 0], data)
+        write_volume(path, self.solid.model.space, self.frames[:, 0], data)
 
     def picture(
         self,
@@ -147,10 +147,10 @@ class SolidStresses(Fields):
         """
         from fem_lie.pictures.bodies import DrawnSurface, draw_values
 
-        skin = self.solid.skin
+        skin = self.solid.model.skin
         draw_values(
             path,
-            DrawnSurface(skin, skin.nodes, self.solid.places),
+            DrawnSurface(skin, skin.nodes, self.solid.model.places),
             self.frames[:, 0],
             self.smooth(name),
             f"{name} [{units.force}/{units.length}²]",
@@ -174,32 +174,32 @@ def solid_stresses(result: States, solid: Solid, state: int = -1) -> SolidStress
     instance(solid, Solid, "solid_stresses: solid", "a Solid")
     frames = result.frames[state_number(state, len(result.frames))]
     own = np.ascontiguousarray(frames[nodes_in(result.info, solid)])
-    mesh, degree = solid.mesh.mesh, solid.degree
-    points, _ = rule(solid.mesh.cell, QUADRATURE[solid.mesh.cell, degree])
-    strains = solid.formulation.strains(NodalFrames(mesh, degree), degree)
-    strains.place(own[solid.connectivity])
-    parameters = [cellwise(mesh, column) for column in solid.parameters.T]
-    stress = _compat.expression(strains.cauchy(solid.material, parameters), points)
-    cells = np.arange(solid.mesh.cells, dtype=np.int32)
+    mesh, degree = solid.model.mesh.mesh, solid.model.degree
+    points, _ = rule(solid.model.mesh.cell, QUADRATURE[solid.model.mesh.cell, degree])
+    strains = solid.model.formulation.strains(NodalFrames(mesh, degree), degree)
+    strains.place(own[solid.model.connectivity])
+    parameters = [cellwise(mesh, column) for column in solid.model.parameters.T]
+    stress = _compat.expression(strains.cauchy(solid.model.material, parameters), points)
+    cells = np.arange(solid.model.mesh.cells, dtype=np.int32)
     at_points = stress.eval(mesh, cells).reshape(len(cells), len(points), 3, 3)
-    shapes = tabulated(solid.mesh.cell, degree, points)[0]
-    places = np.einsum("gk,mkj->mgj", shapes, own[solid.connectivity, 0])
+    shapes = tabulated(solid.model.mesh.cell, degree, points)[0]
+    places = np.einsum("gk,mkj->mgj", shapes, own[solid.model.connectivity, 0])
     return SolidStresses(solid, own, at_points, places, _averaged(solid, points, at_points))
 
 
 def _averaged(solid: Solid, points: Array, values: Array) -> Array:
     """Nodal stress from linear least-squares fits in each cell, shape (n, 3, 3)."""
-    corners = nodes_of(solid.mesh.cell, solid.degree)
+    corners = nodes_of(solid.model.mesh.cell, solid.model.degree)
     if len(points) == 1:
         spread = np.ones((len(corners), 1))
     else:
         linear = [np.column_stack([np.ones(len(x)), x]) for x in (points, corners)]
         spread = linear[1] @ np.linalg.pinv(linear[0])
-    volumes = solid.rule.volumes.sum(axis=1)
+    volumes = solid.model.rule.volumes.sum(axis=1)
     shares = np.einsum("kg,mgij,m->mkij", spread, values, volumes, optimize=True)
     total, weight = np.zeros((len(solid.frames), 3, 3)), np.zeros(len(solid.frames))
-    np.add.at(total, solid.connectivity, shares)
-    np.add.at(weight, solid.connectivity, volumes[:, np.newaxis])
+    np.add.at(total, solid.model.connectivity, shares)
+    np.add.at(weight, solid.model.connectivity, volumes[:, np.newaxis])
     return np.asarray(total / weight[:, np.newaxis, np.newaxis])
 
 

@@ -59,7 +59,9 @@ class ThinResultants(Fields):
             ValueError: There is no such quantity, or this section has no such stress; likewise in
                 the following methods.
         """
-        thickness = np.broadcast_to(self.shell.thickness[:, np.newaxis], self.strains.shape[:2])
+        thickness = np.broadcast_to(
+            self.shell.model.thickness[:, np.newaxis], self.strains.shape[:2]
+        )
         return self._known(name).of(self.at_points, thickness)
 
     def mean(self, name: str) -> Array:
@@ -68,9 +70,10 @@ class ThinResultants(Fields):
         Args:
             name: Name of the quantity, such as "N11".
         """
-        weights = self.shell.formulation.weights()
+        weights = self.shell.model.formulation.weights()
         return self._known(name).of(
-            np.einsum("g,mgi->mi", weights / weights.sum(), self.at_points), self.shell.thickness
+            np.einsum("g,mgi->mi", weights / weights.sum(), self.at_points),
+            self.shell.model.thickness,
         )
 
     def smooth(self, name: str) -> Array:
@@ -86,7 +89,7 @@ class ThinResultants(Fields):
             ValueError: Cells of several sizes meet at points that not all of them have.
         """
         known = self._known(name)
-        thickness = np.repeat(self.shell.thickness[:, np.newaxis], 4, axis=1)
+        thickness = np.repeat(self.shell.model.thickness[:, np.newaxis], 4, axis=1)
         return known.of(self._averaged, self._shared.mean(thickness))
 
     def _known(self, name: str) -> Quantity:
@@ -96,24 +99,26 @@ class ThinResultants(Fields):
     def _shared(self) -> SharedValues:
         """The value of each point, shared by all cells there."""
         shell = self.shell
-        if shell.sizes[:, 3].any():
+        if shell.model.sizes[:, 3].any():
             raise ValueError(
                 f"cells of several sizes meet in {shell.label}, so values have no mean at points: "
                 "expected raw or mean"
             )
-        points = np.arange(shell.points_count)
-        return SharedValues(shell.connectivity[:, :4], points, np.zeros(len(points), dtype=bool))
+        points = np.arange(shell.model.points_count)
+        return SharedValues(
+            shell.model.connectivity[:, :4], points, np.zeros(len(points), dtype=bool)
+        )
 
     @cached_property
     def _averaged(self) -> Array:
         """Averaged components in the mean axes of each point, shape (p, 8); no shear."""
         shell, shared = self.shell, self._shared
-        x, _ = hermite.gauss(shell.formulation.points)
+        x, _ = hermite.gauss(shell.model.formulation.points)
         fit = _bilinear(_CORNERS) @ np.linalg.pinv(_bilinear(hermite.products(x, x)))
         in_cells = np.zeros((*shared.number.shape, 8))
         in_cells[..., :6] = fit @ self.at_points
-        normals = shell.frames[: shell.points_count, 3]
-        own = axes_along(normals[shared.number], shell.axes[:, np.newaxis])
+        normals = shell.frames[: shell.model.points_count, 3]
+        own = axes_along(normals[shared.number], shell.model.axes[:, np.newaxis])
         axes = axes_along(normals, mean_direction(shared, normals, own[:, :, 0]))
         return shared.mean(in_axes(in_cells, own, axes[shared.number]))
 
@@ -134,11 +139,11 @@ def thin_resultants(result: States, shell: ThinShell, state: int = -1) -> ThinRe
     require_states(result)
     frames = result.frames[state_number(state, len(result.frames))]
     H = np.ascontiguousarray(frames[nodes_in(result.info, shell)])
-    term = ThinShellAssembly([shell])
+    term = ThinShellAssembly([shell.model])
     strains = term.strains(H)
     stress = np.einsum("mij,mgj->mgi", term.stiffness, strains)
-    values, _, _ = shell.formulation.surface_rule()
-    positions = np.einsum("ga,maj->mgj", values, shell.vectors(H))
+    values, _, _ = shell.model.formulation.surface_rule()
+    positions = np.einsum("ga,maj->mgj", values, shell.model.vectors(H))
     return ThinResultants(shell, positions, strains, stress)
 
 

@@ -52,9 +52,10 @@ def applies(scene: Scene, policy: RefactorisationPolicy) -> bool:
     if scene.contacts or (scene.impacts and not _on_r3_so3(scene)):
         return False
     holding = scene.joints, scene.connections, scene.clamps, scene.motions, scene.links
-    held = any(holding) or any(body.held.any() for body in scene.bodies)
+    held = any(holding) or any(body.model.held.any() for body in scene.bodies)
     rigid = all(
-        isinstance(body, RigidBody) and not body.mass_matrix[0, 1:].any() for body in scene.bodies
+        isinstance(body, RigidBody) and not body.model.mass_matrix[0, 1:].any()
+        for body in scene.bodies
     )
     nodal = [load for load in scene.loads if isinstance(load, NodalLoad)]
     simple = len(nodal) == len(scene.loads) and not any(load.on_directors().any() for load in nodal)
@@ -62,7 +63,7 @@ def applies(scene: Scene, policy: RefactorisationPolicy) -> bool:
 
 
 def _on_r3_so3(scene: Scene) -> bool:
-    return all(body.group == Group.R3xSO3 for body in scene.bodies)
+    return all(body.model.group == Group.R3xSO3 for body in scene.bodies)
 
 
 def packed_bodies(equations: Equations) -> tuple[Array, Array, Bodies]:
@@ -72,7 +73,7 @@ def packed_bodies(equations: Equations) -> tuple[Array, Array, Bodies]:
     blocks, sizes = np.empty((n, 4, 4)), np.empty(n)
     for body, nodes in unknowns.bodies.items():
         assert isinstance(body, RigidBody)
-        blocks[nodes], sizes[nodes] = body.mass_matrix, body.size
+        blocks[nodes], sizes[nodes] = body.model.mass_matrix, body.model.size
     trace = np.trace(blocks[:, 1:, 1:], axis1=1, axis2=2)
     J = trace[:, np.newaxis, np.newaxis] * np.eye(3) - blocks[:, 1:, 1:]
     scaling = np.column_stack([1.0 / sizes, np.full(n, ROTATION)])

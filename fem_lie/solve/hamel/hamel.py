@@ -229,9 +229,9 @@ def _bodies(scene: Scene) -> Bodies:
     joints: dict[object, Joint] = {joint.b.body: joint for joint in scene.joints}
     for i, body in enumerate(scene.bodies):
         assert isinstance(body, RigidBody)
-        second = body.mass_matrix[1:, 1:]
+        second = body.model.mass_matrix[1:, 1:]
         found.mass[i], found.turning[i] = (
-            body.mass_matrix[0, 0],
+            body.model.mass_matrix[0, 0],
             np.trace(second) * np.eye(3) - second,
         )
         joint, Z = joints.get(body), np.eye(6)

@@ -14,7 +14,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._state import HasState, Stateful, attributes
-from fem_lie.bodies.nodes import FoldedElementError
+from fem_lie.bodies.model import FoldedElementError
 from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result

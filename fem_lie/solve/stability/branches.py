@@ -123,7 +123,7 @@ def _first_amplitude(model: StableEquilibrium, shape: Array) -> float:
     """Initial largest displacement of a mode."""
     node = int(np.linalg.norm(shape[:, :3], axis=1).argmax())
     bodies = model.equations.unknowns.bodies.items()
-    size = next(body.size for body, nodes in bodies if node in nodes)
+    size = next(body.model.size for body, nodes in bodies if node in nodes)
     turn = float(np.linalg.norm(shape[:, 3:], axis=1).max())
     return min(_AMPLITUDE * size, _TURN / turn if turn > 0 else np.inf)
 

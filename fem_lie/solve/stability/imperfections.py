@@ -200,34 +200,34 @@ def apply_imperfections(scene: Scene, *imperfections: Imperfection) -> Scene:
         parts = [imperfection.of(body) for imperfection in imperfections]
         u, theta = np.sum(parts, axis=0)
         if u.any() or theta.any():
-            body.require_frames("an imperfection")
+            body.model.require_frames("an imperfection")
         _deform(body, u, theta)
     return other
 
 
 def _deform(body: Body, u: Array, theta: Array) -> None:
     """Displace the nodes of a body, and rotate their frames, except supported ones."""
-    H, held = body.frames, body.held
+    H, held = body.frames, body.model.held
     own = H[:, 1:].copy()
-    fixed = np.isfinite(body.supports[:, 0, 0])
-    own[fixed] = body.supports[fixed]
+    fixed = np.isfinite(body.model.supports[:, 0, 0])
+    own[fixed] = body.model.supports[fixed]
     u = np.einsum("nij,ni->nj", own, np.where(held[:, :3], 0.0, np.einsum("nij,nj->ni", own, u)))
     turn = np.where(held[:, 3:], 0.0, np.einsum("nij,nj->ni", H[:, 1:], theta))
     turned = lie.se3_retract(H, np.hstack([np.zeros_like(turn), turn]))
     turned[:, 0] += u
-    follows = np.flatnonzero(body.masters != np.arange(len(H)))
-    masters = body.masters[follows]
+    follows = np.flatnonzero(body.model.masters != np.arange(len(H)))
+    masters = body.model.masters[follows]
     relative = lie.se3_compose(lie.se3_inverse(H[masters]), H[follows])
     turned[follows] = lie.se3_compose(turned[masters], relative)
     body.frames[:] = turned
     if isinstance(body, Beam):
-        a, b = turned[body.elements[:, 0]], turned[body.elements[:, 1]]
-        body.lengths[:] = np.linalg.norm(lie.se3_relative(a, b)[:, :3], axis=1)
+        a, b = turned[body.model.elements[:, 0]], turned[body.model.elements[:, 1]]
+        body.model.lengths[:] = np.linalg.norm(lie.se3_relative(a, b)[:, :3], axis=1)
 
 
 def _with_rotations(body: Body, field: Callable[[Array, Array], Array]) -> tuple[Array, Array]:
     """A field at the nodes, and the rotation of the surface, or the line, there."""
-    x, step = body.frames[:, 0], _STEP * body.size
+    x, step = body.frames[:, 0], _STEP * body.model.size
     u = field(x, body.frames)
 
     def slope(director: int) -> Array:
@@ -235,7 +235,7 @@ def _with_rotations(body: Body, field: Callable[[Array, Array], Array]) -> tuple
         difference = field(x + along, body.frames) - field(x - along, body.frames)
         return np.asarray(body.frames[:, director] + difference / (2 * step))
 
-    if len(body.faces):
+    if len(body.model.faces):
         before, after = body.frames[:, 3], np.cross(slope(1), slope(2))
     else:
         before, after = body.frames[:, 1], slope(1)

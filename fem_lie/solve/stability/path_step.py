@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.bodies.nodes import FoldedElementError
+from fem_lie.bodies.model import FoldedElementError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results.path import Station

@@ -54,7 +54,7 @@ def node_lengths(nodes: Mapping[Body, Indices]) -> Array:
         own = np.zeros(len(numbers))
         for end in edges.T:
             np.maximum.at(own, end, along)
-        lengths[numbers] = np.where(own > 0, own, body.size)
+        lengths[numbers] = np.where(own > 0, own, body.model.size)
     return lengths
 
 
@@ -77,9 +77,9 @@ def largest_elongation(nodes: Mapping[Body, Indices], frames: Array, twists: Arr
 
 def _edges(body: Body) -> Indices:
     """Nodes at both ends of each edge of the cells, shape (e, 2)."""
-    corners = body.faces
+    corners = body.model.faces
     pairs = np.stack([corners, np.roll(corners, 1, axis=1)], axis=-1).reshape(-1, 2)
-    return np.concatenate([body.cells, pairs])
+    return np.concatenate([body.model.cells, pairs])
 
 
 def scaled(shape: Shape, lengths: Array) -> tuple[Shape, bool]:

@@ -28,7 +28,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from fem_lie._arrays import Array, numbers
-from fem_lie.bodies.nodes import FoldedElementError
+from fem_lie.bodies.model import FoldedElementError
 from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.linear.direct import ConvergenceError

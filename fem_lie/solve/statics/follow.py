@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.bodies.nodes import FoldedElementError
+from fem_lie.bodies.model import FoldedElementError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.lie.node_types import all_to_global_components, has_position
 from fem_lie.linear.choice import Solutions

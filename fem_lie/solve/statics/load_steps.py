@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_lie._arrays import Array, flag, number, whole
-from fem_lie.bodies.nodes import FoldedElementError
+from fem_lie.bodies.model import FoldedElementError
 from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.lie.node_types import advance

@@ -87,7 +87,7 @@ def statics(
     along = partial(followed, scene, levels, ArcLength(), petsc_options_prefix)
     asked = partial(stepped, steps, options.smallest_step)
     roads: list[Callable[[], StaticResult]]
-    tension_only = any(body.tension_only for body in scene.bodies)
+    tension_only = any(body.model.tension_only for body in scene.bodies)
     has_friction = any(contact.has_friction for contact in scene.contacts)
     if (
         tension_only
@@ -104,7 +104,7 @@ def statics(
             partial(stepped, 1, levels[-1]),
             partial(stepped, _MANY, options.smallest_step),
         )
-        shells = any(body.uncoupled for body in scene.bodies)
+        shells = any(body.model.uncoupled for body in scene.bodies)
         roads = [along, halved] if shells else [at_once, along, halved]
     result = _first_that_arrives(roads)
     warn_if_unstable(result)

@@ -78,7 +78,7 @@ class SystemRows:
     def ends(self, beam: Beam) -> tuple[Indices, Array]:
         """Rows of both ends of a beam's elements (e, 2), and end frames in them, (e, 2, 4, 3)."""
         master_map = self.numbering.master_map
-        both = self.numbering.nodes[beam][beam.elements[:, :2]]
+        both = self.numbering.nodes[beam][beam.model.elements[:, :2]]
         return master_map.master[both], master_map.offset[both]
 
 

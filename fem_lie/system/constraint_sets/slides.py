@@ -179,7 +179,7 @@ def _table(
         ends=np.concatenate([np.empty((0, 2), dtype=np.int64), *(both for both, _ in ends)]),
         offsets=stacked([offsets for _, offsets in ends], 0, 2, 4, 3),
         starts=stacked([definition.starts for definition in definitions], 0),
-        lengths=stacked([definition.beam.lengths for definition in definitions], 0),
+        lengths=stacked([definition.beam.model.lengths for definition in definitions], 0),
         first=first,
         selection=stacked([definition.selection for definition in definitions], 0, 12),
         advance=stacked([definition.advance for definition in definitions], 0),

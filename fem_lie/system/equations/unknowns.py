@@ -132,8 +132,8 @@ class Unknowns(NamedTuple):
             may_be_redundant=system.scene.redundant is not RedundantConstraints.REFUSE,
             other_constraints=connections.others,
             other_springs=any(len(each.springs) > 0 for each in connections.sets[1:]),
-            drilling=[b.label for b, six in numbering.drills.items() if b.uncoupled and six],
-            floating=[b.label for b in numbering.nodes if b.within_frame() is not None],
+            drilling=[b.label for b, six in numbering.drills.items() if b.model.uncoupled and six],
+            floating=[b.label for b in numbering.nodes if b.model.within_frame() is not None],
             has_potential=potential,
             apart=any(term.low_rank is not None for term in system.terms),
             summary=describe.in_one_line(*shown, time_dependent=system.time_dependent),
@@ -266,5 +266,5 @@ class Tables(NamedTuple):
 
 def _edges(bodies: Mapping[Body, Indices]) -> Indices:
     """Edges of all bodies in the numbering of all nodes."""
-    found = [nodes[body.edge_frames] for body, nodes in bodies.items()]
+    found = [nodes[body.model.edge_frames] for body, nodes in bodies.items()]
     return np.concatenate([np.empty((0, 2), dtype=np.int64), *found])

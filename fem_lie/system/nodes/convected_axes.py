@@ -5,7 +5,7 @@ neighbourhood, forces and matrices are invariant under rigid motion. The mean de
 node i is ``F_i = Σ_k x_k ⊗ b_ik`` with constants from the elements; the axes are the initial ones
 rotated by its rotation, from the polar decomposition. Velocities and their rates are transformed
 from the old axes to the new ones. Bodies whose nodal coordinates determine the axes define a
-:data:`~fem_lie.bodies.nodes.Follower` for them.
+:data:`~fem_lie.bodies.model.Follower` for them.
 
 Convected drilling: frames of five-parameter shells that rotate with the mid-surface. The rotation
 of a frame about its director has no effect in such a shell; a frame that follows the rigid motion
@@ -24,7 +24,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
-from fem_lie.bodies.nodes import Follower
+from fem_lie.bodies.model import Follower
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.lie.node_types import NodeType, Written, change_axes
 from fem_lie.lie.polar import PlainSurroundings, Surroundings, convect_axes, find_reference_axes
@@ -137,11 +137,13 @@ class BodyAxes:
         master_map = numbering.master_map
         self._parts: list[_Part] = []
         for body, nodes in numbering.nodes.items():
-            follower = body.follower()
+            follower = body.model.follower()
             if follower is not None:
                 master = master_map.master[nodes]
                 led = master_map.masters[master] != nodes
-                seen = np.isin(body.node_types, (NodeType.POSITION_GRADIENT, NodeType.POSITION))
+                seen = np.isin(
+                    body.model.node_types, (NodeType.POSITION_GRADIENT, NodeType.POSITION)
+                )
                 kept = led | (seen & np.isin(master, joined))
                 offset = master_map.offset[nodes[led]]
                 self._parts.append(_Part(master, follower, np.flatnonzero(led), offset, kept))
@@ -226,11 +228,14 @@ class ConvectedDrilling:
             joined: Master nodes with joints, whose axes belong to these.
         """
         chosen = [
-            body for body in numbering.nodes if isinstance(body, Shell) and body.convected_axes
+            body
+            for body in numbering.nodes
+            if isinstance(body, Shell) and body.model.convected_axes
         ]
         master = numbering.master_map.master
         self._parts = [
-            (master[numbering.nodes[body][body.connectivity]], _slopes(body)) for body in chosen
+            (master[numbering.nodes[body][body.model.connectivity]], _slopes(body))
+            for body in chosen
         ]
         self._lag = np.zeros(numbering.count)
         self._moves: Flags = np.logical_not(held[:, 3:5].any(axis=1)).reshape(-1)
@@ -269,9 +274,9 @@ class ConvectedDrilling:
 
 def _slopes(body: Shell) -> Array:
     """Derivatives of the shape functions at the nodes of a cell in their frames, (m, k, 2, k)."""
-    cell, degree = body.mesh.cell, body.mesh.degree
+    cell, degree = body.model.mesh.cell, body.model.mesh.degree
     table = tabulated(cell, degree, nodes_of(cell, degree))[1:]
-    x, frames = body.frames[body.connectivity, 0], body.frames[body.connectivity]
+    x, frames = body.frames[body.model.connectivity, 0], body.frames[body.model.connectivity]
     tangents = np.einsum("aik,mkj->miaj", table, x)
     jacobian = np.einsum("miaj,mibj->miab", tangents, frames[:, :, 1:3])
     return np.asarray(np.einsum("miba,aik->mibk", np.linalg.inv(jacobian), table))

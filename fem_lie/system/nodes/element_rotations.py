@@ -26,7 +26,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
-from fem_lie.bodies.nodes import FoldedElementError
+from fem_lie.bodies.model import FoldedElementError
 
 if TYPE_CHECKING:
     from fem_lie.system.nodes.numbering import Numbering
@@ -94,7 +94,7 @@ class ElementRotations:
         rows, numbers, limits, whole = [], [], [], []
         lengths, frames = [], []
         for body, nodes in numbering.nodes.items():
-            turning = body.turning()
+            turning = body.model.turning()
             if turning is None:
                 continue
             along, count = nodes[turning.nodes], len(turning.nodes)

@@ -82,7 +82,7 @@ def inertia_of(
         if isinstance(body, RigidBody):
             rows.append(numbering.nodes[body])
             columns.append(numbering.nodes[body])
-            mass.append(body.mass_matrix[np.newaxis])
+            mass.append(body.model.mass_matrix[np.newaxis])
             if damps:
                 damping.append(np.zeros((1, 4, 4)))
     r, c = np.concatenate(rows), np.concatenate(columns)
@@ -101,7 +101,7 @@ def floating_of(numbering: Numbering) -> Floating:
     found: list[tuple[Indices, WithinFrame]] = []
     master_map = numbering.master_map
     for body, nodes in numbering.nodes.items():
-        inside = body.within_frame()
+        inside = body.model.within_frame()
         if inside is not None:
             if not np.isin(nodes, master_map.masters).all():
                 raise ValueError(

@@ -22,9 +22,10 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
-from fem_lie.bodies.body import NO_HOLDS, Body, Holds, Point
+from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.canonical import CanonicalBytes, data_of_body
 from fem_lie.bodies.catalogue import BodyInfo
+from fem_lie.bodies.model import NO_HOLDS, Holds
 from fem_lie.bodies.points import require_node
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.joints.rigid_link import RigidLink
@@ -184,14 +185,15 @@ class Numbering:
         self.assemblies: list[tuple[slice, BodyTerm]] = []
         self.members: list[list[Body]] = []
         for body in bodies:
-            body.check()
-        self.drills = {body: body.drills(holds.get(body, ())) for body in bodies}
+            body.model.check()
+        self.drills = {body: body.model.drills(holds.get(body.model, ())) for body in bodies}
         start = 0
-        for kind in dict.fromkeys((body.kind, self.drills[body]) for body in bodies):
-            members = [body for body in bodies if (body.kind, self.drills[body]) == kind]
+        for kind in dict.fromkeys((body.model.kind, self.drills[body]) for body in bodies):
+            members = [body for body in bodies if (body.model.kind, self.drills[body]) == kind]
             total = sum(len(body.frames) for body in members)
             order: Indices = np.arange(total)
-            assembly = members[0].assemble(members, holds)
+            models = [body.model for body in members]
+            assembly = models[0].assemble(models, holds)
             if assembly is not None:
                 order = assembly.order
                 self.assemblies.append((slice(start, start + total), assembly))
@@ -207,7 +209,7 @@ class Numbering:
     def _attach(self, links: Sequence[RigidLink]) -> None:
         frames, velocities = np.empty((self.total, 4, 3)), np.empty((self.total, 6))
         # one array for both if they are equal
-        elsewhere = any(body.start_frames is not None for body in self.nodes)
+        elsewhere = any(body.model.start_frames is not None for body in self.nodes)
         start_frames = np.empty_like(frames) if elsewhere else frames
         groups, kinds = np.empty((2, self.total), dtype=np.int64)
         supports, own = np.empty((self.total, 3, 3)), np.empty(self.total, dtype=bool)
@@ -216,15 +218,17 @@ class Numbering:
         pairs = [(self._of_all(link.a), self._of_all(link.b)) for link in links]
         for body, nodes in self.nodes.items():
             frames[nodes], velocities[nodes] = body.frames, body.velocities
-            start_frames[nodes] = body.frames if body.start_frames is None else body.start_frames
-            groups[nodes], kinds[nodes] = body.group, body.node_types
-            held[nodes], uncoupled[nodes] = body.held, body.uncoupled
-            own[nodes], straight[nodes] = body.held.any(axis=1), body.goes_straight
+            start_frames[nodes] = (
+                body.frames if body.model.start_frames is None else body.model.start_frames
+            )
+            groups[nodes], kinds[nodes] = body.model.group, body.model.node_types
+            held[nodes], uncoupled[nodes] = body.model.held, body.model.uncoupled
+            own[nodes], straight[nodes] = body.model.held.any(axis=1), body.model.goes_straight
             held[nodes, 5] |= not self.drills[body]
-            absent[nodes] = body.absent
-            supports[nodes] = body.supports
-            follows = np.flatnonzero(body.masters != np.arange(len(nodes)))
-            masters = body.masters[follows]
+            absent[nodes] = body.model.absent
+            supports[nodes] = body.model.supports
+            follows = np.flatnonzero(body.model.masters != np.arange(len(nodes)))
+            masters = body.model.masters[follows]
             pairs += [(int(nodes[a]), int(nodes[b])) for a, b in zip(masters, follows, strict=True)]
         # attached nodes follow from the current configuration at the start, which may be deformed
         self.master_map = MasterMap(start_frames, pairs)
@@ -371,7 +375,7 @@ def _mark(scene: Scene) -> bytes:
     """Fingerprint of all on which numbering and assemblies depend."""
     bytes_of, holds = CanonicalBytes(scene.bodies), scene.held_rotations()
     bodies = [
-        (type(body), data_of_body(body), body.drilling_given(holds.get(body, ())))
+        (type(body), data_of_body(body), body.model.drilling_given(holds.get(body.model, ())))
         for body in scene.bodies
     ]
     return bytes_of.of((bodies, scene.links))

@@ -1,21 +1,28 @@
-"""Nodes of a body: types, constraints, and initial motion.
+"""What the assembly sees of a body: nodes, cells, constraints, and how to assemble them.
 
-Rotations that joints and loads act on are passed to bodies, which do not depend on joints.
+A model does not depend on points, unknowns, solvers or other bodies. Rotations that joints and
+loads act on are passed to it.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple, TypeAlias
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._arrays import Array, Flags, Indices, text
 from fem_lie.attachments.attachment import AttachmentFrame
+from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import TRAITS, NodeType, all_axes, rigid_motions
 from fem_lie.lie.node_types.floating import WithinFrame
+
+if TYPE_CHECKING:
+    import dolfinx
+
+    from fem_lie.forms.assembly import BodyTerm
 
 
 class HeldRotation(NamedTuple):
@@ -100,40 +107,211 @@ vectors that no equation uses.
 """
 
 
-class Nodes(ABC):
-    """Nodes of a body, and the properties in which those of bodies differ.
+Holds: TypeAlias = Mapping["BodyModel", Sequence[HeldRotation]]
+"""Rotations of nodes of each body that joints, motions and moments act on, if any."""
+
+NO_HOLDS: Holds = MappingProxyType({})
+
+
+class MaterialPoint(NamedTuple):
+    """Material point of a body.
+
+    Attributes:
+        node: Number of its node; for an attachment frame, the first node that it depends on.
+        name: Name in messages.
+        attachment: Attachment frame as a function of nodal coordinates; ``None`` for a node.
+    """
+
+    node: int
+    name: str
+    attachment: AttachmentFrame | None = None
+
+
+class BodyModel:
+    """What the assembly sees of a body: its nodes, and the properties in which bodies differ.
+
+    The base has no elastic elements. Subclasses override the properties in which they differ.
 
     Attributes:
         frames: Initial frames of the nodes, shape (n, 4, 3), see :mod:`fem_lie.lie`.
         velocities: Initial local velocities (translation, rotation), shape (n, 6).
+        start_frames: Current configuration at the start of a run, if it is not the strain-free
+            configuration ``frames``; shape (n, 4, 3).
         masters: Master node to which each node is rigidly attached, itself if independent, (n,).
         held: Mask of the unknowns (translation, rotation) that are zero, shape (n, 6).
         supports: Axes fixed in space along which ``held`` translations are, nan where they are the
             node's own, shape (n, 3, 3).
+        group: Group on which its nodes move in time integration.
         uncoupled: Whether statics moves its nodes, their masters and nodes attached to them by ``x
             + R u``, ``R exp(η₁, η₂, 0) exp(η₃)`` instead of ``H exp(h)``.
         compound: Whether a point consists of several nodes.
-        start_frames: Current configuration at the start of a run, if it is not the strain-free
-            configuration ``frames``; shape (n, 4, 3).
+        size: Characteristic length of the body, for tolerances.
+        point_names: Node of each named point.
+        name: Name in messages and results; the scene chooses one if it is empty.
+        class_name: Name of the class of the body.
+        source: DOLFINx mesh from which the body was made, if any.
+        cells: Pairs of nodes, for drawing, shape (m, 2).
+        outline: Outline of the section in (e₂, e₃), shape (k, 2), or of that of each cell, shape
+            (m, k, 2), nan where there is none; or ``None``: for drawing.
+        box: Edges of a box about a rigid body's frame, shape (3,), or ``None``: for drawing.
+        faces: Corners of surface cells, for drawing, shape (m, 3 or 4).
+        thickness: Thickness of these cells, for drawing, shape (m,).
     """
 
     uncoupled: ClassVar[bool] = False
     compound: ClassVar[bool] = False
+    group: Group = Group.SE3
     start_frames: Array | None = None
+    source: dolfinx.mesh.Mesh | None = None
 
-    def __init__(self, frames: Array, masters: Indices | None) -> None:
-        """Copy the frames; nothing is held, and velocities are zero."""
+    def __init__(
+        self,
+        frames: Array,
+        *,
+        class_name: str,
+        size: float,
+        points: Mapping[str, int],
+        cells: Indices | None = None,
+        outline: Array | None = None,
+        box: Array | None = None,
+        masters: Indices | None = None,
+        name: str = "",
+    ) -> None:
+        """Keep copies of the frames; nothing is held, and velocities are zero.
+
+        Args:
+            frames: Nodal frames in the reference configuration, shape (n, 4, 3).
+            class_name: Name of the class of the body.
+            size: Characteristic length of the body, for tolerances.
+            points: Node of each named point.
+            cells: Pairs of nodes, for drawing, shape (m, 2); default: none.
+            outline: Outline of the cross-section, see :attr:`outline`, or ``None``.
+            box: Edges of a box about a rigid body's frame, shape (3,), or ``None``.
+            masters: Master node of each node, its own number if it is independent, shape (n,);
+                default: all nodes are independent.
+            name: Name in messages and results.
+        """
+        text(name, f"{class_name}: name")
+        self.name, self.class_name = name, class_name
         self.frames = np.array(frames, dtype=np.float64)
         count = len(self.frames)
-        self.velocities = np.zeros((count, 6))
+        self.velocities: Array = np.zeros((count, 6))
         self.masters: Indices = np.arange(count) if masters is None else masters
         self.held: Flags = np.zeros((count, 6), dtype=bool)
         self.supports = np.full((count, 3, 3), np.nan)
+        self.size, self.point_names = size, dict(points)
+        self.cells: Indices = np.empty((0, 2), dtype=np.int64) if cells is None else cells
+        self.outline, self.box = outline, box
+        self.faces: Indices = np.empty((0, 4), dtype=np.int64)
+        self.thickness: Array = np.empty(0)
 
     @property
-    @abstractmethod
     def label(self) -> str:
-        """Name of the body in messages."""
+        """Name of the body, or its class if it has none yet: for messages."""
+        return self.name or self.class_name
+
+    @property
+    def kind(self) -> Hashable:
+        """Key of bodies that are assembled together by :meth:`assemble`."""
+        return type(self).__name__
+
+    @classmethod
+    def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm | None:
+        """Assembly of all bodies of one kind, or ``None`` if they are rigid.
+
+        Args:
+            models: Models of one :attr:`kind`; either all or none of them have drilling rotations.
+            holds: Rotations of their nodes that joints, motions and moments act on.
+        """
+        return None
+
+    @property
+    def elastic_cells(self) -> Indices:
+        """Nodes of each cell for :meth:`weighted_cells`, shape (m, k); default: none."""
+        return np.empty((0, 0), dtype=np.int64)
+
+    def weighted_cells(self, cells: Indices, weights: Array) -> BodyTerm:
+        """Assembly of some elastic cells with weighted energies, each on copies of its nodes.
+
+        Args:
+            cells: Indices of the cells, shape (s,).
+            weights: Factors of their energies, shape (s,).
+
+        Returns:
+            Term on s k nodes, in the order of :attr:`elastic_cells`.
+
+        Raises:
+            ValueError: Cells of this body cannot be assembled individually.
+        """
+        raise ValueError(
+            f"cells of {self.label} cannot be assembled individually: expected a beam or a shell "
+            "whose nodes are frames"
+        )
+
+    def nodes(self, where: str) -> Indices:
+        """Numbers of the nodes of a named set.
+
+        Args:
+            where: Name of the point, curve, face or group.
+
+        Raises:
+            ValueError: There is no such set; the message lists what exists.
+        """
+        return np.array([self.named(where).node])
+
+    def named(self, name: str) -> MaterialPoint:
+        """Material point with a name.
+
+        Args:
+            name: Name of the point.
+
+        Raises:
+            ValueError: There is no such point; the message lists those that exist.
+        """
+        if name not in self.point_names:
+            known = ", ".join(sorted(self.point_names)) or "none"
+            raise ValueError(f"{self.label} has no point {name!r}; it has: {known}")
+        return MaterialPoint(self.point_names[name], name)
+
+    def numbered(self, node: int) -> MaterialPoint:
+        """Material point at a node.
+
+        Args:
+            node: Number of the node; negative ones count from the last.
+
+        Raises:
+            ValueError: There is no such node.
+        """
+        if not -len(self.frames) <= node < len(self.frames):
+            raise ValueError(f"{self.label} has nodes 0 … {len(self.frames) - 1}, got {node}")
+        return MaterialPoint(node % len(self.frames), f"node {node}")
+
+    def frame_of(self, point: MaterialPoint) -> Array:
+        """Initial frame of a material point, shape (4, 3).
+
+        Args:
+            point: Material point.
+        """
+        attachment = point.attachment or self.attachment_of(point.node)
+        return self.frames[point.node] if attachment is None else attachment.frame(self.frames)
+
+    def closest(self, position: Array) -> MaterialPoint:
+        """Material point closest to a position, among those that joints can act on: nodes.
+
+        Args:
+            position: Position in the reference configuration, shape (3,).
+        """
+        return self.numbered(self.closest_node(position))
+
+    def closest_node(self, position: Array) -> int:
+        """Number of the node closest to a position.
+
+        Args:
+            position: Position in the reference configuration, shape (3,).
+        """
+        nodes = np.flatnonzero(self.node_types < NodeType.MIXED_DERIVATIVE)
+        away = np.linalg.norm(self.frames[nodes, 0] - position, axis=1)
+        return int(nodes[away.argmin()])
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Elements of a named group (default: all).

@@ -1,0 +1,247 @@
+"""Model of a solid: nodes with positions, cells, materials, assembly."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import dolfinx
+import numpy as np
+import numpy.typing as npt
+from dolfinx import fem
+
+from fem_lie._arrays import Array, Indices, diameter, instance, log_coincident, numbers
+from fem_lie.attachments.attachment import AttachmentFrame
+from fem_lie.attachments.patch import in_the_mean
+from fem_lie.bodies.model import NO_HOLDS, BodyModel, Holds
+from fem_lie.bodies.per_cell import of_groups
+from fem_lie.bodies.solids.assembly import SolidAssembly
+from fem_lie.bodies.solids.faces import Faces, faces_of, nodes_on
+from fem_lie.elements.solids.element import SolidFormulation, default_formulation
+from fem_lie.lie.node_types import NodeType
+from fem_lie.mesh.volumes import VolumeMesh, VolumeRule
+from fem_lie.sections.material import Damping
+from fem_lie.sections.solid_materials import SolidMaterial
+
+_ORTHONORMAL = 1e-8
+_SAME = 1e-9  # sine, as of directions that are meant to be equal
+
+SolidMaterials = SolidMaterial | Mapping[str, SolidMaterial]
+
+
+class SolidModel(BodyModel):
+    """Model of a solid.
+
+    Attributes:
+        mesh: Unloaded mesh.
+        degree: Degree of the interpolation of positions.
+        connectivity: Nodes of each cell, shape (m, k).
+        places: Unloaded positions of the nodes, shape (n, 3).
+        material: Constitutive law of all cells.
+        parameters: Parameters of the law in each cell, shape (m, p).
+        density: Mass density of each cell, shape (m,).
+        has_mass: Whether all cells have a density.
+        formulation: Finite element.
+        damping: Mass-proportional damping.
+        space: Lagrange space on the unloaded mesh whose nodes are those of the body.
+        rule: Quadrature rule of the cells.
+    """
+
+    def __init__(
+        self,
+        mesh: VolumeMesh,
+        degree: int,
+        material: SolidMaterials,
+        formulation: SolidFormulation | None,
+        damping: Damping,
+        class_name: str,
+        name: str,
+    ) -> None:
+        """Create the nodes.
+
+        Args:
+            mesh: Volume mesh.
+            degree: Degree of the interpolation, 1 or 2.
+            material: Material of all cells, or one for each named group, all of one law.
+            formulation: Finite element; default: that of the cells and materials.
+            damping: Mass-proportional damping.
+            class_name: Name of the class of the body.
+            name: Name in messages and results.
+
+        Raises:
+            ValueError: A cell has no material or another law, or the element does not support the
+                cells.
+            TypeError: A material has an unexpected type.
+        """
+        self.degree, self.mesh, self.source = degree, mesh, mesh.mesh
+        materials = self._take(material)
+        if formulation is None:
+            formulation = default_formulation(mesh.cell, degree, materials)
+        self.formulation, self.damping = formulation, damping
+        self.formulation.check(mesh.cell, degree)
+        self.space = fem.functionspace(mesh.mesh, ("P", degree))
+        self.connectivity: Indices = self.space.dofmap.list.astype(np.int64)
+        self.rule = VolumeRule.of(mesh.mesh, degree)
+        places: Array = self.space.tabulate_dof_coordinates()
+        self.places = places
+        frames = np.concatenate([places[:, np.newaxis], np.tile(np.eye(3), (len(places), 1, 1))], 1)
+        super().__init__(
+            frames,
+            class_name=class_name,
+            size=diameter(places),
+            points=self._points_by_name(),
+            name=name,
+        )
+        log_coincident(self.label, places)
+        self.faces = self.skin.drawn()
+        self.thickness = np.zeros(len(self.faces))
+
+    def _take(self, material: SolidMaterials) -> list[SolidMaterial]:
+        """Set law, parameters and density of the cells; return the distinct materials."""
+        count = self.mesh.cells
+        if isinstance(material, Mapping):
+            expected = "a SolidMaterial such as NeoHooke(E, nu, density)"
+            kind: Any = SolidMaterial
+            each = of_groups(material, kind, expected, count, self.mesh.group)
+        else:
+            instance(material, SolidMaterial, "Solid: material", "a SolidMaterial or one per group")
+            each = [material] * count
+        self.material = each[0]
+        for other in each:
+            alike = len(other.parameters) == len(self.material.parameters)
+            if other.law != self.material.law or not alike:
+                raise ValueError(
+                    "all cells of a Solid have one law, and differ in its parameters and density: "
+                    f"got {self.material} and {other}; join two Solids instead"
+                )
+        self.parameters = np.array([of.parameters for of in each], dtype=np.float64)
+        self.has_mass = all(bool(of.density) for of in each)
+        self.density = np.array([0.0 if of.density is None else of.density for of in each])
+        return list({id(of): of for of in each}.values())
+
+    def _points_by_name(self) -> dict[str, int]:
+        """Nodes of the named points that are one node each."""
+        named = {key: nodes_on(self.space, *self.mesh.part(key)) for key in self.mesh.named_points}
+        return {key: int(nodes[0]) for key, nodes in named.items() if len(nodes) == 1}
+
+    @cached_property
+    def skin(self) -> Faces:
+        """All facets of the boundary."""
+        topology = self.mesh.mesh.topology
+        topology.create_connectivity(2, 3)
+        facets = dolfinx.mesh.exterior_facet_indices(topology)
+        return faces_of(self.space, facets.astype(np.int64), self.degree)
+
+    @property
+    def node_type(self) -> NodeType:
+        """Nodes with positions only."""
+        return NodeType.POSITION
+
+    @property
+    def kind(self) -> Hashable:
+        """The solid itself: each solid is assembled on its own mesh."""
+        return self
+
+    @classmethod
+    def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> SolidAssembly:
+        """Assembly of the only body."""
+        (model,) = models
+        return SolidAssembly(model)
+
+    @property
+    def volume(self) -> float:
+        """Unloaded volume."""
+        return float(self.rule.volumes.sum())
+
+    def nodes(self, where: str) -> Indices:
+        """Numbers of the nodes of a named face, curve, point or group of cells.
+
+        Args:
+            where: Name of the point, curve, face or group.
+        """
+        return nodes_on(self.space, *self.mesh.part(where))
+
+    def facets(self, name: str) -> Faces:
+        """Facets of a named face, as surface cells.
+
+        Args:
+            name: Name of the face.
+
+        Raises:
+            ValueError: There is no such face; the message lists those that exist.
+        """
+        return faces_of(self.space, self.mesh.face(name), self.degree)
+
+    def mean_frame(self, name: str, axes: npt.ArrayLike) -> AttachmentFrame:
+        """Mean frame of the nodes of a named set.
+
+        Args:
+            name: Name of the set.
+            axes: Unloaded axes of the frame as rows, shape (3, 3).
+
+        Raises:
+            ValueError: The nodes are collinear, or the axes are not right-handed and orthonormal.
+        """
+        nodes = self.nodes(name)
+        weights: Array = np.ones(len(nodes))
+        if name in self.mesh.faces:
+            faces, total = self.facets(name), np.zeros(len(self.frames))
+            np.add.at(total, faces.nodes, faces.consistent_areas(self.places))
+            weights = total[nodes]
+        chosen = numbers(axes, f"axes of {self.label}.{name}")
+        if chosen.shape != (3, 3) or not _is_rotation(chosen):
+            raise ValueError(
+                f"axes of {self.label}.{name}: expected three orthonormal, right-handed rows, "
+                f"got\n{chosen}"
+            )
+        return in_the_mean([int(node) for node in nodes], self.places[nodes], weights, chosen)
+
+    def cells_of(self, group: str | None = None) -> Indices:
+        """Cells of a named group (default: all).
+
+        Args:
+            group: Name of the group; default: all.
+
+        Raises:
+            ValueError: There is no such group; the message lists those that exist.
+        """
+        return np.arange(self.mesh.cells) if group is None else self.mesh.group(group)
+
+    def hold_along(self, node: int, along: Array) -> None:
+        """Hold one more translation of a node, whose axes are rotated if none is along it.
+
+        Args:
+            node: Number of the node.
+            along: Unit vector, global components, shape (3,).
+        """
+        held, axes = self.held[node, :3], self.frames[node, 1:]
+        before = axes[held]
+        rest = along - before.T @ (before @ along)
+        size = np.linalg.norm(rest)
+        if size <= _SAME:
+            return
+        rest /= size
+        free = axes[~held]
+        match = np.abs(free @ rest)
+        if match.max() < 1.0 - _SAME:
+            free = _perpendicular(np.vstack([before, rest]))
+            known = np.vstack([before, rest])
+            turned = np.vstack([known, free])
+            turned[2] *= np.sign(np.linalg.det(turned))
+            velocity = axes.T @ self.velocities[node, :3]
+            self.frames[node, 1:] = turned
+            self.velocities[node, :3] = turned @ velocity
+            held[:] = np.arange(3) < len(known)
+            return
+        held[np.flatnonzero(~held)[match.argmax()]] = True
+
+
+def _is_rotation(axes: Array) -> bool:
+    gap = np.abs(axes @ axes.T - np.eye(3)).max()
+    return bool(gap <= _ORTHONORMAL and np.linalg.det(axes) > 0.0)
+
+
+def _perpendicular(known: Array) -> Array:
+    """Unit vectors perpendicular to ``known`` (k, 3), which is orthonormal, shape (3 − k, 3)."""
+    return np.asarray(np.linalg.svd(known)[2][len(known) :])
