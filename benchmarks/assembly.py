@@ -59,7 +59,7 @@ def beam(cells: int) -> Iterator[tuple[str, Callable[[], object]]]:
         yield f"{name}, residual", partial(assembly.add_forces, H, out)
         yield f"{name}, energy", partial(assembly.energy, H)
         yield f"{name}, tangent", partial(assembly.tangent, H, np.zeros((len(H), 6)))
-        yield f"{name}, carried stress", partial(assembly.reset_stress, H)
+        yield f"{name}, linearised stress", partial(assembly.reset_stress, H)
 
 
 def directors(cells: int) -> Iterator[tuple[str, Callable[[], object]]]:

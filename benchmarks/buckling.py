@@ -1,4 +1,4 @@
-"""Load control, arc length, plain Newton and carried stress on the scenes of the demos of buckling.
+"""Load control and arc length, plain Newton and linearised stress on the scenes of buckling demos.
 
     python -m benchmarks.buckling [scene ...]
 
@@ -83,14 +83,14 @@ def load_control(make: Callable[[], fl.Scene], carried: bool) -> str:
     path = fl.follow_path(
         make(),
         control=fl.stability.LoadControl(),
-        options=fl.stability.PathOptions(locate=None, carried_stress=carried),
+        options=fl.stability.PathOptions(locate=None, linearised_stress=carried),
     )
     return _row(path.total_iterations, path.factors[-1], path.complete)
 
 
 def arc_length(make: Callable[[], fl.Scene], carried: bool) -> str:
     """Likewise, from load to load."""
-    model = StableEquilibrium(make(), "benchmark_", carried_stress=carried)
+    model = StableEquilibrium(make(), "benchmark_", linearised_stress=carried)
     try:
         found = fl.stability.ArcLength().follow(model)
     except fl.ConvergenceError as error:
@@ -102,7 +102,7 @@ def arc_length(make: Callable[[], fl.Scene], carried: bool) -> str:
 def path(make: Callable[[], fl.Scene], carried: bool) -> str:
     """Likewise, all states polished."""
     found = fl.follow_path(
-        make(), options=fl.stability.PathOptions(locate=None, carried_stress=carried)
+        make(), options=fl.stability.PathOptions(locate=None, linearised_stress=carried)
     )
     return _row(found.total_iterations, found.factors[-1], found.complete)
 

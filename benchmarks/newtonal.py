@@ -40,7 +40,7 @@ class Additive:
     def __init__(self, scene: fl.Scene, carried: bool) -> None:
         """Begin unloaded."""
         self.fixed = not any(isinstance(body, fl.Shell) for body in scene.bodies)
-        self.model = StableEquilibrium(scene, "newtonal_model_", carried_stress=carried)
+        self.model = StableEquilibrium(scene, "newtonal_model_", linearised_stress=carried)
         self.x = np.zeros(self.model.equations.system.size)
         self.factor, self.solutions, self.largest = 0.0, 0, 0.0
         self.load = self.turned(self.model.forces()[1])

@@ -83,7 +83,7 @@ def largest_step(
             result = fl.statics(
                 scene,
                 load_steps=count,
-                newton=fl.schemes.Newton(carried_stress=carried, smallest_step=0.99 / count),
+                newton=fl.schemes.Newton(linearised_stress=carried, smallest_step=0.99 / count),
             )
         except fl.ConvergenceError:
             continue

@@ -6,7 +6,7 @@
 Seconds of the search for equilibrium (shell: the pinched hemisphere of 128×128 cells) or of a step
 (net of 5e5 unknowns, truss of 32 cells), by the clock, on the first rank; --size for others. Then
 processor seconds of that rank, with set-up, and what they went into: factors, solutions that Python
-asks for, matrices, forces that it asks for, stress that is carried, and steps, which are forces,
+asks for, matrices, forces that it asks for, updates of the stress, and steps, which are forces,
 corrections and the other solutions in compiled loops. What is left is set-up, most of it.
 """
 
@@ -26,7 +26,7 @@ from fem_lie.linear.condensed.preconditioner import Condensed
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step import loop
 from fem_lie.system.equations import Equations
-from fem_lie.system.equations.memory import Memory
+from fem_lie.system.equations.history_variables import HistoryVariables
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "demos"))
 
@@ -104,7 +104,7 @@ WATCHED = (
     ("solutions", Condensed, "apply"),
     ("matrices", Equations, "fill"),
     ("forces", Equations, "residual"),
-    ("stress", Memory, "carry"),
+    ("stress", HistoryVariables, "update_stress"),
 )
 
 

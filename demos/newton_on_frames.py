@@ -60,7 +60,7 @@ class Cantilever:
             size = la.norm(h, la.Norm.linf)
             if not size < 1e3:
                 return 0
-            self.forms.carry()  # the stress, before its configuration changes
+            self.forms.update_stress()  # the stress, before its configuration changes
             self.q.update(h.array)
             if size < 1e-9:
                 return iteration

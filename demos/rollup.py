@@ -85,7 +85,7 @@ def plain(elements: int, load_steps: int, stiffness_ratio: float) -> dict[str, A
     scene, _ = cantilever(elements, stiffness_ratio)
     try:
         result = fl.statics(
-            scene, load_steps=load_steps, newton=fl.schemes.Newton(carried_stress=False)
+            scene, load_steps=load_steps, newton=fl.schemes.Newton(linearised_stress=False)
         )
     except fl.ConvergenceError:
         return {"plain_converged": False}

@@ -19,11 +19,11 @@ from fem_lie._jit.records import fields_of
 class HasState(Protocol):
     """An object whose state can be saved and restored."""
 
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """State that determines the next steps, as arrays by name."""
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state of :meth:`memory`."""
+        """Restore the state of :meth:`saved_state`."""
 
 
 def attributes(*names: str) -> tuple[str, ...]:
@@ -47,12 +47,12 @@ class Stateful:
         bases = reversed(cls.__mro__)
         cls._of_all = tuple(name for base in bases for name in vars(base).get("STATE", ()))
 
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """State that determines the next steps, as arrays by name."""
         return saved(self, self._of_all)
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state of :meth:`memory`.
+        """Restore the state of :meth:`saved_state`.
 
         Args:
             kept: State that was copied before.
@@ -124,7 +124,7 @@ def _add(found: dict[str, Array], name: str, value: Any) -> None:
     elif isinstance(value, bool | int | float):
         found[name] = np.array(value)
     elif value is not None:
-        found |= {f"{name}.{part}": array for part, array in value.memory().items()}
+        found |= {f"{name}.{part}": array for part, array in value.saved_state().items()}
 
 
 def _in_place(name: str, value: Any, kept: Mapping[str, Array]) -> bool:

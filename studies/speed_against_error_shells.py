@@ -35,7 +35,7 @@ except ModuleNotFoundError:
 RESULTS = Path(__file__).parents[1] / "results"
 THICKNESS = 0.04
 MESHES = (4, 6, 8, 12, 16, 24, 32)
-STEPS = {"plain Newton": 10, "carried stress": 3}
+STEPS = {"plain Newton": 10, "linearised stress": 3}
 
 
 def shear(surface: Any, point: Any) -> Any:
@@ -81,10 +81,10 @@ def measure(element: str, method: str, mesh: int, repeats: int) -> Row | None:
     for _ in range(repeats):
         scene = pinched(THICKNESS, cells, formulation)
         start = process_time()
-        carried = method == "carried stress"
+        carried = method == "linearised stress"
         try:
             result = fl.statics(
-                scene, load_steps=STEPS[method], newton=fl.schemes.Newton(carried_stress=carried)
+                scene, load_steps=STEPS[method], newton=fl.schemes.Newton(linearised_stress=carried)
             )
         except fl.ConvergenceError:
             return None
@@ -143,7 +143,7 @@ def draw(rows: list[Row], path: Path) -> None:
             options: dict[str, Any] = {"color": COLOURS[k], "markersize": 4}
             label = method if element == "HR" else None
             axes[1].loglog([row.seconds for row in of], errors, style, label=label, **options)
-            if method == "carried stress":  # the same states
+            if method == "linearised stress":  # the same states
                 unknowns = [row.unknowns for row in of]
                 axes[0].loglog(unknowns, errors, style, label=element, **options)
     axes[0].set(xlabel="unknowns", ylabel="error of the deflections, relative")

@@ -54,17 +54,17 @@ class Model:
         return self
 
     def settle(self) -> None:
-        """Make the carried stress, or the local fields, stationary at the present frames."""
+        """Make the linearised stress, or the local fields, stationary at the present frames."""
         self.forms.increment.x.array[:] = 0.0
         for _ in range(1 if self.forms.local is None else 12):
-            self.forms.carry()
+            self.forms.update_stress()
 
     def energy_value(self) -> float:
         return fem.assemble_scalar(self.forms.energy)
 
     @cached_property
     def stress(self) -> fem.Expression:
-        """σ(ε) at the points of the carried stress, which DOLFINx evaluates."""
+        """σ(ε) at the points of the linearised stress, which DOLFINx evaluates."""
         energy, mesh = self.energy, self.frames.function.function_space.mesh
         strain = ufl.variable(energy.strain)
         degree = energy.dx.metadata()["quadrature_degree"]

@@ -36,10 +36,10 @@ def evaluate(model: Model) -> dict:
     # ghosts are not communicated: they move by the same formula
     owned = space.dofmap.index_map.size_local
     forms.increment.x.array[:] = 0.0
-    forms.carry()
+    forms.update_stress()
     h = smooth(x, 2.0)
     forms.increment.x.array[:] = h.ravel()
-    forms.carry()
+    forms.update_stress()
     frames.update(h)
 
     residual, action = fem.assemble_vector(forms.residual), fem.Function(space).x

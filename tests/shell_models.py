@@ -195,7 +195,7 @@ class Statics:
     def move(self, dx: np.ndarray) -> None:
         h = self._full(dx)
         self.forms.increment.x.array[:] = h.ravel()
-        self.forms.carry()
+        self.forms.update_stress()
         retract(self.frames.frames, h)
 
     def positions(self) -> np.ndarray:

@@ -49,16 +49,16 @@ def test_tangent_is_the_derivative_of_the_forces(element):
     np.testing.assert_allclose(K, K.T, atol=1e-13 * np.abs(K).max())
 
 
-def test_carried_stress_is_linear_along_the_increment():
+def test_linearised_stress_is_linear_along_the_increment():
     """That of the next state to first order, and exactly where the increment is zero."""
     beam, step = Alone(), 1e-4
     H, d = beam.deformed(), np.random.default_rng(2).normal(size=(beam.count, 6))
-    beam.term.carry(H, step * d)
-    carried = beam.term.carried
+    beam.term.update_stress(H, step * d)
+    values = beam.term.linearised_values
     beam.term.reset_stress(beam.follow(H, step * d))
-    here = beam.term.carried
+    here = beam.term.linearised_values
     beam.term.reset_stress(H)
-    gap, change = np.abs(carried - here).max(), np.abs(here - beam.term.carried).max()
+    gap, change = np.abs(values - here).max(), np.abs(here - beam.term.linearised_values).max()
     assert 0.0 < gap < 0.01 * change
 
 

@@ -166,7 +166,7 @@ def test_column_buckles_as_eulers_does():
     np.testing.assert_allclose(moved, wave, atol=1e-4)
 
 
-def test_load_steps_converge_at_once_with_carried_stress():
+def test_load_steps_converge_at_once_with_linearised_stress():
     """A cantilever that bends by more than a right angle in one step, on any mesh."""
     for cells in (4, 32):
         cable = fl.Cable.straight((0, 0, 0), (2, 0, 0), section(1e6, 833.0, 78.0), cells=cells)

@@ -84,7 +84,7 @@ def test_a_gear_is_measured_by_its_first_coordinate():
     assert not fl.extend.Equations(scene, dynamics=True).unknowns.angular[-1]
 
 
-def test_full_turns_are_part_of_the_memory():
+def test_full_turns_are_history_variables():
     """A restored state has all of its full turns, and none of later ones."""
     scene = fl.Scene()
     wheel = body(scene)
@@ -97,12 +97,12 @@ def test_full_turns_are_part_of_the_memory():
     def turn_to(*angles: float) -> None:
         for angle in angles:
             H[0, 1:] = lie.so3_exp(np.array([0, 0, angle])).T
-            equations.memory.accept(H)
+            equations.history_variables.accept(H)
 
     turn_to(2.0, 4.0, 6.0)
-    memory = equations.memory.memory()
+    history = equations.history_variables.saved_state()
     turn_to(8.0, 10.0, 12.0)
-    equations.memory.restore(memory)
+    equations.history_variables.restore(history)
     turn_to(7.0)
     np.testing.assert_allclose(equations.report(H).joints.coordinates, 7.0, rtol=1e-12)
     assert system.residual(H)[5] == pytest.approx(2.0 * 7.0, rel=1e-12)

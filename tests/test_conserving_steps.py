@@ -146,7 +146,7 @@ DISSIPATING = {
 
 @pytest.mark.parametrize("name", DISSIPATING)
 def test_dissipation_is_of_second_order_when_steps_change(name):
-    """Of less if the memory of forces, of velocities or of stresses keeps its size."""
+    """Of less if the filter state of forces, of velocities or of stresses keeps its size."""
     losses = []
     for h in (5e-4, 1.25e-4):
         scheme = fl.EnergyDecaying(radius=0.2)

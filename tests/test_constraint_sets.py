@@ -293,10 +293,10 @@ def test_forces_are_in_balance_and_turn_with_all(name, seed):
 def test_what_is_remembered_does_not_change_the_state_it_is_of(name):
     case = Case(name, 1)
     before = case.forces(case.H, case.v)
-    kept = [part.copy() for part in case.set.memory]
+    kept = [part.copy() for part in case.set.history_variables]
     case.set.accept(case.H)
     after = case.forces(case.H, case.v)
-    for part, was in zip(case.set.memory, kept, strict=True):
+    for part, was in zip(case.set.history_variables, kept, strict=True):
         part[:] = was
     np.testing.assert_allclose(after[0], before[0], atol=1e-10)
     np.testing.assert_allclose(after[1], before[1], atol=1e-12)

@@ -169,11 +169,11 @@ def test_what_is_joined_is_of_one_domain():
 
 def test_refuses_a_matrix_without_those_of_its_domains():
     equations = fl.extend.Equations(joined_beams(), dynamics=True)
-    memory, tangent = equations.memory.with_matrix, equations.system.tangent
-    saved = memory.memory()
+    history, tangent = equations.history_variables.with_matrix, equations.system.tangent
+    saved = history.saved_state()
     tangent.divide(tangent.division(2), 0)
     with pytest.raises(ValueError, match="restarts without subdomains"):
-        memory.restore(saved)
+        history.restore(saved)
 
 
 def test_refuses_more_domains_than_parts_between_joints():

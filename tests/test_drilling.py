@@ -107,7 +107,7 @@ def test_frames_with_joints_are_not_carried_along():
     wrong = moved.copy()
     wrong[:, 1], wrong[:, 2] = moved[:, 2], -moved[:, 1]  # a quarter of a turn ahead
     before = wrong[joint].copy()
-    system.equations.memory.rotate_axes(wrong)
+    system.equations.history_variables.rotate_axes(wrong)
     others = np.arange(system.count) != joint
     np.testing.assert_allclose(wrong[others], moved[others], atol=1e-13)
     np.testing.assert_array_equal(wrong[joint], before)

@@ -100,7 +100,7 @@ def test_beams_and_joints(formulation, joint, scheme):
     """Round-off of 100 steps is some 1e-14; bars bend by a tenth of their length meanwhile."""
     scene, one, two = bars(formulation, joint)
     result = scheme.run(scene, duration=0.2, step=2e-3)
-    # with memory the iteration comes to a standstill a little earlier
+    # with a filter the iteration comes to a standstill a little earlier
     bound = 1e-11 if isinstance(scheme, fl.EnergyDecaying) else 1e-12
     assert result.angular_momentum_error <= bound
     assert result.balance_error <= bound

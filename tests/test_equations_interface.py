@@ -13,7 +13,16 @@ import fem_lie as fl
 
 SOLVE = Path(fl.__file__).parent / "solve"
 
-RECORDS = {"info", "matrix", "memory", "scene", "start", "supports", "tables", "unknowns"}
+RECORDS = {
+    "info",
+    "matrix",
+    "history_variables",
+    "scene",
+    "start",
+    "supports",
+    "tables",
+    "unknowns",
+}
 """What stays the same object."""
 
 VERBS = {
@@ -26,12 +35,12 @@ VERBS = {
 
 VIEWS = {
     "constraints": {"contradiction", "jacobian", "rates", "rigid_motions", "values"},
-    "memory": {
+    "history_variables": {
         "accept",
-        "carry",
+        "update_stress",
         "check_passage",
         "follow",
-        "memory",
+        "saved_state",
         "restore",
         "rotate_axes",
         "stretch_springs",

@@ -154,7 +154,7 @@ def test_increment_that_is_nan_anywhere_is_seen():
     equations = fl.extend.Equations(scene, dynamics=False)
     dx = np.full(equations.unknowns.size, 1e-3)
     dx[8] = np.nan
-    assert np.isnan(move(equations, equations.start.frames.copy(), dx, carried=False))
+    assert np.isnan(move(equations, equations.start.frames.copy(), dx, linearised=False))
 
 
 @pytest.mark.parametrize("links", [True, False])
@@ -174,7 +174,7 @@ def test_matrix_is_the_derivative_of_the_residual(links):
     newton = LoadSteps(
         scene,
         Rotation.of((0, 0, 0), (0, 0, 0)),
-        fl.schemes.Newton(1e-14, carried_stress=False),
+        fl.schemes.Newton(1e-14, linearised_stress=False),
         "six_",
     )
     assert newton.solve(1.0)
@@ -183,12 +183,12 @@ def test_matrix_is_the_derivative_of_the_residual(links):
     assert error <= 1e-7
 
 
-def test_newton_converges_quadratically_and_needs_few_steps_with_carried_stress():
+def test_newton_converges_quadratically_and_needs_few_steps_with_linearised_stress():
     scene = machine(clamped=True, loaded=True)
     system = LoadSteps(
         scene,
         Rotation.of((0, 0, 0), (0, 0, 0)),
-        fl.schemes.Newton(1e-14, carried_stress=False),
+        fl.schemes.Newton(1e-14, linearised_stress=False),
         "six_",
     )
     system.equations.prescribed(1.0).act()

@@ -49,7 +49,7 @@ SCENES = {
 OPTIONS = {
     "at once": {},
     "steps": {"load_steps": 5},
-    "plain": {"newton": fl.schemes.Newton(carried_stress=False)},
+    "plain": {"newton": fl.schemes.Newton(linearised_stress=False)},
 }
 
 

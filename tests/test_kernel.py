@@ -1,4 +1,4 @@
-"""The mechanism of local-frame assembly: packing, condensation, carried stress, ranks, refusals."""
+"""Assembly in local frames: packing, condensation, linearised stress, ranks, refusals."""
 
 import itertools
 import json
@@ -136,7 +136,7 @@ def test_packing_does_not_depend_on_the_order_of_creation(order, state_at, carri
 
 
 def test_changed_data_are_seen():
-    """Constants and coefficients are read at each assembly, the carried stress, too."""
+    """Constants and coefficients are read at each assembly, the linearised stress, too."""
     mesh = models.line(MPI.COMM_SELF, 1, 2)
     q, factor = fl.NodalFrames(mesh), fem.Constant(mesh, 1.0)
     weight = fl.extend.cellwise(mesh, np.ones(2))
@@ -183,11 +183,11 @@ def test_energy_on_a_part_of_the_mesh(carried):
     assert close(model.tangent(), tangent, 1e-8)
 
 
-# --- carried stress -------------------------------------------------------------------------------
+# --- linearised stress ----------------------------------------------------------------------------
 
 
 def true_stress(model: Model, H: np.ndarray) -> np.ndarray:
-    """σ(ε) at frames H at the points of the carried stress, evaluated by DOLFINx."""
+    """σ(ε) at frames H at the points of the linearised stress, evaluated by DOLFINx."""
     model.at(H)
     space = model.frames.function.function_space
     if model.coordinates is not None:
@@ -198,7 +198,7 @@ def true_stress(model: Model, H: np.ndarray) -> np.ndarray:
     return values.reshape(len(cells), len(model.stress.X()), -1)
 
 
-def carried_stress(model: Model) -> np.ndarray:
+def linearised_stress(model: Model) -> np.ndarray:
     stress = model.forms.stress
     values = stress.x.array.reshape(-1, 6)
     return values[stress.function_space.dofmap.list]
@@ -207,23 +207,23 @@ def carried_stress(model: Model) -> np.ndarray:
 @pytest.mark.parametrize("make", CARRIED, ids=name)
 @given(seed=seeds)
 @few
-def test_carried_stress_is_true_stress_without_increment(make, seed):
+def test_linearised_stress_is_true_stress_without_increment(make, seed):
     model = built(make)
     H = model.random(seed)
     model.at(H).settle()
-    assert close(carried_stress(model), true_stress(model, H), 1e-13)
+    assert close(linearised_stress(model), true_stress(model, H), 1e-13)
 
 
 @pytest.mark.parametrize("make", CARRIED, ids=name)
 @given(seed=seeds)
 @few
-def test_carried_stress_is_linear_forecast(make, seed):
+def test_linearised_stress_is_linear_forecast(make, seed):
     """``σ(ε) + C ε' L h``: value and slope of the true stress along H exp(t h) at t = 0."""
     model = built(make)
     H = model.random(seed)
     h = np.random.default_rng(seed).normal(size=(len(H), 6))
     model.at(H).forms.increment.x.array[:] = h.ravel()
-    model.forms.carry()
+    model.forms.update_stress()
     step = 3e-5
     ahead, back, far_ahead, far_back = (
         true_stress(model, lie.se3_retract(H, t * step * h)) for t in (1, -1, 2, -2)
@@ -232,20 +232,20 @@ def test_carried_stress_is_linear_forecast(make, seed):
     forecast = true_stress(model, H) + slope
     model.at(H)
     # step⁴ of fifth derivatives, which are 1e11 where a rod turns by nearly π
-    assert close(carried_stress(model), forecast, 1e-7)
+    assert close(linearised_stress(model), forecast, 1e-7)
 
 
-def test_carried_stress_of_a_degree_2_line_has_two_different_points():
+def test_linearised_stress_of_a_degree_2_line_has_two_different_points():
     """What the tests above would not see if all points were one."""
     model = built(models.director_beam_2_carried)
     model.at(model.random(1)).settle()
-    N = carried_stress(model)
+    N = linearised_stress(model)
     assert N.shape == (4, 2, 6)
     assert np.abs(N[:, 0] - N[:, 1]).min() > 1e-6
 
 
 @pytest.mark.parametrize("make", CARRIED[:2], ids=name)
-def test_geometric_stiffness_is_of_the_carried_stress(make):
+def test_geometric_stiffness_is_of_the_linearised_stress(make):
     """``K(N) − K(0)`` is the tangent of the energy ``N·ε`` with dead N, whatever N is."""
     model = built(make)
     energy, stress = model.energy, model.forms.stress
@@ -310,17 +310,17 @@ def test_condensed_element_is_the_displacement_element(mixed, pure, seed):
 
 @given(seed=seeds)
 @few
-def test_hellinger_reissner_is_carried_stress(seed):
-    """With a quadratic law: same residual, tangent and carried stress, off the solution, too."""
+def test_hellinger_reissner_is_linearised_stress(seed):
+    """With a quadratic law: same residual, tangent and linearised stress, off the solution, too."""
     a, b = built(models.hellinger_reissner), built(linear_director_beam)
     rng = np.random.default_rng(seed)
     H = a.random(seed)
     h = 0.3 * rng.normal(size=(len(H), 6))
     for model in (a, b):
         model.at(H).forms.increment.x.array[:] = h.ravel()
-        model.forms.carry()
+        model.forms.update_stress()
         model.at(lie.se3_retract(H, h))
-    assert close(a.forms.local.x.array.reshape(-1, 1, 6), carried_stress(b), 1e-12)
+    assert close(a.forms.local.x.array.reshape(-1, 1, 6), linearised_stress(b), 1e-12)
     assert close(a.residual(), b.residual(), 1e-12)
     assert close(a.tangent(), b.tangent(), 1e-12)
 
@@ -373,7 +373,7 @@ def newton(model: Model, load: np.ndarray, free: np.ndarray) -> list[float]:
         K = model.tangent()
         h[free] = -np.linalg.solve(K[np.ix_(free, free)], r[free])
         model.forms.increment.x.array[:] = h
-        model.forms.carry()
+        model.forms.update_stress()
         model.frames.update(h)
     raise AssertionError(norms)
 
@@ -388,7 +388,7 @@ def alone() -> dict:
 
 @pytest.mark.parametrize("ranks", [2, 3])
 def test_ranks_give_the_same_vectors(ranks, alone, tmp_path):
-    """Residual, action of the tangent with carried stress, energy: by coordinates of the nodes."""
+    """Residual, tangent with linearised stress times a vector, and energy by nodal coordinates."""
     out = tmp_path / "ranks.json"
     on_ranks(parallel_forms, ranks, out)
     together = json.loads(out.read_text())

@@ -176,12 +176,12 @@ def test_thin_roof_snaps_back_with_one_negative_pivot():
     assert (upper.negative_pivots, lower.negative_pivots) == ((0, 1), (1, 0))
 
 
-def test_plain_newton_and_carried_stress_find_the_same_path(deep):
+def test_plain_newton_and_linearised_stress_find_the_same_path(deep):
     scene, _, path = deep
     plain = fl.follow_path(
         scene,
         fl.stability.PathEnds(critical_points=1),
-        options=fl.stability.PathOptions(carried_stress=False),
+        options=fl.stability.PathOptions(linearised_stress=False),
     )
     assert plain.limits[0].factor == pytest.approx(path.limits[0].factor, rel=1e-6)
 

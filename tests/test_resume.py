@@ -190,7 +190,7 @@ def test_another_law_of_the_same_name_is_refused(tmp_path):
 
 
 class EverySeventh(fl.schemes.RefactorisationPolicy):
-    """A policy of a user's own, with memory."""
+    """A policy of a user's own, with a state."""
 
     def begin(self, bound: bool) -> fl.extend.PolicyState:
         return CountsToSeven()
@@ -201,7 +201,7 @@ class CountsToSeven(fl.extend.PolicyState):
         self.steps, self.taken = 0, np.zeros(2)
 
     def before_iteration(self, iteration: int) -> bool:
-        # both kinds of memory decide: a number and an array
+        # both kinds of state decide: a number and an array
         return iteration == 1 and self.steps % 7 == 3 and self.taken[0] == self.steps
 
     def after_step(self, iterations: int) -> None:

@@ -67,12 +67,12 @@ class Probe:
         self.q.frames[:] = H
         self.forms.increment.x.array[:] = 0.0
         if self.forms.local is None:
-            self.forms.carry()
+            self.forms.update_stress()
             return self
         self.forms.local.x.array[:] = self.forms.local_start
         for _ in range(30):
             before = self.forms.local.x.array.copy()
-            self.forms.carry()
+            self.forms.update_stress()
             change = np.abs(self.forms.local.x.array - before).max()
             if change <= 1e-13 * np.abs(before).max():
                 break

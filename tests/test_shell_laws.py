@@ -46,7 +46,7 @@ def test_forces_are_the_derivative_of_the_energy(name):
     H = system.tilted(system.start, increment)
     forces = system.residual(H)
     energies = [
-        system.equations.report(system.tilted(H, sign * step * direction), carried=False).elastic
+        system.equations.report(system.tilted(H, sign * step * direction), linearised=False).elastic
         for sign in (1, -1)
     ]
     work = forces @ direction.ravel()

@@ -481,7 +481,7 @@ def test_carried_frames_are_those_of_the_rigid_motion():
     wrong = moved.copy()
     # a quarter of a turn ahead
     wrong[:n, 1], wrong[:n, 2] = moved[:n, 2], -moved[:n, 1]
-    equations.memory.rotate_axes(wrong)
+    equations.history_variables.rotate_axes(wrong)
     np.testing.assert_allclose(wrong, moved, atol=1e-13)
 
 

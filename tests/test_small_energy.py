@@ -156,12 +156,12 @@ def test_linearised_stress_is_that_of_the_strains_to_first_order(name):
     H, d = alone.deformed(), alone.rng.normal(size=(alone.count, 6))
 
     def difference(h):
-        alone.term.carry(H, h * d)
-        carried = alone.term.carried.copy()
+        alone.term.update_stress(H, h * d)
+        values = alone.term.linearised_values.copy()
         alone.term.reset_stress(alone.follow(H, h * d))
-        return np.abs(carried - alone.term.carried).max()
+        return np.abs(values - alone.term.linearised_values).max()
 
-    assert difference(0.0) < 1e-14 * np.abs(alone.term.carried).max()
+    assert difference(0.0) < 1e-14 * np.abs(alone.term.linearised_values).max()
     assert difference(2e-4) / difference(1e-4) == pytest.approx(4.0, rel=1e-2)
 
 
@@ -171,7 +171,7 @@ def test_the_tangent_has_the_linearised_stress(name):
     alone = Alone(name)
     H = alone.deformed()
     alone.term.reset_stress(H)
-    stress, found = alone.term.carried.copy(), []
+    stress, found = alone.term.linearised_values.copy(), []
     for factor in (0.0, 1.0, 2.0):
         alone.term.restore(factor * stress)
         found.append(alone.term.tangent(H, np.empty((0, 6))))
@@ -202,10 +202,10 @@ def test_strains_do_not_touch_the_stress(name):
     alone = Alone(name)
     H = alone.deformed()
     alone.term.reset_stress(H)
-    before = alone.term.carried.copy()
+    before = alone.term.linearised_values.copy()
     strains = alone.term.strains(alone.body.frames)
     assert strains.shape == (3, before.size // 3)
-    np.testing.assert_array_equal(alone.term.carried, before)
+    np.testing.assert_array_equal(alone.term.linearised_values, before)
 
 
 # --- the element of the page ----------------------------------------------------------------------

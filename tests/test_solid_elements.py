@@ -60,7 +60,7 @@ def bent(system, size=0.05):
     n = system.count
     x = H[:n, 0]
     H[:n, 0] += size * np.sin(x @ rng.normal(size=(3, 3))) + 0.02 * size * rng.normal(size=(n, 3))
-    system.equations.memory.rotate_axes(H)
+    system.equations.history_variables.rotate_axes(H)
     return H
 
 
@@ -75,7 +75,7 @@ def moved(H, h):
 
 
 def energy(system, H):
-    return system.equations.report(H, carried=False).elastic
+    return system.equations.report(H, linearised=False).elastic
 
 
 def volume(x):
@@ -141,7 +141,7 @@ def test_a_rigid_motion_changes_neither_forces_nor_tangent(element):
     Q *= np.sign(np.linalg.det(Q))
     there = H.copy()
     there[: system.count, 0] = H[: system.count, 0] @ Q.T + [3.0, -2.0, 1.0]
-    system.equations.memory.rotate_axes(there)
+    system.equations.history_variables.rotate_axes(there)
     before, after = forces(system, H), forces(system, there)
     np.testing.assert_allclose(after, before, atol=1e-10 * np.abs(before).max())
     K, again = system.matrix(H), system.matrix(there)

@@ -149,7 +149,7 @@ def test_pressure_follows_a_body_that_has_turned():
     Q = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     before = system.residual(H)
     H[: system.count, 0] = H[: system.count, 0] @ Q.T + 5.0
-    system.equations.memory.rotate_axes(H)
+    system.equations.history_variables.rotate_axes(H)
     after = system.residual(H)
     np.testing.assert_allclose(after, before, atol=1e-10)
     total = before.reshape(-1, 6).sum(axis=0)[:3]

@@ -321,14 +321,14 @@ def test_rigid_body_hangs_on_a_beam():
     assert abs(np.linalg.norm(force[:3]) - mass * 10) < 1e-9
 
 
-def test_plain_newton_and_carried_stress_agree():
+def test_plain_newton_and_linearised_stress_agree():
     ends = []
     for carried in (True, False):
         scene, beam = cantilever(stiffness(), 10.0, 8)
         scene.add(fl.PointLoad(beam.point("end"), force=(0, 5.0, 2.0)))
         ends.append(
             fl.statics(
-                scene, load_steps=4, newton=fl.schemes.Newton(carried_stress=carried)
+                scene, load_steps=4, newton=fl.schemes.Newton(linearised_stress=carried)
             ).position(beam.point("end"))[-1]
         )
     assert np.abs(ends[0] - ends[1]).max() < 1e-8
@@ -338,7 +338,7 @@ def test_cut_back_recovers_and_says_so():
     """One step of plain Newton is too much for the roll-up; halved steps arrive all the same."""
     scene, beam = cantilever(stiffness(), 10.0, 8)
     scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, 20 * np.pi)))
-    result = fl.statics(scene, load_steps=2, newton=fl.schemes.Newton(carried_stress=False))
+    result = fl.statics(scene, load_steps=2, newton=fl.schemes.Newton(linearised_stress=False))
     assert result.failed_iterations > 0
     assert result.factors[-1] == 1.0
     assert np.linalg.norm(result.position(beam.point("end"))[-1]) < 1e-8
@@ -347,8 +347,10 @@ def test_cut_back_recovers_and_says_so():
 def test_failure_names_step_residual_and_remedy():
     scene, beam = cantilever(stiffness(1e6, 1e6), 10.0, 8)
     scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, 20 * np.pi)))
-    with pytest.raises(fl.ConvergenceError, match=r"load factor 0 to .*residual.*carried_stress"):
-        fl.statics(scene, newton=fl.schemes.Newton(carried_stress=False, smallest_step=0.5))
+    with pytest.raises(
+        fl.ConvergenceError, match=r"load factor 0 to .*residual.*linearised_stress"
+    ):
+        fl.statics(scene, newton=fl.schemes.Newton(linearised_stress=False, smallest_step=0.5))
 
 
 def test_failure_keeps_the_states_before():

@@ -49,7 +49,7 @@ def test_a_restored_controller_chooses_the_same_sizes(past):
         one.pass_event()
         for error in past:
             (one.accept if error <= 1.0 else one.reject)(error)
-        other.restore(one.memory())
+        other.restore(one.saved_state())
         for chosen in (one, other):
             for error in following:
                 chosen.accept(error)

@@ -434,7 +434,7 @@ def test_a_file_has_the_same_and_a_resumed_run_too(tmp_path, monkeypatch, scheme
     whole = saving.SCHEMES[scheme].run(saving.top(), **plan)
     monkeypatch.setattr(window, "BUFFER_BYTES", rows)
     file = tmp_path / "run.h5"
-    write = window.Window._memory
+    write = window.Window._saved_state
     for stop in (1, 3):
         calls = [0]
 
@@ -444,14 +444,14 @@ def test_a_file_has_the_same_and_a_resumed_run_too(tmp_path, monkeypatch, scheme
                 raise KeyboardInterrupt
             return write(self)
 
-        monkeypatch.setattr(window.Window, "_memory", memory)
+        monkeypatch.setattr(window.Window, "_saved_state", memory)
         with pytest.raises(KeyboardInterrupt):
             if file.exists():
                 saving.SCHEMES[scheme].resume(saving.top(), file)
             else:
                 saving.SCHEMES[scheme].run(saving.top(), file=file, checkpoint_every=9, **plan)
         assert len(fl.Result.load(file).times)
-    monkeypatch.setattr(window.Window, "_memory", write)
+    monkeypatch.setattr(window.Window, "_saved_state", write)
     resumed = saving.SCHEMES[scheme].resume(saving.top(), file)
     saving.same(resumed, whole, rtol=0, atol=0)
     saving.same(fl.Result.load(file), whole, rtol=0, atol=0)
@@ -503,7 +503,7 @@ def test_a_rejected_step_leaves_the_state_as_it_was(monkeypatch, scheme):
     result = SCHEMES[scheme].run(scene, duration=0.05, step=steps, progress=False)
     assert len(result.steps.rejected) >= 1
     if stepper is ConservingSteps:
-        assert {"s.H.", "s.V.", "s.account.", "equations.memory.joints.", "cells.0."} <= changed
+        assert {"s.H.", "s.V.", "s.account.", "equations.history_variables.joints.", "cells.0."} <= changed
 
 
 @pytest.mark.parametrize("scheme", ["energy-momentum", "energy-decaying"])
@@ -524,7 +524,7 @@ def test_a_change_of_the_step_keeps_impulses_and_rates(monkeypatch, scheme):
         for name, array in before.items():
             np.testing.assert_array_equal(getattr(self.s, name), array, err_msg=name)
         if h != old:
-            felt.append([np.abs(self.s.carry).max(), np.abs(self.s.w).max()])
+            felt.append([np.abs(self.s.last_residual).max(), np.abs(self.s.w).max()])
 
     monkeypatch.setattr(ConservingSteps, "set_step", watched)
     scene, _, _ = bars()
@@ -541,12 +541,12 @@ def test_rejected_steps_leave_the_turns_of_joints(monkeypatch, scheme):
 
     def watched(self) -> bool:
         connections = self._stepper.equations.system.connections
-        before = connections.memory.copy()
+        before = connections.history_variables.copy()
         made = attempt(self)
-        turned.append((made, np.abs(connections.memory - before).max()))
+        turned.append((made, np.abs(connections.history_variables - before).max()))
         if made:
             connections.accept(self._stepper.frames)
-            assert np.abs(connections.memory - before).max() > 0.0
+            assert np.abs(connections.history_variables - before).max() > 0.0
         return made
 
     monkeypatch.setattr(VariableSteps, "_attempt", watched)

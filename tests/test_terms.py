@@ -633,21 +633,21 @@ def test_viscous_tangent_is_the_derivative_of_viscous_forces(name):
 
 
 @every_term
-def test_what_was_carried_is_restored(name):
+def test_linearised_stress_is_restored(name):
     model = Model(name)
     stress, path = model.term.stress_update, model.term.path
     if stress is None:
         return
-    kept, carried = model.term.room(), stress.carried.copy()
+    kept, values = model.term.room(), stress.linearised_values.copy()
     model.forces(model.H, kept)
     before = model.term.tangent(model.H, kept).copy()
     if path is not None:  # what friction has waits for accepted states
         path.accept(model.moved(model.H, model.increment(), 0.1))
     else:
-        stress.carry(model.H, 0.1 * model.increment())
-    assert len(carried) == 0 or np.abs(stress.carried - carried).max() > 0.0
-    stress.restore(carried)
-    assert np.array_equal(stress.carried, carried)
+        stress.update_stress(model.H, 0.1 * model.increment())
+    assert len(values) == 0 or np.abs(stress.linearised_values - values).max() > 0.0
+    stress.restore(values)
+    assert np.array_equal(stress.linearised_values, values)
     assert np.array_equal(model.term.tangent(model.H, kept), before)
     stress.clear_stress()
     stress.reset_stress(model.H)
@@ -755,7 +755,13 @@ def test_the_equations_ask_no_term_and_no_load_what_it_is(module):
 
 ABILITIES = {
     abilities.ViscousForces: ("add_viscous_forces", "viscous_tangent"),
-    abilities.LinearisedStress: ("carried", "carry", "clear_stress", "reset_stress", "restore"),
+    abilities.LinearisedStress: (
+        "values",
+        "update_stress",
+        "clear_stress",
+        "reset_stress",
+        "restore",
+    ),
     abilities.LocalUnknowns: ("condense",),
     abilities.PathDependence: ("accept",),
     abilities.PassageCheck: ("check_passage", "watch", "watch_again", "watched"),

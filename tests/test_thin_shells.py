@@ -62,16 +62,16 @@ def test_tangent_is_the_derivative_of_the_forces(element):
     np.testing.assert_allclose(K, K.T, atol=1e-13 * np.abs(K).max())
 
 
-def test_carried_stress_is_linear_along_the_increment():
+def test_linearised_stress_is_linear_along_the_increment():
     """That of the next state to first order, and exactly where the increment is zero."""
     shell, step = Shell(), 1e-4
     H, d = shell.deformed(), np.random.default_rng(2).normal(size=(shell.count, 6))
-    shell.term.carry(H, step * d)
-    carried = shell.term.carried
+    shell.term.update_stress(H, step * d)
+    values = shell.term.linearised_values
     shell.term.reset_stress(shell.follow(H, step * d))
-    here = shell.term.carried
+    here = shell.term.linearised_values
     shell.term.reset_stress(H)
-    gap, change = np.abs(carried - here).max(), np.abs(here - shell.term.carried).max()
+    gap, change = np.abs(values - here).max(), np.abs(here - shell.term.linearised_values).max()
     assert 0.0 < gap < 0.01 * change
 
 

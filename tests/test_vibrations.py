@@ -190,7 +190,10 @@ def test_steady_rotation_converges_quadratically():
         body = scene.add(fl.Beam.straight((0.1, 0, 0), (1.0, 0.3, 0.5), section, cells=8))
         scene.add(fl.Clamp(body.point("start")))
         result = fl.statics(
-            scene, spin=(0, 0, 10), load_steps=2, newton=fl.schemes.Newton(carried_stress=carried)
+            scene,
+            spin=(0, 0, 10),
+            load_steps=2,
+            newton=fl.schemes.Newton(linearised_stress=carried),
         )
         assert np.diff(result.iterations, prepend=0).max() <= 6
         tips.append(result.position(body.point("end"))[-1])

@@ -22,7 +22,7 @@ def checks(q: fl.NodalFrames, forms: fl.extend.LocalFrameForms, seed: int = 1) -
         if form == "residual":
             return fem.assemble_vector(forms.residual).array
         q.increment.x.array[:] = 0.0
-        forms.carry()  # by no increment: the carried stress is the true one
+        forms.update_stress()  # by no increment: the linearised stress is the true one
         return fem.assemble_matrix(forms.tangent).to_dense()
 
     def differences(form: str, step: float) -> np.ndarray:

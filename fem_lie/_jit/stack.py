@@ -1,4 +1,4 @@
-"""Memory in the stack frame of compiled code."""
+"""HistoryVariables in the stack frame of compiled code."""
 
 from __future__ import annotations
 

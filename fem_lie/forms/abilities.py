@@ -113,15 +113,15 @@ class LinearisedStress(ABC):
 
     @property
     @abstractmethod
-    def carried(self) -> Array:
+    def linearised_values(self) -> Array:
         """Current values, flat."""
 
     @abstractmethod
-    def restore(self, carried: Array) -> None:
-        """Set the values to an earlier copy of :attr:`carried`."""
+    def restore(self, values: Array) -> None:
+        """Set the values to an earlier copy of :attr:`linearised_values`."""
 
     @abstractmethod
-    def carry(self, H: Array, h: Array) -> None:
+    def update_stress(self, H: Array, h: Array) -> None:
         """Update the values linearly for the increment ``h`` (n, 6), from frames ``H``."""
 
     @abstractmethod

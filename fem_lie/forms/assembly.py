@@ -84,15 +84,15 @@ class BodyTerm(Term):
         return blocks
 
     @property
-    def carried_stress(self) -> Array:
+    def stress_values(self) -> Array:
         """Copy of the independent stress, flat; empty if there is none."""
         update = self.stress_update
-        return np.empty(0) if update is None else update.carried.copy()
+        return np.empty(0) if update is None else update.linearised_values.copy()
 
-    def reset(self, carried: Array) -> None:
-        """Restore the initial state; ``carried`` is the initial :attr:`carried_stress`."""
+    def reset(self, values: Array) -> None:
+        """Restore the initial state; ``values`` are the initial :attr:`stress_values`."""
         if self.stress_update is not None:
-            self.stress_update.restore(carried)
+            self.stress_update.restore(values)
         for term in self.further_terms:
             if term.stress_update is not None:
                 term.stress_update.clear_stress()
@@ -228,11 +228,11 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
         self._residual.pack()
         self._energy.pack()
 
-    def carry(self, H: Array, h: Array) -> None:
+    def update_stress(self, H: Array, h: Array) -> None:
         """Update the independent stress for the increment ``h`` (count, 6) from frames ``H``."""
         self._frames.frames[:] = H
         self._forms.increment.x.array[:] = h.reshape(-1)
-        self._forms.carry()
+        self._forms.update_stress()
 
     def clear_stress(self) -> None:
         """Set the independent stress to zero."""
@@ -240,19 +240,19 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
             self._forms.stress.x.array[:] = 0.0
 
     @property
-    def carried(self) -> Array:
+    def linearised_values(self) -> Array:
         """Values updated between iterates: stress, or local unknowns of the cells, flat."""
         forms = self._forms
         function = forms.stress if forms.local is None else forms.local
         return np.empty(0) if function is None else function.x.array
 
-    def restore(self, carried: Array) -> None:
-        """Set the values to an earlier copy of :attr:`carried`."""
-        self.carried[:] = carried
+    def restore(self, values: Array) -> None:
+        """Set the values to an earlier copy of :attr:`linearised_values`."""
+        self.linearised_values[:] = values
 
-    def reset(self, carried: Array) -> None:
+    def reset(self, values: Array) -> None:
         """Restore the initial state, without eigenstrain."""
-        super().reset(carried)
+        super().reset(values)
         self._forms.increment.x.array[:] = 0.0
         if self._eigenstrain is not None:
             self._eigenstrain.x.array[:] = 0.0
@@ -268,4 +268,4 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
 
     def reset_stress(self, H: Array) -> None:
         """Set the independent stress to that of frames ``H``."""
-        self.carry(H, np.zeros((self.count, 6)))
+        self.update_stress(H, np.zeros((self.count, 6)))

@@ -192,13 +192,13 @@ class LinearisedCellTerm(CellTerm, LinearisedStress):
         return self
 
     @property
-    def carried(self) -> Array:
+    def linearised_values(self) -> Array:
         """Independent stress of all cells, flat."""
         return self._stress.ravel()
 
-    def restore(self, carried: Array) -> None:
-        """Set the stress to an earlier copy of :attr:`carried`."""
-        self._stress[:] = carried.reshape(self._stress.shape)
+    def restore(self, values: Array) -> None:
+        """Set the stress to an earlier copy of :attr:`linearised_values`."""
+        self._stress[:] = values.reshape(self._stress.shape)
 
     def clear_stress(self) -> None:
         """Set the stress to zero."""
@@ -206,7 +206,7 @@ class LinearisedCellTerm(CellTerm, LinearisedStress):
 
     def reset_stress(self, H: Array) -> None:
         """Set the stress to that of frames ``H``."""
-        self.carry(H, np.zeros((len(self._pattern.indptr) - 1, 6)))
+        self.update_stress(H, np.zeros((len(self._pattern.indptr) - 1, 6)))
 
 
 class CellForm(CellSum):

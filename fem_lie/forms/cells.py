@@ -190,7 +190,7 @@ class Cells:
             for form in forms:
                 form.pack()
 
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """Copies of the local fields of the cells."""
         return {
             str(k): form.w[:, form.at : form.at + assembly.forms.local_size].copy()
@@ -198,7 +198,7 @@ class Cells:
         }
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Set the local fields to the copies of :meth:`memory`."""
+        """Set the local fields to the copies of :meth:`saved_state`."""
         at = 0
         for forms in self._forms:
             if len(forms) > LOCAL and forms[LOCAL].kernel == int(kernels.local_kernel.address):

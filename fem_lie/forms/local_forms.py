@@ -12,8 +12,8 @@ functions and apply the map. DOLFINx assembles them as forms with custom kernels
 
 **Element-local fields.** For ``W(y, s)`` with stress or strain parameters ``s``, the kernels
 condense ``s`` cell by cell, ``r = Lᵀ (W_y − W_ys W_ss⁻¹ W_s)``, ``K`` likewise, and
-:meth:`LocalFrameForms.carry` adds ``δs = −W_ss⁻¹ (W_s + W_sy L h)``: for mixed energies such as
-those of Hellinger-Reissner and Hu-Washizu.
+:meth:`LocalFrameForms.update_stress` adds ``δs = −W_ss⁻¹ (W_s + W_sy L h)``: for mixed energies
+such as those of Hellinger-Reissner and Hu-Washizu.
 
 **Independent stress.** An energy given as strain and law, :class:`StrainEnergy`, has an independent
 stress field ``N`` at its quadrature points besides ``σ(ε)``: the residual uses ``σ(ε(y))``; the
@@ -52,14 +52,15 @@ class LocalFrameForms:
         found_energy: Function of the form to which that kernel writes the energy of a cell, or
             ``None``.
         tangent: Tangent stiffness in increments along nodal frames, rank 2.
-        increment: Function ``h`` that :meth:`carry` reads: translation, rotation along nodal
-            frames.
+        increment: Function ``h`` that :meth:`update_stress` reads: translation, rotation along
+            nodal frames.
         local: Element-local fields ``s``, or ``None``.
         stress: Independent stress at the quadrature points, or ``None`` for a plain energy.
         viscous: Viscous forces at the twists ``velocity``, rank 1, or ``None``.
         viscous_tangent: Derivative of the viscous forces in the twists, rank 2, or ``None``.
         velocity: Function that ``viscous`` reads: twists of the nodes along their frames.
-        local_change: Change of the local fields that :meth:`carry` adds, rank 1, if there are any.
+        local_change: Change of the local fields that :meth:`update_stress` adds, rank 1, if there
+            are any.
         local_size: Number of local fields of a cell.
         velocity_at: Index of ``velocity`` in the packed coefficients of ``viscous``.
     """
@@ -114,7 +115,7 @@ class LocalFrameForms:
         if not isinstance(energy, StrainEnergy):
             self._build_plain(energy, y)
         elif local is None:
-            self._build_carried(energy, y)
+            self._build_with_stress(energy, y)
         else:
             raise ValueError("give an energy with local fields as a UFL form, not as StrainEnergy")
 
@@ -143,9 +144,9 @@ class LocalFrameForms:
             Forces(kernels.residual_kernel, [z]),
         )
         extra = [self.increment, dy]
-        self._carry = self._wrapping.form(kernels.local_kernel, [S], [changed, own], extra)
+        self._update_stress = self._wrapping.form(kernels.local_kernel, [S], [changed, own], extra)
 
-    def _build_carried(self, energy: StrainEnergy, y: fem.Function) -> None:
+    def _build_with_stress(self, energy: StrainEnergy, y: fem.Function) -> None:
         space, points = y.function_space, energy.quadrature_element()
         self.stress = fem.Function(fem.functionspace(space.mesh, points), name="independent stress")
         test, trial = ufl.TestFunction(space), ufl.TrialFunction(space)
@@ -154,19 +155,19 @@ class LocalFrameForms:
         moduli = ufl.diff(sigma, strain)
         variation, weight, dx = energy.change(y, test), energy.weight, energy.dx
         stiffness = energy.stiffness(self.stress, moduli, y, test, trial)
-        carried = CompiledForm(weight * ufl.inner(self.stress, variation) * dx)
+        of_stress = CompiledForm(weight * ufl.inner(self.stress, variation) * dx)
         derived = energy.forces is None
         self._wrap(
             CompiledForm(energy.form()),
-            [CompiledForm(weight * ufl.inner(sigma, variation) * dx) if derived else carried],
-            [CompiledForm(weight * stiffness * dx), carried],
+            [CompiledForm(weight * ufl.inner(sigma, variation) * dx) if derived else of_stress],
+            [CompiledForm(weight * stiffness * dx), of_stress],
             energy.forces,
         )
         if energy.viscosity is not None:
             self._build_viscous(energy, y)
         dy, tau = fem.Function(space), ufl.TestFunction(self.stress.function_space)
         new = sigma + moduli * energy.change(y, dy)
-        self._carry = self._wrapping.form(
+        self._update_stress = self._wrapping.form(
             kernels.stress_kernel,
             [self.stress.function_space],
             [CompiledForm(ufl.inner(new, tau) * dx)],
@@ -223,10 +224,10 @@ class LocalFrameForms:
 
     @property
     def local_change(self) -> fem.Form:
-        """Change of the local fields by :meth:`carry`, rank 1."""
-        return self._carry
+        """Change of the local fields by :meth:`update_stress`, rank 1."""
+        return self._update_stress
 
-    def carry(self) -> None:
+    def update_stress(self) -> None:
         """Update the independent stress, or the local fields, for the increment ``h``.
 
         Call it after the solve and *before* the state is updated by ``h``.
@@ -234,11 +235,11 @@ class LocalFrameForms:
         if self.stress is not None:
             new = self.stress.x
             new.array[:] = 0.0
-            fem.assemble_vector(new.array, self._carry)
+            fem.assemble_vector(new.array, self._update_stress)
             new.array[:] *= self._per_weight
             new.scatter_forward()
         elif self.local is not None:
-            fem.assemble_vector(self.local.x.array, self._carry)
+            fem.assemble_vector(self.local.x.array, self._update_stress)
             self.local.x.scatter_forward()
 
 

@@ -218,17 +218,17 @@ class DirectSolver:
         self.factorisations -= 1
         self.refreshes += 1
 
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """State for a checkpoint: methods, refinements and counts."""
         tried = self._order.index(self._methods[0])
         own: dict[str, Any] = {
             "method": np.array([tried, self._refines, self._checked]),
             "counts": np.array([self.factorisations, self.refreshes]),
         }
-        return own | {f"columns.{name}": part for name, part in self.columns.memory().items()}
+        return own | {f"columns.{name}": part for name, part in self.columns.saved_state().items()}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Factorise the current matrix and solve as when :meth:`memory` was called.
+        """Factorise the current matrix and solve as when :meth:`saved_state` was called.
 
         Args:
             kept: State that was copied before.

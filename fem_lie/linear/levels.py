@@ -156,12 +156,12 @@ class StoredFactors(DirectSolver):
         """Delete all factorisations."""
         self.levels = Levels[DirectSolver](rigid=self.levels.rigid)
 
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """Number of factorisations; the factors themselves are not in checkpoints."""
         return {"made": np.array(self.factorisations)}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state of :meth:`memory`, without factorisations."""
+        """Restore the state of :meth:`saved_state`, without factorisations."""
         self.forget()
         self.factorisations = int(kept["made"])
 

@@ -193,7 +193,7 @@ class Columns:
             return left.copy(), None
         return u, z
 
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """All ``u``, for a checkpoint."""
         unknowns = [np.frombuffer(place, dtype=np.int64) for place, _ in self._kept]
         none = np.empty(0, dtype=np.int64)
@@ -205,7 +205,7 @@ class Columns:
         }
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Solve for the columns of :meth:`memory` again when they are needed."""
+        """Solve for the columns of :meth:`saved_state` again when they are needed."""
         ends = np.cumsum(kept["sizes"])[:-1]
         places = np.split(kept["unknowns"], ends)
         lefts = np.split(kept["left"], ends)

@@ -21,7 +21,7 @@ from fem_lie.scene import Scene
 from fem_lie.system.constraint_sets.all_pairs import AllPairs, all_pairs
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
-    MemoryKey,
+    HistoryKey,
     Numbered,
     SystemRows,
     Targets,
@@ -265,13 +265,13 @@ class Connections:
             each.accept(H)
 
     @property
-    def memory(self) -> Array:
+    def history_variables(self) -> Array:
         """History variables that frames do not determine: full turns, arc lengths on beams."""
-        return np.concatenate(self._remembered())
+        return np.concatenate(self._history_parts())
 
-    @memory.setter
-    def memory(self, values: Array) -> None:
-        parts = self._remembered()
+    @history_variables.setter
+    def history_variables(self, values: Array) -> None:
+        parts = self._history_parts()
         for part, value in zip(
             parts, np.split(values, np.cumsum([len(p) for p in parts])[:-1]), strict=True
         ):
@@ -280,37 +280,37 @@ class Connections:
             each.mark()
 
     def remember(self, values: Array | None) -> None:
-        """Set :attr:`memory` to that of the run that this one continues, if there is one.
+        """Set the history variables to those of the run that this one continues, if there is one.
 
         Raises:
             ValueError: It has another number of joint angles.
         """
         if values is None:
             return
-        expected = self.memory.shape
+        expected = self.history_variables.shape
         if values.shape != expected:
             raise ValueError(
                 f"a scene that continues another must have the same joints: it has "
                 f"history variables of shape {values.shape}, expected {expected}"
             )
-        self.memory = values
+        self.history_variables = values
 
     @property
-    def keyed_memory(self) -> dict[MemoryKey, float]:
-        """:attr:`memory` by joint and coordinate, for other scenes with the same joints."""
-        return dict(zip(self._memory_keys, map(float, self.memory), strict=True))
+    def keyed_history_variables(self) -> dict[HistoryKey, float]:
+        """History variables by joint and coordinate, for other scenes with the same joints."""
+        return dict(zip(self._history_keys, map(float, self.history_variables), strict=True))
 
-    def remembering(self, values: Mapping[MemoryKey, float]) -> Array:
-        """:attr:`memory` for this scene from that of another; entries without counterpart stay."""
-        pairs = zip(self._memory_keys, map(float, self.memory), strict=True)
+    def history_from(self, values: Mapping[HistoryKey, float]) -> Array:
+        """History variables of this scene from those of another; others stay as they are."""
+        pairs = zip(self._history_keys, map(float, self.history_variables), strict=True)
         return np.array([values.get(key, own) for key, own in pairs])
 
     @property
-    def _memory_keys(self) -> list[MemoryKey]:
-        return [key for each in self.sets for part in each.memory_keys for key in part]
+    def _history_keys(self) -> list[HistoryKey]:
+        return [key for each in self.sets for part in each.history_keys for key in part]
 
-    def _remembered(self) -> list[Array]:
-        return [part for each in self.sets for part in each.memory]
+    def _history_parts(self) -> list[Array]:
+        return [part for each in self.sets for part in each.history_variables]
 
     # --- results ---
 

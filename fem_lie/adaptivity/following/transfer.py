@@ -228,7 +228,7 @@ def transfer(
     H[equations.unknowns.moving + 1 :] = now.frames
     connections = equations.system.connections
     if connections.first.turns or len(connections.sets) > 1:
-        began = began._replace(turned=connections.remembering(_joint_turns(result, at, scene)))
+        began = began._replace(turned=connections.history_from(_joint_turns(result, at, scene)))
     connections.remember(began.turned)
     changes = equations.report(H, v[: equations.unknowns.moving])
     _check_joints(equations, H)
@@ -317,8 +317,8 @@ def _joint_turns(
     H = equations.start.frames.copy()
     for frames in result.frames[: at + 1]:
         H[: equations.unknowns.moving] = frames[equations.unknowns.masters]
-        equations.memory.accept(H)
-    return equations.system.connections.keyed_memory
+        equations.history_variables.accept(H)
+    return equations.system.connections.keyed_history_variables
 
 
 def _report(
@@ -345,5 +345,5 @@ def _report(
 
 def _elastic(equations: Equations, H: Array) -> float:
     """Elastic energy of elements and springs."""
-    equations.memory.carry(H)
+    equations.history_variables.update_stress(H)
     return equations.report(H).elastic + equations.system.connections.sets[0].spring_energy(H)

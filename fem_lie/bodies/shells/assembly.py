@@ -152,15 +152,15 @@ class ShellAssembly(Assembly, LocalUnknowns):
     def reset_stress(self, H: Array) -> None:
         """Solve the stress for frames ``H``, by Newton's method in each cell if it is nonlinear."""
         for _ in range(_LOCAL_ITERATIONS if self._nonlinear else 1):
-            before = self.carried.copy()
+            before = self.linearised_values.copy()
             super().reset_stress(H)
-            change = np.abs(self.carried - before).max(initial=0.0)
+            change = np.abs(self.linearised_values - before).max(initial=0.0)
             if change <= _SETTLED * np.abs(before).max(initial=0.0):
                 return
 
-    def carry(self, H: Array, h: Array) -> None:
+    def update_stress(self, H: Array, h: Array) -> None:
         """Update the independent stress or fields linearly for an increment."""
-        super().carry(H, h.reshape(-1, 6)[:, :_FIVE])
+        super().update_stress(H, h.reshape(-1, 6)[:, :_FIVE])
 
 
 @dataclass(eq=False)

@@ -159,9 +159,9 @@ class ThinShellAssembly(LinearisedCellTerm, BodyTerm):
         kernels.all_strains(H, *self._place, found)
         return np.asarray(np.einsum("mgij,mjg->mgi", self.turned, found))
 
-    def carry(self, H: Array, h: Array) -> None:
+    def update_stress(self, H: Array, h: Array) -> None:
         """Update the independent stress linearly for an increment ``h`` of all nodes."""
-        kernels.carry_stress(H, h.reshape(-1, 6), *self._place)
+        kernels.update_stress(H, h.reshape(-1, 6), *self._place)
 
 
 def mass_matrices(formulation: BicubicHermite, q: Array, density: Array) -> Array:

@@ -223,11 +223,11 @@ class Friction:
         return arms, np.where(which >= 0, np.arange(m), -1), measured, τ
 
     @property
-    def carried(self) -> Array:
+    def linearised_values(self) -> Array:
         """All anchors as a flat array, for checkpoints."""
         return packed(self._anchors)
 
-    def restore(self, carried: Array) -> None:
-        """Restore the anchors that :attr:`carried` returned."""
+    def restore(self, values: Array) -> None:
+        """Restore the anchors that :attr:`linearised_values` returned."""
         self._ahead = None
-        self._anchors = unpacked(carried)
+        self._anchors = unpacked(values)

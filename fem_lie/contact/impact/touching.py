@@ -298,7 +298,7 @@ class Touching:
         nodes = self._a.nodes[i, 0], self._b.nodes[j, 0]
         return [labels.get(int(node), "ground") for node in nodes]
 
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """State that the next steps depend on."""
         seen = {f"near.{k}": each.seen for k, each in enumerate(self._near)}
         seen["margins"] = np.array([each.margin for each in self._near])
@@ -306,7 +306,7 @@ class Touching:
         return seen | {f"work.{k}": values for k, values in enumerate(_arrays(self.work))}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state that :meth:`memory` returned."""
+        """Restore the state that :meth:`saved_state` returned."""
         for k, each in enumerate(self._near):
             each.widen(float(kept["margins"][k]))
             each.see_again(kept[f"near.{k}"])

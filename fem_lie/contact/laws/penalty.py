@@ -261,14 +261,14 @@ class PenaltyForces(
     # --- state of friction ---
 
     @property
-    def carried(self) -> Array:
+    def linearised_values(self) -> Array:
         """State of the friction springs."""
-        return np.empty(0) if self._friction is None else self._friction.carried
+        return np.empty(0) if self._friction is None else self._friction.linearised_values
 
-    def restore(self, carried: Array) -> None:
+    def restore(self, values: Array) -> None:
         """Restore the state of the friction springs."""
         assert self._friction is not None
-        self._friction.restore(carried)
+        self._friction.restore(values)
 
     def accept(self, H: Array) -> None:
         """Accept frames: update ignored pairs and friction springs."""
@@ -299,7 +299,7 @@ class PenaltyForces(
         """Restore the state of the energy balance."""
         self._watch.restore(watched)
 
-    def carry(self, H: Array, h: Array) -> None:
+    def update_stress(self, H: Array, h: Array) -> None:
         """Do nothing: friction springs change when frames are accepted."""
 
     def reset_stress(self, H: Array) -> None:

@@ -194,13 +194,13 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
     # --- state ---
 
     @property
-    def carried(self) -> Array:
+    def linearised_values(self) -> Array:
         """State: positions on the rope, and friction springs."""
         return np.concatenate([self._feet, self._springs])
 
-    def restore(self, carried: Array) -> None:
-        """Restore the state that :attr:`carried` returned."""
-        self._feet, self._springs = (part.copy() for part in np.split(carried, 2))
+    def restore(self, values: Array) -> None:
+        """Restore the state that :attr:`linearised_values` returned."""
+        self._feet, self._springs = (part.copy() for part in np.split(values, 2))
 
     def accept(self, H: Array) -> None:
         """Accept frames; after a step, with the positions at which its forces have done work."""
@@ -212,7 +212,7 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         self._springs = np.asarray(self._found[:, kernels.TRACTION] / self._law.holding)
         self._feet = self._found[:, kernels.END].copy()
 
-    def carry(self, H: Array, h: Array) -> None:
+    def update_stress(self, H: Array, h: Array) -> None:
         """Do nothing: positions change when frames are accepted."""
 
     def reset_stress(self, H: Array) -> None:

@@ -229,7 +229,7 @@ def matrix_kernel(
 
 
 @compiled
-def _carry(H: Array, nodes: Indices, h: Array, values: Array) -> None:
+def _update_stress(H: Array, nodes: Indices, h: Array, values: Array) -> None:
     """Write the stress after increments ``h`` (n, 6), to first order, to the packed data."""
     for i in range(nodes.shape[0]):
         data = values[i]
@@ -258,6 +258,6 @@ class CornerSprings(LinearisedCellTerm, Springs):
         super().__init__(kernels, values, corners, count)
         self._stress = self._matrix.values[:, 14:]
 
-    def carry(self, H: Array, h: Array) -> None:
+    def update_stress(self, H: Array, h: Array) -> None:
         """Update the independent stress for the increment ``h`` (count, 6) from frames ``H``."""
-        _carry(H, self.springs.nodes, h.reshape(-1, 6), self._matrix.values)
+        _update_stress(H, self.springs.nodes, h.reshape(-1, 6), self._matrix.values)

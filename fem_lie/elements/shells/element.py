@@ -59,9 +59,9 @@ class ShellFormulation(ABC):
             cells: The argument of :meth:`forms`.
             forms: Forms returned by :meth:`forms`.
         """
-        carried = forms.stress
-        assert carried is not None
-        return ufl.as_vector([carried[i] for i in range(8)])
+        stress = forms.stress
+        assert stress is not None
+        return ufl.as_vector([stress[i] for i in range(8)])
 
     def measures_for(self, cell: str, degree: int) -> StrainMeasures:
         """Strain measures for these cells.

@@ -120,7 +120,7 @@ def tangent_kernel(
 
 
 @compiled
-def carry_stress(H: Array, h: Array, cells: Indices, place: tuple[int, int], c: int) -> None:
+def update_stress(H: Array, h: Array, cells: Indices, place: tuple[int, int], c: int) -> None:
     """Set the independent stress of all cells to ``D (ε + ε' h)``.
 
     Args:
@@ -152,7 +152,7 @@ def carry_stress(H: Array, h: Array, cells: Indices, place: tuple[int, int], c: 
 
 @compiled
 def all_strains(H: Array, cells: Indices, place: tuple[int, int], c: int, out: Array) -> None:
-    """Strains at the points of all cells, shape (m, 6, g); arguments as of :func:`carry_stress`."""
+    """Strains at the points of all cells, shape (m, 6, g); arguments of :func:`update_stress`."""
     rule = read_rule(pointer(c))
     work = room(stack(room_size(rule)), rule)
     for e in range(cells.shape[0]):

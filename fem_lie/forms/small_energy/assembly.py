@@ -73,12 +73,12 @@ class ElementCells(LinearisedCellTerm):
 
     def strains(self, H: Array) -> Array:
         """Strains of all cells at coordinates ``H`` of the nodes, shape (m, points · strains)."""
-        kept, found = self.carried.copy(), np.zeros((len(self._nodes), self._size))
+        kept, found = self.linearised_values.copy(), np.zeros((len(self._nodes), self._size))
         self._update(H, np.zeros((len(H), 6)), found)
         self.restore(kept)
         return found
 
-    def carry(self, H: Array, h: Array) -> None:
+    def update_stress(self, H: Array, h: Array) -> None:
         """Update the linearised stress for the increments ``h`` (n, 6) from coordinates ``H``."""
         self._update(H, h.reshape(-1, 6), np.empty((len(self._nodes), self._size)))
 

@@ -188,7 +188,7 @@ class ShellStress:
     def __init__(self, shell: Shell) -> None:
         self._assembly = ShellModel.assemble([shell.model])
         rule = integration(shell)[0]
-        self._unloaded = self._assembly.carried.copy()
+        self._unloaded = self._assembly.linearised_values.copy()
         self._expression = _compat.expression(self._assembly.stress, rule)
         self._shape = len(shell.model.own_mesh.cells), len(rule), 8
         # one scale for forces and moments: square roots of energy
@@ -205,12 +205,12 @@ class ShellStress:
         # so that a state has bitwise the same values whatever was evaluated before
         assembly.restore(self._unloaded)
         assembly.reset_stress(H)
-        found = self._carried()
+        found = self._updated_stress()
         if assembly.local is None:
             return found
         for _ in range(_MOST_ROUNDS):
             assembly.reset_stress(H)
-            before, found = found, self._carried()
+            before, found = found, self._updated_stress()
             change = np.abs(self._scale * (found - before)).max()
             if change <= _CONVERGED * np.abs(self._scale * found).max() + self._noise:
                 return found
@@ -219,7 +219,7 @@ class ShellStress:
             f"change is {change:.2e} of {np.abs(self._scale * found).max():.2e}"
         )
 
-    def _carried(self) -> Array:
+    def _updated_stress(self) -> Array:
         mesh, cells = self._assembly.mesh, self._assembly.cell_order.astype(np.int32)
         values = self._expression.eval(mesh, cells)
         return np.asarray(values, dtype=np.float64).reshape(self._shape)

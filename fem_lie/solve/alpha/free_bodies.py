@@ -168,11 +168,11 @@ class Run(Divided[History]):
         """Start steps of another size; velocities of free bodies do not depend on it."""
         self._set_size(size)
         self._make_consistent(time)
-        memory = self.s.memory
-        memory[:, FEWEST], memory[:, BEYOND] = 0.0, np.inf
+        convergence = self.s.convergence
+        convergence[:, FEWEST], convergence[:, BEYOND] = 0.0, np.inf
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state that :meth:`memory` returned."""
+        """Restore the state that :meth:`saved_state` returned."""
         super().restore(kept)
         self._set_size(self.part_size)
 

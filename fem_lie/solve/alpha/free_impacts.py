@@ -191,7 +191,7 @@ class FreeImpacts(Stateful):
         self._why, self._failed_step = MADE, np.zeros(REPORT_SIZE)
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state that :meth:`memory` returned."""
+        """Restore the state that :meth:`saved_state` returned."""
         super().restore(kept)
         self._contacts = self._contacts._replace(patience=self._touching.patience)
 

@@ -27,16 +27,16 @@ _STAGNATION = 1e-6  # full Newton that no longer contracts below this value has 
 class Newton(RunState, Iterated):
     """Run of generalised-α whose steps are iterated from Python."""
 
-    _carried = False
+    _linearised = False
     """Whether the current iteration updates stress linearly from iterate to iterate."""
 
     _rate: LinearRate
 
-    def _iterate(self, decisions: PolicyState, *, carried: bool) -> int:
+    def _iterate(self, decisions: PolicyState, *, linearised: bool) -> int:
         """Predict, and correct until convergence; return the number of iterations, 0 on failure."""
-        progress, self._carried = self.progress, carried
+        progress, self._linearised = self.progress, linearised
         progress.motion = max(predict(*self._plain), progress.motion)
-        tolerance, round_off_level = self._tolerance(), _STAGNATION if carried else 0.0
+        tolerance, round_off_level = self._tolerance(), _STAGNATION if linearised else 0.0
         self._rate = LinearRate(lambda _: tolerance, float(progress.ratio), round_off_level)
         ended = iterate(self, self.options.max_iterations, decisions)
         progress.increment = ended.size
@@ -50,7 +50,7 @@ class Newton(RunState, Iterated):
     def evaluate(self, iteration: int) -> bool:
         """Evaluate the residual, which alone does not end the iteration."""
         self.progress.iteration = iteration
-        self._find(self._end_instant, carried=self._carried)
+        self._find(self._end_instant, linearised=self._linearised)
         return False
 
     @property
@@ -60,16 +60,16 @@ class Newton(RunState, Iterated):
 
     def refactorise(self, update: Refactorisation) -> None:
         """Assemble and factorise the matrix, or its constraint Jacobian."""
-        self._refactorise(update, None if self._carried else self.s.H1)
+        self._refactorise(update, None if self._linearised else self.s.H1)
 
     def correct(self) -> float:
         """Solve for a correction and apply it; return its size."""
         s = self.s
         self._solve()
-        if self._carried:
+        if self._linearised:
             h = np.empty_like(s.d)
             twists(s.kinds, s.d, -self.dx[: s.d.size].reshape(-1, 6), h)
-            self.equations.memory.carry(s.H1, h.ravel())
+            self.equations.history_variables.update_stress(s.H1, h.ravel())
         scale, spread, joined = self._sizes
         return correct(*self._plain, self.dx, scale, spread, joined, self.multipliers)
 

@@ -164,7 +164,7 @@ class Run(Newton):
                 self.s.H[:], self.s.motion[:] = before, motion
                 self.multipliers[:] = self._first
                 return False
-            return self._remembered(before)
+            return self._accept_history(before)
         if iterations:
             self._turn()
             return self._close(end, before)
@@ -285,7 +285,7 @@ class Run(Newton):
         if self._rule is None:
             self.progress.step += 1
             self._first[:] = self.multipliers
-            count = self._iterate(self.decisions, carried=False)
+            count = self._iterate(self.decisions, linearised=False)
         else:
             self.progress.total = 0
             none = _NOTHING, (_NOWHERE, _NOWHERE)
@@ -294,7 +294,7 @@ class Run(Newton):
         return count or self._fallback_converged()
 
     def _turn(self) -> None:
-        self.equations.memory.rotate_axes(self.s.H, self.s.motion, WRITTEN)
+        self.equations.history_variables.rotate_axes(self.s.H, self.s.motion, WRITTEN)
 
     def _fallback_converged(self) -> int:
         """Repeat a step that failed with the frozen matrix; return all its iterations, or 0.
@@ -307,8 +307,8 @@ class Run(Newton):
         _log.info("step %d: frozen matrix diverges, full Newton iteration", self.index)
         self.multipliers[:] = self._first
         # the predicted end of the step may be far off: its stress is not a good initial guess
-        self.equations.memory.carry(self.s.H)
-        count = self._iterate(EveryIteration().begin(bound=False), carried=True)
+        self.equations.history_variables.update_stress(self.s.H)
+        count = self._iterate(EveryIteration().begin(bound=False), linearised=True)
         # its matrices had all terms
         self._outgrown = self._may_be_apart
         return count + in_vain if count else 0
@@ -318,7 +318,7 @@ class Run(Newton):
 
         Returns whether it stays accepted: no surfaces passed through each other since ``start``.
         """
-        if not self._remembered(start):
+        if not self._accept_history(start):
             return False
         self.balance.add(self.p.h, end, *self._accepted)
         return True

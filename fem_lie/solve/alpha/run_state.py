@@ -233,10 +233,10 @@ class RunState(DividedIntegration[Recorder]):
 
     # --- residual and matrices ---
 
-    def _find(self, state: TimeState, *, carried: bool = False) -> None:
+    def _find(self, state: TimeState, *, linearised: bool = False) -> None:
         """Evaluate the residual; velocity constraints are treated like position constraints."""
         given, factor = (self.scale, self.r, self.forces), 1.0 / self.p.damping
-        self.equations.residual(state, *given, carried=carried, per_increment=factor)
+        self.equations.residual(state, *given, linearised=linearised, per_increment=factor)
         if self._apart:
             self._put_beside()
 
@@ -363,7 +363,7 @@ class RunState(DividedIntegration[Recorder]):
     # --- checkpoints ---
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state that :meth:`memory` returned."""
+        """Restore the state that :meth:`saved_state` returned."""
         super().restore(kept)
         if self.equations.unknowns.time_dependent:
             self.equations.prescribed(self.index * self.h).act()

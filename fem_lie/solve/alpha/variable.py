@@ -295,7 +295,7 @@ class AlphaSteps(Run):
         self.balance.rest()
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state that :meth:`memory` returned, without matrices."""
+        """Restore the state that :meth:`saved_state` returned, without matrices."""
         super().restore(kept)
         if not self._warm:
             self._warm_up()

@@ -37,12 +37,12 @@ state, 0 or 1."""
 
 
 @compiled
-def resize(carry: Array, before: float, h: float) -> None:
+def resize(last_residual: Array, before: float, h: float) -> None:
     """Rescale forces left over by round-off: they are impulses, which depend on the step size."""
     ratio = before / h
-    for i in range(carry.shape[0]):
-        for k in range(carry.shape[1]):
-            carry[i, k] *= ratio
+    for i in range(last_residual.shape[0]):
+        for k in range(last_residual.shape[1]):
+            last_residual[i, k] *= ratio
 
 
 @linked
@@ -77,7 +77,7 @@ def run(
         while position.part < order.shape[0]:
             k = order[position.part]
             if position.chosen != k:
-                resize(state_of(starts).carry, h[position.chosen], h[k])
+                resize(state_of(starts).last_residual, h[position.chosen], h[k])
                 position.chosen = k
             to = records(progresses[k], 0, PROGRESS)[0].steps + 1
             given = starts, steps, factors[k], options
@@ -220,7 +220,7 @@ class MomentumRun(DividedIntegration[Recorder]):
             shares: Sizes of the sub-steps over that of the step; two of them differ.
         """
         super().__init__(options.policy, equations, step)
-        self.carried = equations.memory
+        self.equations_state = equations.history_variables
         self.options, self._shares = options, shares
         sizes = list(dict.fromkeys(shares))
         first = MomentumPart(options, equations, step * sizes[0], None)
@@ -262,7 +262,7 @@ class MomentumRun(DividedIntegration[Recorder]):
     def attempt(self, start: float, end: float) -> bool:
         """Make a step; return whether it converged."""
         self._made, size = self.begun, self.part_size
-        known = self, ("_sizes", "equations.memory")
+        known = self, ("_sizes", "equations.history_variables")
         changed = known, (self._parts[0], _SHARED), *((part, _OWN) for part in self._parts)
         before = [saved(owner, names) for owner, names in changed]
         for at, k in enumerate(self._order):
@@ -288,7 +288,7 @@ class MomentumRun(DividedIntegration[Recorder]):
             part.set_size(share * self.part_size)
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state that :meth:`memory` returned."""
+        """Restore the state that :meth:`saved_state` returned."""
         super().restore(kept)
         self._set_sizes()
 

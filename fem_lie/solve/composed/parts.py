@@ -210,9 +210,9 @@ class Part(Run):
 
     # --- checkpoints ---
 
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """State with the factors of the frozen matrix."""
-        kept = super().memory()
+        kept = super().saved_state()
         return kept if self._factors is None else kept | self._factors.arrays()
 
     def _frozen_factors(self, kept: Mapping[str, Array]) -> Factors | None:

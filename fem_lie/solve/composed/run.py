@@ -44,7 +44,7 @@ class ComposedRun(DividedIntegration[History]):
             halves: Sizes of the half sub-steps over that of the step; two of them differ.
         """
         super().__init__(options.policy, equations, step)
-        self.carried = equations.memory
+        self.equations_state = equations.history_variables
         self.options, shares = options, list(dict.fromkeys(halves))
         first = Part(options, equations, step, shares[0], halves.count(shares[0]), None)
         other = Part(options, equations, step, shares[1], halves.count(shares[1]), first)
@@ -165,7 +165,7 @@ class ComposedRun(DividedIntegration[History]):
         k = int(self._order[position.part])
         part, before = self._parts[k], self._parts[position.chosen]
         if position.chosen != k:
-            momentum_parts.resize(part.s.carry, before.h, part.h)
+            momentum_parts.resize(part.s.last_residual, before.h, part.h)
             position.chosen = k
         return self._passed(part.make(*self._span()))
 
@@ -229,7 +229,7 @@ class ComposedRun(DividedIntegration[History]):
             rates, multipliers = self._end_forces(v)
         self._filled.by_both(history, s.H, (s.V, v[:n]), multipliers, s.balance)
         if Record.FORCES in history.filled and held:
-            report = equations.report(s.H, v, rates, multipliers, carried=False)
+            report = equations.report(s.H, v, rates, multipliers, linearised=False)
             history.reactions[row] = report.reactions
         if Record.ENERGIES in history.filled:
             joints = self._parts[0].joints

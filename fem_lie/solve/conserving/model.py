@@ -61,7 +61,7 @@ def start_state(
         w=z((n + p, 4, 3)),
         w_F=z((cells.places, 6)),
         filter_state=new_record(FILTER),
-        carry=z((n, 6)),
+        last_residual=z((n, 6)),
         balance=z(TOTAL),
         trend=z((n, 6)),
         earlier=z((2, m)),

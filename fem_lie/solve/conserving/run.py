@@ -207,12 +207,12 @@ class Run(Steps):
         rates_at_end(s.rates, s.sizes, end)
         V = s.V[: self.moving]
         twists(self._kinds, self.equations.tables.turning, s.H, V, end, v, rates)
-        return self.equations.report(s.H, v, rates, multipliers, carried=False).reactions
+        return self.equations.report(s.H, v, rates, multipliers, linearised=False).reactions
 
     # --- checkpoints ---
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state that :meth:`memory` returned."""
+        """Restore the state that :meth:`saved_state` returned."""
         super().restore(kept)
         self._set_size(self.size)
         if self._changing:

@@ -268,18 +268,18 @@ class RunState(DividedIntegration[History]):
     def saved(self) -> dict[str, Array]:
         """A copy of the state that a step changes."""
         copies = {name: array.copy() for name, array in self._arrays.items()}
-        return copies | saved(self, (*_PARTS, "equations.memory"))
+        return copies | saved(self, (*_PARTS, "equations.history_variables"))
 
     def take_back(self, state: Mapping[str, Array]) -> None:
         """Restore a :meth:`saved` state."""
         for name, array in self._arrays.items():
             array[...] = state[name]
-        put_back(self, (*_PARTS, "equations.memory"), state)
+        put_back(self, (*_PARTS, "equations.history_variables"), state)
 
     def _resize(self, h: float) -> None:
         """Set the state as the start of a step of another size, see :mod:`.variable`."""
         s, r = self.s, h / self.size
-        s.w[:], s.w_F[:], s.carry[:] = r * s.w, r * s.w_F, s.carry / r
+        s.w[:], s.w_F[:], s.last_residual[:] = r * s.w, r * s.w_F, s.last_residual / r
         s.cell_forces[1, :], s.within[:] = r * s.cell_forces[1], r * s.within
         s.filter_state.length *= r * r
         self.progress.motion *= r
@@ -434,7 +434,7 @@ class RunState(DividedIntegration[History]):
         equations.residual(now, self.model.scale, self._r, self._found)
         # the first step conserves, see filtered forces
         h, still = (
-            (1.0 + self.options.dissipation * self.s.filter_state.remembers) * self.size,
+            (1.0 + self.options.dissipation * self.s.filter_state.active) * self.size,
             np.zeros((n, 6)),
         )
         plan = Plan(still, scale, 4.0 / h**2, 2.0 / h, joints_at, forces_at)

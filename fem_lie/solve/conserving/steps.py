@@ -358,13 +358,13 @@ class Steps(RunState):
 
     def _go_on(self) -> None:
         """Tasks after a step."""
-        s, python_forces, memory = self.s, self._python_forces, self.equations.memory
-        memory.accept(s.H)
+        s, python_forces, history = self.s, self._python_forces, self.equations.history_variables
+        history.accept(s.H)
         if python_forces.joints is not None:
             python_forces.joints.accept(s.H, self.model.driven, s.gap)
         python_forces.accept()
         if len(self._vectors):
-            memory.rotate_axes(s.H)
+            history.rotate_axes(s.H)
 
     def _go_free(
         self, last: int, rule: tuple[int, float], limit: int, *, always: bool = False

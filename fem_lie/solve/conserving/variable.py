@@ -6,7 +6,7 @@ except for quantities that belong to the size and not to the motion: the filter 
 (:mod:`.step.dissipation`), and the force left over by round-off, whose impulse is what counts. When
 h becomes ``r h``::
 
-    w ← r w          carry ← carry / r
+    w ← r w          last_residual ← last_residual / r
 """
 
 from __future__ import annotations
@@ -82,9 +82,7 @@ class ConservingSteps(Run):
         s, r = self.s, h / self.size
         if abs(r - 1.0) > 1e-12:
             self._resize(h)
-        self.levels.use(
-            4.0 / ((1.0 + self.options.dissipation * s.filter_state.remembers) * h) ** 2
-        )
+        self.levels.use(4.0 / ((1.0 + self.options.dissipation * s.filter_state.active) * h) ** 2)
         self._factors = self.levels.present
         if self._factors is not None:
             self.model.scale[:] = self.levels.scale()
@@ -105,7 +103,7 @@ class ConservingSteps(Run):
     def pass_event(self, time: float) -> None:
         """Reset the filter state; driven unknowns get their new velocity by an impulse."""
         s = self.s
-        s.filter_state.remembers, s.filter_state.length, s.w[:], s.w_F[:], s.sizes[:] = (
+        s.filter_state.active, s.filter_state.length, s.w[:], s.w_F[:], s.sizes[:] = (
             0.0,
             0.0,
             0.0,

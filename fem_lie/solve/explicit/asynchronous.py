@@ -111,7 +111,7 @@ class AsynchronousRun(Integration[Recorder]):
             courant: Steps of cells over the largest stable ones.
         """
         super().__init__(FactoriseOnce(), equations, step)
-        self.carried = equations.memory
+        self.equations_state = equations.history_variables
         n, known = equations.unknowns.moving, equations.tables
         tables = [term.tables[0] for term in known.terms if term.tables is not None]
         self._rows: Indices = np.concatenate([NO_ROWS, *(t[0] for t in tables)])

@@ -88,7 +88,7 @@ class ExplicitRun(Integration[Recorder]):
             limit: Largest stable step at the start.
         """
         super().__init__(FactoriseOnce(), equations, step)
-        self.carried = equations.memory
+        self.equations_state = equations.history_variables
         unknowns, known = equations.unknowns, equations.tables
         n = unknowns.moving
         self.masses, self.limit, self._n = masses, limit, n
@@ -213,7 +213,7 @@ class ExplicitRun(Integration[Recorder]):
         while loop.run(self._packed.table, how, last) == loop.RESIDUAL:
             self.equations.residual(self._instant, self._one, self.r, self._forces)
             if self._remembers:
-                if not self._remembered(start):
+                if not self._accept_history(start):
                     return False
                 start[:] = self.H
         if not np.isfinite(self.p).all():
@@ -230,7 +230,7 @@ class ExplicitRun(Integration[Recorder]):
         """Make the next step with joints; return whether it was made."""
         self.progress.step += 1
         start = self.H.copy()
-        if not joints.step(self.h, self.H, self.p, self.r) or not self._remembered(start):
+        if not joints.step(self.h, self.H, self.p, self.r) or not self._accept_history(start):
             return False
         self._look()
         return True
@@ -265,7 +265,7 @@ class ExplicitRun(Integration[Recorder]):
     def _convect_axes(self) -> None:
         """Update convected axes, and write forces along the new ones."""
         before = self.H.copy()
-        self.equations.memory.rotate_axes(self.H)
+        self.equations.history_variables.rotate_axes(self.H)
         nodes.write_in_new_axes(self.masses.kinds, before, self.H, self.r)
         if self._joints is not None:
             self._joints.restart()

@@ -85,10 +85,10 @@ class CoupledBodies:
 
     def _rows_of(self, H: Array, pairs: Indices, axis: Indices) -> BlockRows:
         """Contact Jacobian at frames ``H``."""
-        memory = empty_rows(len(pairs), self._width, 3)
-        append_rows(H, self.near.touch, pairs, axis, memory)
-        count = memory.first[-1]
-        return BlockRows(memory.first, memory.nodes[:count], memory.values[:count])
+        blocks = empty_rows(len(pairs), self._width, 3)
+        append_rows(H, self.near.touch, pairs, axis, blocks)
+        count = blocks.first[-1]
+        return BlockRows(blocks.first, blocks.nodes[:count], blocks.values[:count])
 
     def _rates_of(self, rows: BlockRows, H: Array, twists: Array) -> Array:
         """Contact velocities or increments (k, 3) from twists of nodes in frames ``H``."""
@@ -113,8 +113,8 @@ class CoupledBodies:
     def _pushed(self, f: Array) -> tuple[Array, Array]:
         """``S⁻¹ f`` with closed joints, for forces (6 n, k), and the joint multipliers, (m, k)."""
         if self._kept is None:
-            found, carried = self._impulses.solve(f)
-            return np.asarray(found / self._rule.mass, dtype=np.float64), carried
+            found, reactions = self._impulses.solve(f)
+            return np.asarray(found / self._rule.mass, dtype=np.float64), reactions
         n, kept = len(f), self._kept
         moved, held = np.empty_like(f), np.empty((self._m, f.shape[1]))
         for k in range(f.shape[1]):

@@ -56,7 +56,7 @@ class Moved(NamedTuple):
         r: Contact forces, shape (k, 3).
         rows: Contact Jacobian there.
         forces: Blocks of the force rows, shape (b, 3, 6).
-        carried: Constraint forces of joints, shape (m,).
+        reactions: Constraint forces of joints, shape (m,).
         slips: Sliding distances, shape (k, 2).
         sweeps: Number of sweeps over all cones.
         residual: Remaining residual of the cones.
@@ -67,7 +67,7 @@ class Moved(NamedTuple):
     r: Array
     rows: BlockRows
     forces: Array
-    carried: Array
+    reactions: Array
     slips: Array
     sweeps: int
     residual: float
@@ -148,8 +148,8 @@ class CoupledPositions(CoupledBodies):
         rows = self._rows_of(H, chosen.pairs, chosen.axis)
         slips = self._slips(chosen, H, rows, glide)
         r = r + held
-        carried = responses.reactions(r)
-        return Moved(H, d, r, rows, forces, carried, slips, sweeps, left)
+        reactions = responses.reactions(r)
+        return Moved(H, d, r, rows, forces, reactions, slips, sweeps, left)
 
     def _size(self, d: Array) -> float:
         """Norm of an increment.
@@ -214,7 +214,7 @@ class CoupledVelocities(CoupledPositions):
             all_to_group(kinds, end, by)
             v += self._rule.damping * by
             given = self._rule.damping / self._rule.mass * moved.r
-            self.reactions[:] = self._rule.damping / self._rule.mass * moved.carried
+            self.reactions[:] = self._rule.damping / self._rule.mass * moved.reactions
         smooth, twist = np.empty_like(v), np.empty_like(v)
         to_twists(kinds, H, before, smooth)
         to_twists(kinds, H, v, twist)
@@ -236,8 +236,8 @@ class CoupledVelocities(CoupledPositions):
         opens &= chosen.smooth > 0.0
         problem.q[opens, 0] = np.maximum(problem.q[opens, 0], 0.0) + 1e3 * np.abs(u).max()
         problem.r[:], problem.least[0] = impulses, _TINY * float(np.abs(V).max())
-        memory = np.empty((k, 3)), np.empty((k, 3))
-        sweeps, residual = cones.solve_exactly(problem, k, TOLERANCE, memory)
+        workspace = np.empty((k, 3)), np.empty((k, 3))
+        sweeps, residual = cones.solve_exactly(problem, k, TOLERANCE, workspace)
         self.statistics[SWEEPS] += sweeps
         self.statistics[RESIDUAL] = max(self.statistics[RESIDUAL], residual)
         P, change = problem.r, problem.r - given

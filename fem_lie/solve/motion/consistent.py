@@ -178,7 +178,7 @@ class _AtStart(Iterated):
         """Evaluate the residual, which does not end the iteration."""
         n, r = self._equations.unknowns.moving, self._solver.right_hand_side
         now = TimeState(self._H, self._v, self._rate[:n], self.multipliers)
-        self._equations.residual(now, np.ones(len(self.multipliers)), r, carried=True)
+        self._equations.residual(now, np.ones(len(self.multipliers)), r, linearised=True)
         drive, _ = self._constraints.rates(self._rate)
         r[6 * n :] = self._second + drive - self._targets
         largest = float(np.abs(r).max(initial=0.0))

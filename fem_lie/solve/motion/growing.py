@@ -26,8 +26,8 @@ class Growing(History):
         self._duration, self._saving = plan.duration, plan.saving
         # times of the last state and of the last checkpoint
         self._before, self._saved = 0.0, 0.0
-        if self._store is not None and self._store.memory:
-            self._before, self._saved = map(float, self._store.memory[_TIMES])
+        if self._store is not None and self._store.state:
+            self._before, self._saved = map(float, self._store.state[_TIMES])
         # ``None``: no bar without a terminal
         hidden = None if progress is None else not progress
         self._bar = tqdm(total=_PERCENT, unit="%", disable=hidden, mininterval=0.5)
@@ -43,11 +43,11 @@ class Growing(History):
     def _percent(self, time: float) -> int:
         return int(_PERCENT * time / self._duration)
 
-    def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
+    def write_checkpoint(self, index: int, state: dict[str, Array]) -> None:
         """Write a checkpoint of the run."""
         self._saved = self._before
         own = {_TIMES: np.array([self._before, self._saved])}
-        super().write_checkpoint(index, memory | own)
+        super().write_checkpoint(index, state | own)
 
     def due(self, time: float, ahead: float, index: int, iterations: int, event: bool) -> bool:
         """Whether the state after step ``index`` is to be recorded; if so, a row is reserved.

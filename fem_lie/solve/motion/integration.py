@@ -84,7 +84,7 @@ class Driver(ABC, Stateful, Generic[HistoryT]):
 
     def _save(self, history: HistoryT) -> None:
         """Write a checkpoint."""
-        history.write_checkpoint(self.index, self.memory())
+        history.write_checkpoint(self.index, self.saved_state())
 
     def run(self, plan: Plan, progress: bool | None, store: Checkpoints | None) -> Result:
         """Make all steps from the start, or from the checkpoint of a store.
@@ -100,7 +100,7 @@ class Driver(ABC, Stateful, Generic[HistoryT]):
         history = self.history(plan, progress, store)
         if not history.fresh:
             assert store is not None
-            self.restore(store.memory)
+            self.restore(store.state)
         return self.integrate(history)
 
     def integrate(self, history: HistoryT) -> Result:
@@ -146,11 +146,11 @@ class Integration(Driver[HistoryT]):
         decisions: Decisions of the refactorisation policy.
         reason: Why the last step failed, if there is a more specific reason than no convergence.
         matrix_terms: Terms of the iteration matrix.
-        carried: State of the equations apart from frames and velocities; by default with the
-            matrix.
+        equations_state: State of the equations apart from frames and velocities; by default with
+            the matrix.
     """
 
-    STATE = attributes("decisions", "carried")
+    STATE = attributes("decisions", "equations_state")
 
     def __init__(
         self,
@@ -169,14 +169,14 @@ class Integration(Driver[HistoryT]):
             bound: Whether the constraint Jacobian may be updated separately.
         """
         self.equations, self.h, self.decisions = equations, float(step), policy.begin(bound)
-        self.carried: HasState = equations.memory.with_matrix
+        self.equations_state: HasState = equations.history_variables.with_matrix
         self.reason = ""
         spin = float(np.abs(equations.start.velocities[:, 3:]).max())
         self.matrix_terms = equations.scene.matrix_terms.resolve(spin * step)
         summary = equations.unknowns.summary, self.matrix_terms, type(policy).__name__
         _log.info("%s; %s; matrix: %s", *summary)
 
-    def _remembered(self, start: Array | None, middle: Array | None = None) -> bool:
+    def _accept_history(self, start: Array | None, middle: Array | None = None) -> bool:
         """Accept the current frames; return whether no surfaces passed through each other.
 
         Args:
@@ -184,12 +184,12 @@ class Integration(Driver[HistoryT]):
             middle: Frames at which forces act in the step; default: at both ends.
         """
         try:
-            self.equations.memory.accept(self.frames, start)
+            self.equations.history_variables.accept(self.frames, start)
         except PassedThroughError as error:
             self.reason = str(error)
             return False
         if start is not None:
-            self.equations.memory.watch(start, self.frames, self.h, middle)
+            self.equations.history_variables.watch(start, self.frames, self.h, middle)
         return True
 
     def _keep_apart(self, start: Array, end: Array) -> bool:
@@ -203,7 +203,7 @@ class Integration(Driver[HistoryT]):
         """
         self.reason = ""
         try:
-            self.equations.memory.check_passage(start, end)
+            self.equations.history_variables.check_passage(start, end)
         except PassedThroughError as error:
             self.reason = str(error)
         return not self.reason

@@ -55,7 +55,7 @@ class PolicyState(ABC):
             iteration: Number of the iteration in its step, from 1.
         """
 
-    def after_step(self, iterations: int) -> None:  # noqa: B027 - most have no memory
+    def after_step(self, iterations: int) -> None:  # noqa: B027 - most have no state
         """Record the number of iterations of the step.
 
         Args:
@@ -79,12 +79,12 @@ class PolicyState(ABC):
                 :mod:`fem_lie.solve.alpha.staleness`.
         """
 
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """Copies of all numbers, arrays and records among the attributes, by name."""
         return saved(self, self._state)
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state that :meth:`memory` returned.
+        """Restore the state that :meth:`saved_state` returned.
 
         Args:
             kept: State that was copied before.

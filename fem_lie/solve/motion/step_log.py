@@ -112,7 +112,7 @@ class StepLog:
         self.errors.append(error)
         self.measured.append(measured)
 
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """Arrays of the log, by name."""
         return {
             "times": np.array(self.times),
@@ -123,7 +123,7 @@ class StepLog:
         }
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the arrays that :meth:`memory` returned."""
+        """Restore the arrays that :meth:`saved_state` returned."""
         for name in ("times", "sizes", "rejected"):
             getattr(self, name)[:] = map(float, kept[name])
         self.errors[:] = (
@@ -133,7 +133,7 @@ class StepLog:
 
     def history(self) -> StepHistory:
         """All steps as a record."""
-        known = self.memory()
+        known = self.saved_state()
         errors, measured = known["errors"], known["measured"]
         masters = self.equations.unknowns.masters
         return StepHistory(

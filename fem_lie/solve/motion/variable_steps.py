@@ -116,12 +116,12 @@ class Stepper(Protocol[HistoryT]):
         """Drop all matrices; factorise that of the current state, ``time`` and step size."""
 
     @abstractmethod
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """State on which the next steps depend, except matrices."""
 
     @abstractmethod
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state that :meth:`memory` returned, without matrices."""
+        """Restore the state that :meth:`saved_state` returned, without matrices."""
 
 
 def events(scene: Scene, duration: float) -> tuple[float, ...]:
@@ -262,7 +262,7 @@ class VariableSteps(Driver[Growing]):
         iterations = stepper.step_to(time, end, index + 1, lands)
         error = stepper.estimate(before, time, end) if iterations else None
         e = np.inf if error is None else control.ratio(error.translation, error.rotation, h)
-        if e <= 1.0 and not self._remembered(start):
+        if e <= 1.0 and not self._accept_history(start):
             e = np.inf
         if error is None or e > 1.0:
             self._last = h, error, stepper.increment
@@ -277,15 +277,15 @@ class VariableSteps(Driver[Growing]):
         self._index, self._time, self._iterations = index + 1, end, iterations
         return True
 
-    def _remembered(self, start: Array) -> bool:
+    def _accept_history(self, start: Array) -> bool:
         """Whether the equations accept the end, with no surfaces passing through each other."""
         stepper = self._stepper
         try:
-            stepper.equations.memory.accept(stepper.frames, start)
+            stepper.equations.history_variables.accept(stepper.frames, start)
         except PassedThroughError as error:
             stepper.reason = str(error)
             return False
-        stepper.equations.memory.watch(start, stepper.frames, stepper.h)
+        stepper.equations.history_variables.watch(start, stepper.frames, stepper.h)
         return True
 
     def _try_again(self, time: float, index: int) -> None:

@@ -187,7 +187,7 @@ class Domain(Run):
         super().__init__(options, equations, whole / count)
         self.count, self.rows = count, rows
         self._own: dict[str, Array] = {}
-        self._end_forces_before = self._end_forces.memory()
+        self._end_forces_before = self._end_forces.saved_state()
         self._V1, self._first = self.this.V1.copy(), 0
 
     @property
@@ -198,8 +198,8 @@ class Domain(Run):
     def begin(self) -> None:
         """Save the current state: whole steps start from it until the next call."""
         self._before = saved(self, ["s"])
-        self._own, self._V1, self._first = self.cells.memory(), self.this.V1.copy(), self.index
-        self._end_forces_before = self._end_forces.memory()
+        self._own, self._V1, self._first = self.cells.saved_state(), self.this.V1.copy(), self.index
+        self._end_forces_before = self._end_forces.saved_state()
 
     @property
     def frames_before(self) -> Array:
@@ -258,9 +258,9 @@ class Domain(Run):
 
     # --- checkpoints ---
 
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """State with the factors of the matrix, which belong to no particular state."""
-        kept = super().memory()
+        kept = super().saved_state()
         return kept if self._factors is None else kept | self._factors.arrays()
 
     def _frozen_factors(self, kept: Mapping[str, Array]) -> Factors | None:

@@ -74,7 +74,7 @@ class MultiRateRun(DividedIntegration[History]):
             between: Equations of all bodies and the joints between domains.
         """
         super().__init__(options.policy, equations, step)
-        self.carried = equations.memory
+        self.equations_state = equations.history_variables
         self.options = options
         self._domains = tuple(
             Domain(options, part, step, count, rows_of(part, equations))
@@ -171,7 +171,7 @@ class MultiRateRun(DividedIntegration[History]):
         balance = np.sum([domain.s.balance for domain in self._domains], axis=0)
         self._filled.by_both(history, H, (V, v[:n]), multipliers, balance)
         if Record.FORCES in history.filled and held:
-            report = equations.report(H, v, rates, multipliers, carried=False)
+            report = equations.report(H, v, rates, multipliers, linearised=False)
             history.reactions[row] = report.reactions
         if Record.ENERGIES in history.filled:
             if self._joints is not None:

@@ -44,7 +44,7 @@ class Checkpoints:
     Attributes:
         every: Steps between two checkpoints; 0: at every hundredth of the duration.
         row: Number of rows of results at the checkpoint from which the run restarts.
-        memory: State at that checkpoint, or empty.
+        state: State at that checkpoint, or empty.
         plan: Plan of the run.
     """
 
@@ -64,7 +64,7 @@ class Checkpoints:
         """
         self._packed_plan = plan.packed()
         self._path, self.every, self.plan, self._fingerprint = place(path), every, plan, fingerprint
-        self.row, self.memory, self.seconds = 0, dict[str, Array](), 0.0
+        self.row, self.state, self.seconds = 0, dict[str, Array](), 0.0
         self._until, self._at = 0.0, 0.0
 
     @classmethod
@@ -94,7 +94,7 @@ class Checkpoints:
             )
         store = cls(file, every, plan, fingerprint)
         store.row, store.seconds = int(kept.pop("row")), float(kept.pop("seconds"))
-        store.memory, store._at = kept, float(ends[-1])
+        store.state, store._at = kept, float(ends[-1])
         return store
 
     def open(self, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], rows: int) -> None:
@@ -103,7 +103,7 @@ class Checkpoints:
         Raises:
             OSError: The file cannot be created; the message names it.
         """
-        if not self.memory:
+        if not self.state:
             size = 8 * rows * sum(prod(shape) for shape in shapes.values())
             with self._writing("the file of results cannot be made"):
                 free = disk_usage(self._path.parent).free
@@ -143,19 +143,19 @@ class Checkpoints:
         """The first rows of all results, mapped into memory."""
         return self._file.read(count)
 
-    def write(self, index: int, row: int, seconds: float, memory: dict[str, Array]) -> None:
+    def write(self, index: int, row: int, seconds: float, state: dict[str, Array]) -> None:
         """Replace the checkpoint.
 
         Args:
             index: Number of steps made.
             row: Number of rows of results so far.
             seconds: Wall time so far.
-            memory: State on which the next steps depend.
+            state: State on which the next steps depend.
 
         Raises:
             OSError: As in :meth:`append`; the last checkpoint stays.
         """
-        ends = self.plan.ends(index, memory)
+        ends = self.plan.ends(index, state)
         own: dict[str, Any] = {
             "progress": np.array([self.every, index]),
             "fingerprint": self._fingerprint.packed(ends),
@@ -163,7 +163,7 @@ class Checkpoints:
             "seconds": np.array(seconds),
         }
         own |= self._packed_plan
-        packed, kept = BytesIO(), own | memory
+        packed, kept = BytesIO(), own | state
         # the directory of an archive has no checksum: lost entries would not be noticed
         kept[_NAMES] = np.array(sorted(kept))
         np.savez(packed, **kept)

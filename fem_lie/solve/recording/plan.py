@@ -139,7 +139,7 @@ class Plan(ABC):
         """The plan as arrays, for a checkpoint."""
 
     @abstractmethod
-    def ends(self, index: int, memory: Mapping[str, Array]) -> Array:
+    def ends(self, index: int, state: Mapping[str, Array]) -> Array:
         """Times at the start and after each step up to ``index``, of a run with this state."""
 
 
@@ -164,7 +164,7 @@ class EqualSteps(Plan):
         own = {"plan.steps": np.array(self.steps), "plan.step": np.array(self.step)}
         return own | _packed_saving(self.saving)
 
-    def ends(self, index: int, memory: Mapping[str, Array]) -> Array:
+    def ends(self, index: int, state: Mapping[str, Array]) -> Array:
         """Times at the start and after each step up to ``index``."""
         return self.step * np.arange(index + 1, dtype=np.float64)
 
@@ -190,9 +190,9 @@ class ChosenSteps(Plan):
         own = {"plan.duration": np.array(self.duration)}
         return own | {"plan.choice": np.array(described(self.choice))} | _packed_saving(self.saving)
 
-    def ends(self, index: int, memory: Mapping[str, Array]) -> Array:
+    def ends(self, index: int, state: Mapping[str, Array]) -> Array:
         """Times at the start and after each step up to ``index``."""
-        return np.concatenate([[0.0], memory[STEP_TIMES]])
+        return np.concatenate([[0.0], state[STEP_TIMES]])
 
 
 def unpacked(kept: Mapping[str, Any]) -> Plan:

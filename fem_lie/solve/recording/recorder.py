@@ -179,10 +179,10 @@ class History(Window):
         """
         return self._store is not None and index % self._store.every == 0
 
-    def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
+    def write_checkpoint(self, index: int, state: dict[str, Array]) -> None:
         """Write the state on which the next steps depend."""
         assert self._store is not None
-        kept = memory | self._memory()
+        kept = state | self._saved_state()
         self._store.write(index, self._gone, self.seconds, kept)
 
     def add(self, record: StepHistory | ContactSteps) -> None:
@@ -249,7 +249,7 @@ class Recorder(History):
         super().__init__(equations.info, plan, progress, store)
         self._equations, self._filled = equations, ResultRow(equations)
         self._held = Record.FORCES in self.filled and len(equations.unknowns.supported) > 0
-        self.count = 0 if store is None or not store.memory else int(store.memory["count"])
+        self.count = 0 if store is None or not store.state else int(store.state["count"])
         self.scene = self._filled.scene
         self.whole = not self._held and equations.tables.complete
 
@@ -315,11 +315,11 @@ class Recorder(History):
         self.times[row], self.iterations[row] = time, self.count
         self.row += 1
 
-    def write_checkpoint(self, index: int, memory: dict[str, Array]) -> None:
+    def write_checkpoint(self, index: int, state: dict[str, Array]) -> None:
         """Write the state on which the next steps depend, and the number of iterations.
 
         Args:
             index: Number of the step.
-            memory: State of the run.
+            state: State of the run.
         """
-        super().write_checkpoint(index, memory | {"count": np.array(self.count)})
+        super().write_checkpoint(index, state | {"count": np.array(self.count)})

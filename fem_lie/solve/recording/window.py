@@ -92,7 +92,7 @@ class Window:
         self._last_gap = 0.0
         # rows that were passed on
         self._gone, self._broken = 0, False
-        if store is not None and store.memory:
+        if store is not None and store.state:
             self._restore(store)
 
     # --- rows that are filled ---
@@ -208,9 +208,9 @@ class Window:
     @property
     def fresh(self) -> bool:
         """Whether the run was not restarted."""
-        return self._store is None or not self._store.memory
+        return self._store is None or not self._store.state
 
-    def _memory(self) -> dict[str, Array]:
+    def _saved_state(self) -> dict[str, Array]:
         """State on which the following rows depend."""
         self._pass_on(last=False)
         kept = {"window.first": self._first, "window.row": np.array(self.row)}
@@ -219,7 +219,7 @@ class Window:
         return kept
 
     def _restore(self, store: Checkpoints) -> None:
-        kept = store.memory
+        kept = store.state
         self._gone, self._first = store.row, kept["window.first"]
         self.row = int(kept["window.row"])
         if self.row:

@@ -39,24 +39,24 @@ class StableEquilibrium(SceneEquilibrium):
         weight: Units of the unknowns of the nodes: lengths and radians, shape (6 n,).
     """
 
-    def __init__(self, scene: Scene, prefix: str, *, carried_stress: bool = True) -> None:
+    def __init__(self, scene: Scene, prefix: str, *, linearised_stress: bool = True) -> None:
         """Build the equations.
 
         Args:
             scene: The scene.
             prefix: Prefix of the linear solver's options.
-            carried_stress: Iterate on the stress by linearised updates; otherwise plain Newton.
+            linearised_stress: Iterate on the stress by linearised updates; otherwise plain Newton.
         """
         super().__init__(scene, prefix)
-        self._carried_stress = carried_stress
+        self._linearised_stress = linearised_stress
         self.weight = self.equations.unknowns.units
         self._free = np.flatnonzero(~self.equations.unknowns.held.ravel())
 
     def factorise(self, factor: float) -> None:
         """Factorise the tangent stiffness, and count its negative eigenvalues."""
-        if not self._carried_stress:
+        if not self._linearised_stress:
             self._forces_known = False
-            self.equations.memory.carry(self._H)
+            self.equations.history_variables.update_stress(self._H)
         super().factorise(factor)
 
     def solve_raw(self, b: Array) -> Array:
@@ -208,12 +208,12 @@ class StableEquilibrium(SceneEquilibrium):
         The nodes stay where they are.
         """
         self._forces_known = False
-        state.carry(factor)
+        state.apply(factor)
         self._multipliers[:] = self._scale * factor * state.multipliers
         self._find(factor)
         state.add_forces(factor, self._found)
         self.equations.fill(self._now, self._found, Plan(self._zero, self._scale))
-        state.carry(0.0)
+        state.apply(0.0)
         return self.pencil()[0]
 
     def all_nodes(self, shapes: Array) -> tuple[Array, Flags]:

@@ -77,8 +77,8 @@ def follow_path(
     if chosen:
         ends = replace(ends, factor=1.0)
     _check_options(ends, resolution, options, start, control)
-    prefix, carried = options.petsc_options_prefix, options.carried_stress
-    model = StableEquilibrium(scene, prefix, carried_stress=carried)
+    prefix, linearised = options.petsc_options_prefix, options.linearised_stress
+    model = StableEquilibrium(scene, prefix, linearised_stress=linearised)
     walker = Walker(model, options.arc_length, abs(ends.factor) if ends.factor else 1.0)
     watch = Stopwatch()
     run = Pursuit(walker, ends, resolution, options.locate, control)

@@ -236,19 +236,19 @@ class PathOptions:
     Attributes:
         locate: Relative tolerance of the load at limit points and bifurcations, or ``None`` to
             leave them between the states.
-        carried_stress: Iterate on the stress by linearised updates; otherwise plain Newton.
+        linearised_stress: Iterate on the stress by linearised updates; otherwise plain Newton.
         arc_length: Tolerance and largest number of iterations.
         petsc_options_prefix: Prefix for the choice of the linear solver.
     """
 
     locate: float | None = 1e-6
-    carried_stress: bool = True
+    linearised_stress: bool = True
     arc_length: ArcLength = field(default_factory=ArcLength)
     petsc_options_prefix: str = "fem_lie_path_"
 
     def __post_init__(self) -> None:
         """Check the options."""
-        flag(self.carried_stress, "PathOptions: carried_stress")
+        flag(self.linearised_stress, "PathOptions: linearised_stress")
         instance(self.arc_length, ArcLength, "PathOptions: arc_length", "an ArcLength")
         text(self.petsc_options_prefix, "PathOptions: petsc_options_prefix")
         if self.locate is not None:

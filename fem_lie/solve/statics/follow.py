@@ -166,11 +166,11 @@ class SceneEquilibrium:
         self._scale: Array = np.ones(unknowns.m)
         self._solver = DirectSolver(equations.matrix, prefix, solutions=Solutions.FEW)
         self._solver.take_low_rank()
-        equations.memory.carry(self._H)
+        equations.history_variables.update_stress(self._H)
         self._internal, self._load = np.empty(unknowns.size), np.zeros(unknowns.size)
         self._forces_known, self._preload = False, 1.0
         self._scratch = np.empty(unknowns.size)
-        self._found = equations.residual(self._now, self._scale, self._scratch, carried=True)
+        self._found = equations.residual(self._now, self._scale, self._scratch, linearised=True)
         self.forces()
         if not self._load.any():
             raise ValueError("the arc length needs a load that is not zero on what can move")
@@ -181,7 +181,7 @@ class SceneEquilibrium:
         """Internal forces, and external ones at λ = 1, in the current state."""
         equations = self.equations
         equations.prescribed(0.0).act(0.0, self._preload)
-        equations.residual(self._now, self._scale, self._internal, self._found, carried=True)
+        equations.residual(self._now, self._scale, self._internal, self._found, linearised=True)
         self._load[: 6 * self._moving] = equations.prescribed(1.0).loads(self._H)
         self._forces_known = True
         return self._internal.copy(), self._load.copy()
@@ -253,7 +253,7 @@ class SceneEquilibrium:
         """Forces of the current state; those of nodes may already be known."""
         given, known = (self._scale, self._scratch, self._found), self._forces_known
         self.equations.prescribed(factor).act(factor, self._preload)
-        self.equations.residual(self._now, *given, carried=True, known=known)
+        self.equations.residual(self._now, *given, linearised=True, known=known)
 
     def solve(self, b: Array) -> Array:
         """Solve with the last tangent stiffness."""
@@ -271,7 +271,7 @@ class SceneEquilibrium:
     def move(self, dx: Array) -> None:
         """Update the stress linearly by ``dx``, then move nodes and multipliers."""
         self._forces_known = False
-        move(self.equations, self._H, -dx, carried=True)
+        move(self.equations, self._H, -dx, linearised=True)
         self._multipliers += self._scale * dx[6 * self._moving :]
 
     def reactions(self, state: _State, factor: float) -> Array:
@@ -310,7 +310,7 @@ class SceneEquilibrium:
 
     def check_passage(self, before: _State) -> None:
         """Raise ``PassedThroughError`` if surfaces passed through each other since a state."""
-        self.equations.memory.check_passage(before.frames, self._H)
+        self.equations.history_variables.check_passage(before.frames, self._H)
 
     def free_motions(self, factor: float) -> str:
         """Message on rigid motions that nothing resists in the current state, if there are any.
@@ -333,14 +333,16 @@ class SceneEquilibrium:
 
     def state(self) -> _State:
         """A copy of the current state; angles of joints are counted from here."""
-        self.equations.memory.accept(self._H)
-        return _State(self._H.copy(), self._multipliers.copy(), self.equations.memory.memory())
+        self.equations.history_variables.accept(self._H)
+        return _State(
+            self._H.copy(), self._multipliers.copy(), self.equations.history_variables.saved_state()
+        )
 
     def restore(self, state: _State) -> None:
         """Restore a copied state."""
         self._forces_known = False
         self._H[:], self._multipliers[:] = state.frames, state.multipliers
-        self.equations.memory.restore(state.saved)
+        self.equations.history_variables.restore(state.saved)
 
 
 class _AtFactor(Iterated):

@@ -35,25 +35,25 @@ if TYPE_CHECKING:
     from fem_lie.system.equations import Equations
 
 
-def move(equations: Equations, H: Array, x: Array, *, carried: bool) -> float:
+def move(equations: Equations, H: Array, x: Array, *, linearised: bool) -> float:
     """Move nodes by ``−x``.
 
     Args:
         equations: Equations of the scene.
         H: Frames of all rows, changed.
         x: Solution of the equations, in the nodes' frames, (≥ 6 n,).
-        carried: Whether the stress is updated linearly, too.
+        linearised: Whether the stress is updated linearly, too.
 
     Returns:
         The largest increment, over the unit of its unknown.
     """
     unknowns = equations.unknowns
-    equations.memory.follow(H, -x[: 6 * unknowns.moving])
-    if carried:
-        equations.memory.carry(H, -x[: 6 * unknowns.moving])
+    equations.history_variables.follow(H, -x[: 6 * unknowns.moving])
+    if linearised:
+        equations.history_variables.update_stress(H, -x[: 6 * unknowns.moving])
     ways = unknowns.held, unknowns.uncoupled, unknowns.straight
     advance(unknowns.kinds, H, x, *ways)
-    equations.memory.rotate_axes(H)
+    equations.history_variables.rotate_axes(H)
     return float(np.abs(x[: 6 * unknowns.moving] / unknowns.units).max(initial=0.0))
 
 
@@ -66,7 +66,7 @@ class Newton:
             size of the model.
         max_iterations: Largest number of iterations of a step.
         smallest_step: Smallest load step, below which the analysis fails.
-        carried_stress: Iterate on the stress as an independent unknown, by linearised updates
+        linearised_stress: Iterate on the stress as an independent unknown, by linearised updates
             (Magisano, Leonetti & Garcea 2017), which converges in a few iterations at any
             slenderness; otherwise plain Newton.
 
@@ -77,14 +77,14 @@ class Newton:
     tolerance: float = 1e-10
     max_iterations: int = 25
     smallest_step: float = 1e-3
-    carried_stress: bool = True
+    linearised_stress: bool = True
 
     def __post_init__(self) -> None:
         """Check the options."""
         number(self.tolerance, "Newton: tolerance")
         number(self.smallest_step, "Newton: smallest_step")
         whole(self.max_iterations, "Newton: max_iterations")
-        flag(self.carried_stress, "Newton: carried_stress")
+        flag(self.linearised_stress, "Newton: linearised_stress")
         if not self.tolerance > 0 or not 0 < self.smallest_step <= 1:
             raise ValueError(
                 "Newton: expected tolerance > 0 and 0 < smallest_step ≤ 1, got "
@@ -125,10 +125,10 @@ class LoadSteps(Iterated):
         self.last: float = 0.0
         self._lost, self._factor = "", 0.0
         self._criterion: Criterion = Polishing()
-        equations.memory.carry(self.H)
+        equations.history_variables.update_stress(self.H)
         now = TimeState(self.H, self._zero, self._zero, self.multipliers)
         self._scale = equations.fill(now, None, Plan(self._zero))
-        self._found = equations.residual(now, self._scale, self._r, carried=True)
+        self._found = equations.residual(now, self._scale, self._r, linearised=True)
 
         self._factors: list[float] = []
         self._frames: list[Array] = []
@@ -205,8 +205,8 @@ class LoadSteps(Iterated):
 
     def _preload(self, smallest: float) -> None:
         """Preload the springs step by step, without loads; on failure the state is restored."""
-        memory, part, step = self.equations.memory, 0.0, 0.5
-        H, multipliers, saved = self.H.copy(), self.multipliers.copy(), memory.memory()
+        history, part, step = self.equations.history_variables, 0.0, 0.5
+        H, multipliers, saved = self.H.copy(), self.multipliers.copy(), history.saved_state()
         while part < 1.0:
             if self._reach(0.0, min(1.0, part + step)) is not None:
                 part, step = min(1.0, part + step), 2.0 * step
@@ -214,7 +214,7 @@ class LoadSteps(Iterated):
             step /= 2.0
             if step < smallest:
                 _log.info("springs cannot be preloaded without loads")
-                memory.restore(saved)
+                history.restore(saved)
                 self.H, self.multipliers = H, multipliers
                 return
 
@@ -238,8 +238,8 @@ class LoadSteps(Iterated):
                 "The matrix is singular: is every body held by clamps or joints, with no motion "
                 "left free?"
             )
-        if not self._options.carried_stress:
-            return "Try Newton(carried_stress=True), or more load_steps."
+        if not self._options.linearised_stress:
+            return "Try Newton(linearised_stress=True), or more load_steps."
         return (
             "Try more load_steps; if the load has a maximum here (snap-through), prescribe a "
             "displacement instead of a load."
@@ -272,7 +272,11 @@ class LoadSteps(Iterated):
             then restored.
         """
         equations = self.equations
-        H, multipliers, saved = self.H.copy(), self.multipliers.copy(), equations.memory.memory()
+        H, multipliers, saved = (
+            self.H.copy(),
+            self.multipliers.copy(),
+            equations.history_variables.saved_state(),
+        )
         now = equations.prescribed(factor)
         now.act(factor, preload)
         self.H[self._moving + 1 :] = now.frames
@@ -288,7 +292,7 @@ class LoadSteps(Iterated):
         self.H, self.multipliers = H, multipliers
         self._failed += self.iterations
         self._failed_steps += 1
-        equations.memory.restore(saved)
+        equations.history_variables.restore(saved)
         return None
 
     def _accept(self, factor: float, before: Array) -> int:
@@ -307,7 +311,7 @@ class LoadSteps(Iterated):
         if self._to_check and factor:
             self._check_held(factor)
         pivots = self._negative_pivots(factor)
-        self.equations.memory.accept(self.H, before)
+        self.equations.history_variables.accept(self.H, before)
         return pivots
 
     def _check_held(self, factor: float) -> None:
@@ -319,15 +323,15 @@ class LoadSteps(Iterated):
         self._to_check, search = False, FreeMotions(self.equations)
         if not search.possible or not len(search.allowed(self.H)):
             return
-        memory = self.equations.memory
-        H, multipliers, saved = self.H.copy(), self.multipliers.copy(), memory.memory()
+        history = self.equations.history_variables
+        H, multipliers, saved = self.H.copy(), self.multipliers.copy(), history.saved_state()
         # unbalanced forces would contribute resistance
         self._factor, self._criterion = factor, Polishing()
         iterate(self, POLISHED)
         self._fill(factor)
         free = search.unresisted(search.allowed(self.H), self._r)
         self.H, self.multipliers = H, multipliers
-        memory.restore(saved)
+        history.restore(saved)
         if len(free):
             raise SingularStartError(search.message(free, factor), self.result())
 
@@ -347,12 +351,12 @@ class LoadSteps(Iterated):
     def _fill(self, factor: float) -> None:
         """Residual and matrix of the current state."""
         equations, H, zero = self.equations, self.H, self._zero
-        if not self._options.carried_stress:
-            equations.memory.carry(H)
+        if not self._options.linearised_stress:
+            equations.history_variables.update_stress(H)
         # centrifugal forces are in proportion to the load factor
         v = self._rotation.velocities(equations.unknowns.kinds, H, np.sqrt(factor))
         now = TimeState(H, v, zero, self.multipliers)
-        equations.residual(now, self._scale, self._r, self._found, carried=True)
+        equations.residual(now, self._scale, self._r, self._found, linearised=True)
         self.residual = float(np.abs(self._r).max(initial=0.0))
         plan = Plan(zero, self._scale, steady=bool(self._rotation))
         equations.fill(now, self._found, plan)
@@ -373,7 +377,7 @@ class LoadSteps(Iterated):
         self._solver.solve()
         nodes = self._dx[: 6 * self._moving].reshape(-1, 6)
         self.equations.supports.rotate_back(self.H, nodes)
-        size = move(self.equations, self.H, self._dx, carried=self._options.carried_stress)
+        size = move(self.equations, self.H, self._dx, linearised=self._options.linearised_stress)
         self.multipliers -= self._scale * self._dx[6 * self._moving :]
         return size
 

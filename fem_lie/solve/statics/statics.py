@@ -92,7 +92,7 @@ def statics(
     if (
         tension_only
         or has_friction
-        or not options.carried_stress
+        or not options.linearised_stress
         or rotation
         or not in_proportion(scene)
     ):

@@ -280,7 +280,7 @@ class VariationalRun(Newton):
             assert was is not None
             put_back(self, _CHANGED, was)
             return False
-        if not self._remembered(start, middle):
+        if not self._accept_history(start, middle):
             return False
         if self._follows:
             self._convect_axes()
@@ -329,7 +329,7 @@ class VariationalRun(Newton):
     def _convect_axes(self) -> None:
         """Update convected axes at the accepted state, and the spins of frames along them."""
         kinds, before = self.equations.unknowns.kinds, self.H.copy()
-        self.equations.memory.rotate_axes(self.H)
+        self.equations.history_variables.rotate_axes(self.H)
         for spatial in (self.before, *self.steps):
             momenta.turn_with(kinds, before, self.H, spatial)
 
@@ -359,7 +359,7 @@ class VariationalRun(Newton):
         history.show_progress(self.index)
         wanted = history.wants(self.index)
         if wanted:
-            with self.equations.memory.unchanged():
+            with self.equations.history_variables.unchanged():
                 self.record_state(history, self.time, moved=self.index > 0)
             if self._contacts is not None and self.index:
                 self._contacts.record(self.H, self.time)
@@ -396,13 +396,13 @@ class VariationalRun(Newton):
 
     # --- checkpoints ---
 
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """State of the run, with the factors of the matrix, which belong to no particular state."""
-        kept = super().memory()
+        kept = super().saved_state()
         return kept if self._factors is None else kept | self._factors.arrays()
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state that :meth:`memory` returned."""
+        """Restore the state that :meth:`saved_state` returned."""
         super().restore(kept)
         self._take_size(self.part_size)
         self._factors = Factors.of(kept)

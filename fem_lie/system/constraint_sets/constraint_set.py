@@ -146,7 +146,7 @@ class Targets:
         return first / step, second / step**2
 
 
-MemoryKey: TypeAlias = tuple[str, str]
+HistoryKey: TypeAlias = tuple[str, str]
 """Label of a joint, and name of its coordinate."""
 
 
@@ -362,7 +362,7 @@ class ConstraintSet(ABC):
         """
         return
 
-    # --- memory ---
+    # --- history variables ---
 
     def accept(self, H: Array) -> None:
         """Update history variables that frames do not determine, at an accepted state.
@@ -373,13 +373,13 @@ class ConstraintSet(ABC):
         return  # most sets have no history variables
 
     @property
-    def memory(self) -> tuple[Array, ...]:
+    def history_variables(self) -> tuple[Array, ...]:
         """History variables that :meth:`accept` updates; arrays that may be written."""
         return ()
 
     @property
-    def memory_keys(self) -> tuple[list[MemoryKey], ...]:
-        """Joint and coordinate of each entry of :attr:`memory`, independent of other items."""
+    def history_keys(self) -> tuple[list[HistoryKey], ...]:
+        """Joint and coordinate of each history variable, independent of other items."""
         return ()
 
     # --- results ---

@@ -21,8 +21,8 @@ from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.averages import AveragedPairs
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
+    HistoryKey,
     Means,
-    MemoryKey,
     Numbered,
     Rows,
     Start,
@@ -342,21 +342,21 @@ class OnAttachments(ConstraintSet):
         """Apply a fraction of the preload of springs with a prescribed rest value."""
         self.inner.preload(self._seen(H)[0], part)
 
-    # --- memory ---
+    # --- history variables ---
 
     def accept(self, H: Array) -> None:
         """Update history variables that frames do not determine, at an accepted state."""
         self.inner.accept(self._seen(H)[0])
 
     @property
-    def memory(self) -> tuple[Array, ...]:
+    def history_variables(self) -> tuple[Array, ...]:
         """History variables that :meth:`accept` updates; arrays that may be written."""
-        return self.inner.memory
+        return self.inner.history_variables
 
     @property
-    def memory_keys(self) -> tuple[list[MemoryKey], ...]:
-        """Joint and coordinate of each entry of :attr:`memory`, independent of other items."""
-        return self.inner.memory_keys
+    def history_keys(self) -> tuple[list[HistoryKey], ...]:
+        """Joint and coordinate of each history variable, independent of other items."""
+        return self.inner.history_keys
 
     # --- results ---
 

@@ -17,7 +17,7 @@ from fem_lie.joints.joint import Joint
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
-    MemoryKey,
+    HistoryKey,
     Numbered,
     Rows,
     Start,
@@ -299,13 +299,13 @@ class RelativeMotions(ConstraintSet):
             self._branches.mark()
 
     @property
-    def memory(self) -> tuple[Array, ...]:
+    def history_variables(self) -> tuple[Array, ...]:
         """History variables that :meth:`accept` updates; arrays that may be written."""
         return self.table.turned, self.probes.turned
 
     @property
-    def memory_keys(self) -> tuple[list[MemoryKey], ...]:
-        """Joint and coordinate of each entry of :attr:`memory`, independent of other items."""
+    def history_keys(self) -> tuple[list[HistoryKey], ...]:
+        """Joint and coordinate of each history variable, independent of other items."""
         return self._keys
 
     def wrenches(self, H: Array, v: Array, multipliers: Array, out: Array) -> None:
@@ -338,7 +338,7 @@ class RelativeMotions(ConstraintSet):
         return bool((table.nodes >= self._count).any() or table.springs[:, 1].any())
 
 
-def _keys(item: Connection, pairs: Sequence[Pair]) -> list[MemoryKey]:
+def _keys(item: Connection, pairs: Sequence[Pair]) -> list[HistoryKey]:
     """Keys of the angles of an item's pairs: the coordinate along which it acts, or its own."""
     coordinates = [] if isinstance(item, Joint) else list(item.coordinates())
     own = [(item.label, "angle")] * len(pairs)

@@ -14,7 +14,7 @@ from fem_lie.joints.equations.sliding import SlidingTable
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
-    MemoryKey,
+    HistoryKey,
     Numbered,
     Rows,
     Start,
@@ -114,13 +114,13 @@ class Slides(ConstraintSet):
             )
 
     @property
-    def memory(self) -> tuple[Array, ...]:
+    def history_variables(self) -> tuple[Array, ...]:
         """History variables that :meth:`accept` updates; arrays that may be written."""
         return (self.table.arclength,)
 
     @property
-    def memory_keys(self) -> tuple[list[MemoryKey], ...]:
-        """Joint and coordinate of each entry of :attr:`memory`, independent of other items."""
+    def history_keys(self) -> tuple[list[HistoryKey], ...]:
+        """Joint and coordinate of each history variable, independent of other items."""
         return ([(label, "arclength") for label in self._labels],)
 
     def wrenches(self, H: Array, v: Array, multipliers: Array, out: Array) -> None:

@@ -19,7 +19,7 @@ from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.system import describe
 from fem_lie.system.balance import EnergyBalance
-from fem_lie.system.equations.memory import Memory
+from fem_lie.system.equations.history_variables import HistoryVariables
 from fem_lie.system.equations.prescribed import Prescribed
 from fem_lie.system.equations.report import ConstraintsAt, Report, contents
 from fem_lie.system.equations.unknowns import Start, Tables, Unknowns
@@ -71,20 +71,22 @@ class LinearState:
         multipliers: Multipliers in the units of the matrix, shape (m,).
     """
 
-    def __init__(self, system: System, memory: Memory, H: Array, dx: Array, forces: Forces) -> None:
+    def __init__(
+        self, system: System, history: HistoryVariables, H: Array, dx: Array, forces: Forces
+    ) -> None:
         """Compute the forces.
 
         Args:
             system: The equations.
-            memory: History variables, with the independent stress.
+            history: History variables, with the independent stress.
             H: Frames of all rows.
             dx: Local increments of the moving nodes from there, and multipliers, shape (6 n + m,).
             forces: Forces of the residual there.
         """
-        self._memory, self._H = memory, H
+        self._history, self._H = history, H
         self._h, self.multipliers = np.split(dx.copy(), [6 * system.count])
-        memory.carry(H)
-        self._start = memory.memory()
+        history.update_stress(H)
+        self._start = history.saved_state()
         nodal = self._h.reshape(-1, 6)
         self._own = [
             term.linear_forces(H, kept, nodal)
@@ -97,13 +99,13 @@ class LinearState:
                 pulled = np.einsum("pij,pj->pi", term.tangent(H, kept), nodal[columns])
                 np.add.at(self._inner, rows, pulled)
 
-    def carry(self, factor: float) -> None:
+    def apply(self, factor: float) -> None:
         """Set the stress and spring forces of ``factor`` times the increments."""
         h = factor * self._h
         # local unknowns of cells are updated from their values at the start
-        self._memory.restore(self._start)
-        self._memory.carry(self._H, h)
-        self._memory.stretch_springs(self._H, h)
+        self._history.restore(self._start)
+        self._history.update_stress(self._H, h)
+        self._history.stretch_springs(self._H, h)
 
     def add_forces(self, factor: float, forces: Forces) -> None:
         """Add the forces of ``factor`` times the increments to those at the frames."""
@@ -123,7 +125,7 @@ class Equations:
         matrix: The saddle-point matrix that :meth:`fill` fills.
         supports: Nodes whose unknowns are along axes fixed in space, with transformations.
         info: Bodies and joints, for results.
-        memory: History variables, which neither states nor the time determine.
+        history_variables: History variables, which neither states nor the time determine.
     """
 
     def __init__(
@@ -166,7 +168,7 @@ class Equations:
         self.matrix: KKT = self._system.kkt
         self.supports: Supports = self._system.supports
         self.info: SceneInfo = self._info()
-        self.memory = Memory(self._system, self._terms)
+        self.history_variables = HistoryVariables(self._system, self._terms)
         self._still = np.zeros((self.unknowns.moving, 6))
 
     def _info(self) -> SceneInfo:
@@ -201,7 +203,7 @@ class Equations:
         r: Array,
         forces: Forces | None = None,
         *,
-        carried: bool = False,
+        linearised: bool = False,
         known: bool = False,
         per_increment: float = 1.0,
     ) -> Forces:
@@ -212,7 +214,7 @@ class Equations:
             scale: Scale factor of each constraint, shape (m,).
             r: Residual, overwritten.
             forces: Forces of an earlier residual, overwritten; default: new ones.
-            carried: Whether local unknowns of cells keep their linearised values.
+            linearised: Whether local unknowns of cells keep their linearised values.
             known: Whether only loads have changed since ``forces`` were computed: parts of ``r``
                 that follow from the rest may be left out.
             per_increment: Factor of velocity constraints, ∂d/∂v, which makes their rows in the
@@ -225,7 +227,7 @@ class Equations:
         if known and not self._system.terms.loads:
             self._system.applied(state, scale, r, found)
             return found
-        if self._settles and not carried:
+        if self._settles and not linearised:
             self._terms.condense(state.H)
         self._system.residual(state, scale, r, found, per_increment=per_increment)
         return found
@@ -238,7 +240,7 @@ class Equations:
             dx: Increments of all unknowns, shape (size,).
             forces: Forces of the state.
         """
-        return LinearState(self._system, self.memory, H, dx, forces)
+        return LinearState(self._system, self.history_variables, H, dx, forces)
 
     def fill(self, state: TimeState, forces: Forces | None, plan: Plan) -> Array:
         """Fill :attr:`matrix` with the derivative of :meth:`residual`, without factorising it.
@@ -302,23 +304,23 @@ class Equations:
         a: Array | None = None,
         multipliers: Array | None = None,
         *,
-        carried: bool = True,
+        linearised: bool = True,
     ) -> Report:
         """Report of a state, by default at rest and with all multipliers zero.
 
-        ``carried``: see :meth:`residual`.
+        ``linearised``: see :meth:`residual`.
 
         Args:
             H: Frames of all nodes, shape (n, 4, 3).
             v: Twists of all nodes, shape (n, 6).
             a: Rates of the twists, shape (n, 6).
             multipliers: Lagrange multipliers of all constraints.
-            carried: Linearised stress.
+            linearised: Linearised stress.
         """
         none = np.zeros(self.unknowns.m) if multipliers is None else multipliers
         still = self._still
         state = TimeState(H, still if v is None else v, still if a is None else a, none)
-        return Report(self._system, self._terms, state, carried=carried)
+        return Report(self._system, self._terms, state, linearised=linearised)
 
     def energy_balance(self) -> EnergyBalance:
         """Empty energy balance, for the work of loads, drives and supports."""

@@ -131,16 +131,16 @@ class Report:
     Velocities, their rates and multipliers are used only by the quantities that depend on them.
     """
 
-    def __init__(self, system: System, terms: Terms, state: TimeState, *, carried: bool) -> None:
+    def __init__(self, system: System, terms: Terms, state: TimeState, *, linearised: bool) -> None:
         """Store the state.
 
         Args:
             system: The equations.
             terms: Terms whose energy is not in the table of joints.
             state: The state.
-            carried: Whether local unknowns of cells keep their linearised values.
+            linearised: Whether local unknowns of cells keep their linearised values.
         """
-        self._system, self._terms, self._state, self._carried = system, terms, state, carried
+        self._system, self._terms, self._state, self._linearised = system, terms, state, linearised
 
     @cached_property
     def frames(self) -> Array:
@@ -182,7 +182,7 @@ class Report:
             return np.zeros((0, 6))
         H, r = state.H, np.empty(system.size)
         with self._terms.unchanged():
-            if not self._carried:
+            if not self._linearised:
                 self._terms.condense(state.H)
             # along the axes of supports, where there are any
             system.with_reactions(state, np.ones(system.m), r)

@@ -334,7 +334,7 @@ class SharedSetup:
         """Start without a setup."""
         self.made = 0
         self._numbering: Numbering | None = None
-        self._carried: list[Array] = []
+        self._stresses: list[Array] = []
         self._mark = b""
         self._user: weakref.ref[Any] | None = None
 
@@ -348,13 +348,13 @@ class SharedSetup:
             return numbered(scene)
         if self._numbering is None or mark != self._mark:
             self._numbering, self._mark = numbered(scene), mark
-            self._carried = [assembly.carried_stress for _, assembly in self._numbering.assemblies]
+            self._stresses = [assembly.stress_values for _, assembly in self._numbering.assemblies]
             self.made += 1
         else:
-            for (_, assembly), carried in zip(
-                self._numbering.assemblies, self._carried, strict=True
+            for (_, assembly), values in zip(
+                self._numbering.assemblies, self._stresses, strict=True
             ):
-                assembly.reset(carried)
+                assembly.reset(values)
         self._user = weakref.ref(user)
         return self._numbering
 

@@ -165,10 +165,10 @@ class Terms:
 
     # --- what states do not say ---
 
-    def carry(self, H: Array, h: Array) -> None:
+    def update_stress(self, H: Array, h: Array) -> None:
         """Update the independent stress along the increment ``h`` (6 count,) from frames ``H``."""
         for each in self._stresses:
-            each.carry(H, h.reshape(-1, 6))
+            each.update_stress(H, h.reshape(-1, 6))
 
     def check_passage(self, start: Array, end: Array) -> None:
         """Check whether surfaces passed through each other in a step between frames."""
@@ -194,23 +194,23 @@ class Terms:
         for each in self._paths:
             each.accept(H)
 
-    def carried(self) -> list[Array]:
+    def linearised_values(self) -> list[Array]:
         """Copies of the history variables of the terms."""
-        return [each.carried.copy() for each in self._stresses]
+        return [each.linearised_values.copy() for each in self._stresses]
 
-    def restore(self, carried: Sequence[Array]) -> None:
-        """Restore the copies of :meth:`carried`."""
-        for each, values in zip(self._stresses, carried, strict=True):
+    def restore(self, stresses: Sequence[Array]) -> None:
+        """Restore the copies of :meth:`linearised_values`."""
+        for each, values in zip(self._stresses, stresses, strict=True):
             each.restore(values)
 
     @contextmanager
     def unchanged(self) -> Iterator[None]:
         """Context at whose end the history variables are restored, to evaluate a state."""
-        carried = self.carried()
+        stresses = self.linearised_values()
         try:
             yield
         finally:
-            self.restore(carried)
+            self.restore(stresses)
 
     def clear_stress(self) -> None:
         """Set the independent stress to zero: a tangent without geometric stiffness."""

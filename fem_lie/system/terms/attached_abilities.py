@@ -60,17 +60,17 @@ class AttachedStress(LinearisedStress):
         self._of, self._nodes = of, nodes
 
     @property
-    def carried(self) -> Array:
+    def linearised_values(self) -> Array:
         """Values of the independent stress, flat."""
-        return self._of.carried
+        return self._of.linearised_values
 
-    def restore(self, carried: Array) -> None:
-        """Restore the values of :attr:`carried`."""
-        self._of.restore(carried)
+    def restore(self, values: Array) -> None:
+        """Restore the values of :attr:`linearised_values`."""
+        self._of.restore(values)
 
-    def carry(self, H: Array, h: Array) -> None:
+    def update_stress(self, H: Array, h: Array) -> None:
         """Update the stress along the increment ``h`` (n, 6) from frames ``H``."""
-        self._of.carry(self._nodes.frames(H), self._nodes.twists(h))
+        self._of.update_stress(self._nodes.frames(H), self._nodes.twists(h))
 
     def reset_stress(self, H: Array) -> None:
         """Have the values of frames ``H``."""

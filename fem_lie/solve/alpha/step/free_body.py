@@ -86,8 +86,8 @@ class State(NamedTuple):
         v: Velocities of the group, shape (n, 6).
         vdot: Accelerations, shape (n, 6).
         a: Algorithmic accelerations, shape (n, 6).
-        memory: Last ratio of increments, largest motion, fewest iterations with the frozen matrix,
-            excess iterations; shape (n, 4).
+        convergence: Last ratio of increments, largest motion, fewest iterations with the frozen
+            matrix, excess iterations; shape (n, 4).
         kept: Frozen factors: rows of the inverse rotation block, columns of the coupling block,
             rows of the inverse translation block; shape (n, 9, 3).
         rates: Power of the loads on each body, force and moment about the origin, shape (n, 7).
@@ -98,7 +98,7 @@ class State(NamedTuple):
     v: Array
     vdot: Array
     a: Array
-    memory: Array
+    convergence: Array
     kept: Array
     rates: Array
     balance: Array
@@ -184,7 +184,7 @@ class Start(NamedTuple):
         v: Velocity, shape (6,).
         vdot: Acceleration, shape (6,).
         a: Algorithmic acceleration, shape (6,).
-        memory: Iteration history, shape (4,).
+        convergence: Iteration history, shape (4,).
         kept: Frozen factors, shape (9, 3).
     """
 
@@ -192,7 +192,7 @@ class Start(NamedTuple):
     v: Array
     vdot: Array
     a: Array
-    memory: Array
+    convergence: Array
     kept: Array
 
 
@@ -323,30 +323,30 @@ def make_step(
     """Make one step of one body; return iterations (0 if it failed) and factorisations."""
     tolerance, limit, patience, cost, _ = options
     group, m, J, scaling = body
-    H, v, vdot, a, memory, kept = state
+    H, v, vdot, a, convergence, kept = state
     d, H1, v1, vdot1, dx = end
     motion = node.predict(p, group, scaling, H, v, vdot, a, d, H1, v1, vdot1)
-    memory[MOTION] = max(motion, memory[MOTION])
-    wanted = max(tolerance * memory[MOTION], ROUND_OFF)
-    previous, ratio, renewed, increment = np.inf, memory[RATIO], 0, np.inf
+    convergence[MOTION] = max(motion, convergence[MOTION])
+    wanted = max(tolerance * convergence[MOTION], ROUND_OFF)
+    previous, ratio, renewed, increment = np.inf, convergence[RATIO], 0, np.inf
     translation = turning = (0.0, 0.0, 0.0)
     failed[RESIDUAL] = 0.0
     for iteration in range(1, limit + 1):
         translation, turning = residual(group, m, J, f, H1, v1, vdot1)
-        due = memory[BEYOND] >= cost if iteration == 1 else (iteration - 1) % patience == 0
+        due = convergence[BEYOND] >= cost if iteration == 1 else (iteration - 1) % patience == 0
         if due:
             factorise(p, body, f, H1, v1, d, kept)
-            memory[FEWEST], memory[BEYOND] = 0.0, 0.0
+            convergence[FEWEST], convergence[BEYOND] = 0.0, 0.0
             renewed += 1
         _solve(kept, translation, turning, dx)
         increment = node.correct(p, group, scaling, dx, H, d, H1, v1, vdot1)
         ratio, remaining = estimate(increment, previous, ratio)
         if remaining <= wanted or increment <= ROUND_OFF:
-            memory[RATIO] = ratio if iteration > 1 else ratio**UNMEASURED
+            convergence[RATIO] = ratio if iteration > 1 else ratio**UNMEASURED
             counted = max(iteration, 2)  # as in policies.Automatic
-            if memory[FEWEST] == 0.0 or counted < memory[FEWEST]:
-                memory[FEWEST] = counted
-            memory[BEYOND] += counted - memory[FEWEST]
+            if convergence[FEWEST] == 0.0 or counted < convergence[FEWEST]:
+                convergence[FEWEST] = counted
+            convergence[BEYOND] += counted - convergence[FEWEST]
             node.accept(p, group, v, vdot, a, H1, v1, vdot1)
             H[:] = H1
             return iteration, renewed

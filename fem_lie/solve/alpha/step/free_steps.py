@@ -124,7 +124,7 @@ def advance(
     """
     always = Options(options.tolerance, options.limit, 1, 0.0, False)
     mass, J, scaling, group = bodies
-    H, v, vdot, a, memory, kept, rates, balance = state
+    H, v, vdot, a, convergence, kept, rates, balance = state
     frames, velocities, done, iterations, failed = rows
     first, last, kept_row, total, every = plan
     end = End(np.empty(6), np.empty((4, 3)), np.empty(6), np.empty(6), np.empty(6))
@@ -133,7 +133,7 @@ def advance(
     factorisations = 0
     for i in range(v.shape[0]):
         body = Body(group[i], mass[i], J[i], scaling[i])
-        here = Start(H[i], v[i], vdot[i], a[i], memory[i], kept[i])
+        here = Start(H[i], v[i], vdot[i], a[i], convergence[i], kept[i])
         row = kept_row
         for index in range(first, last + 1):
             load_of(loads, amplitude[index - first], i, f)

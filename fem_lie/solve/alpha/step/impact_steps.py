@@ -150,7 +150,12 @@ def advance(
         for i in range(n):
             body = Body(group[i], mass[i], J[i], scaling[i])
             here = Start(
-                state.H[i], state.v[i], state.vdot[i], state.a[i], state.memory[i], state.kept[i]
+                state.H[i],
+                state.v[i],
+                state.vdot[i],
+                state.a[i],
+                state.convergence[i],
+                state.kept[i],
             )
             load_of(loads, amplitude[at], i, f[i])
             count, made = make_step(p, options, body, f[i], here, end, note)
@@ -184,7 +189,7 @@ def advance(
                         state.v[i],
                         state.vdot[i],
                         state.a[i],
-                        state.memory[i],
+                        state.convergence[i],
                         state.kept[i],
                     )
                     _accelerate(mass[i], J[i], masses.inverse[i], f[i], here)

@@ -79,12 +79,12 @@ class Filtered(NamedTuple):
 
     Attributes:
         wanted: Whether these forces are computed.
-        memory: Filter state: forces in the frames of the nodes, (cell nodes, 6).
+        filter_state: Filter state: forces in the frames of the nodes, (cell nodes, 6).
         out: Both, as forces and moments on all nodes, global components, (≥ 2, N, 6), overwritten.
     """
 
     wanted: bool
-    memory: Array
+    filter_state: Array
     out: Array
 
 
@@ -162,7 +162,7 @@ def add_elastic(
     size = 6 * most
     workspace = blocks_at(stack(4 * size), 4, most, 6)
     f, s, Ms, change = workspace[0], workspace[1], workspace[2], workspace[3]
-    squares = by_change = by_memory = 0.0
+    squares = by_change = by_filter = 0.0
     if filtered.wanted:
         for i in range(out.shape[0]):
             for k in range(6):
@@ -196,12 +196,12 @@ def add_elastic(
         mean_forces(mine, director, both, path.mean, fit, f[:count])
         by_change += _work(f[:count], s[:count])
         _add_on_nodes(mine, f, filtered.out[0])
-        memory = filtered.memory[begin:end]
-        both = Ends(H0, H1, memory, memory)
+        filter_state = filtered.filter_state[begin:end]
+        both = Ends(H0, H1, filter_state, filter_state)
         mean_forces(mine, director, both, path.mean, fit, f[:count])
-        by_memory += _work(f[:count], s[:count])
+        by_filter += _work(f[:count], s[:count])
         _add_on_nodes(mine, f, filtered.out[1])
-    return squares, by_change, by_memory
+    return squares, by_change, by_filter
 
 
 @inlined

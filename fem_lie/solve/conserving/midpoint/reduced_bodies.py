@@ -214,7 +214,7 @@ def add_elastic(
     nodes: tuple[Array, Array],
     along: tuple[Array, Array],
     within: Array,
-    memory: Array,
+    filter_state: Array,
     energies: tuple[Array, Array],
     out: tuple[Array, Array],
     works: Array,
@@ -227,7 +227,7 @@ def add_elastic(
         nodes: As in :func:`span_products`.
         along: As in :func:`span_products`.
         within: Modal coordinates over the step; increments of stresses are set, (3, m).
-        memory: Filter state of such increments, (m,), or (0,) without dissipation.
+        filter_state: Filter state of such increments, (m,), or (0,) without dissipation.
         energies: Stored energy at the end, and the work of the step, (bodies,), overwritten.
         out: Forces along increments, (n, 6), and those of increments of stresses and of their
             filter state, (2, n, 6) or (2, 0, 6), updated.
@@ -235,13 +235,13 @@ def add_elastic(
     """
     (integers, numbers), (H, rest), (mean, delta) = bodies, nodes, along
     (end, work), (forces, changes) = energies, out
-    given = integers, kinds, numbers, H, rest, mean, delta, within, memory
+    given = integers, kinds, numbers, H, rest, mean, delta, within, filter_state
     arrays = *given, end, work, forces, changes, works
     sizes = integers.shape[0], numbers.shape[0], H.shape[0], rest.shape[0]
     call_with_arrays(
         integers[_ELASTIC],
         arrays,
-        (*sizes, within.shape[1], memory.shape[0], changes.shape[1]),
+        (*sizes, within.shape[1], filter_state.shape[0], changes.shape[1]),
     )
 
 
@@ -255,7 +255,7 @@ def _add_elastic(
     mean_at: Any,
     delta_at: Any,
     within_at: Any,
-    memory_at: Any,
+    filter_at: Any,
     end_at: Any,
     work_at: Any,
     forces_at: Any,
@@ -278,7 +278,7 @@ def _add_elastic(
         (numba.carray(H_at, (rows, 4, 3)), numba.carray(rest_at, (count, 4, 3))),
         (numba.carray(mean_at, (rows, 4, 3)), numba.carray(delta_at, (rows, 4, 3))),
         numba.carray(within_at, (3, p)),
-        numba.carray(memory_at, (kept,)),
+        numba.carray(filter_at, (kept,)),
         (numba.carray(end_at, (integers[0],)), numba.carray(work_at, (integers[0],))),
         (numba.carray(forces_at, (count, 6)), numba.carray(changes_at, (2, changed, 6))),
         numba.carray(works_at, (2,)),
@@ -293,7 +293,7 @@ def _add_all_elastic(
     nodes: tuple[Array, Array],
     along: tuple[Array, Array],
     within: Array,
-    memory: Array,
+    filter_state: Array,
     energies: tuple[Array, Array],
     out: tuple[Array, Array],
     works: Array,
@@ -332,8 +332,8 @@ def _add_all_elastic(
             z[a] = e[a] + change[a]
             stress[a] += 0.5 * further[a]
         end[body] = 0.5 * dot_of(z, stress)
-        if memory.shape[0] > 0:
-            kept = memory[first : first + m]
+        if filter_state.shape[0] > 0:
+            kept = filter_state[first : first + m]
             works[0] += dot_of(further, change)
             works[1] += dot_of(kept, change)
             for part in range(2):

@@ -44,10 +44,10 @@ from fem_lie.solve.conserving.vector_cells.cell_table import (
 )
 from fem_lie.solve.conserving.vector_cells.cells import (
     Work,
-    memory,
     part_of,
     rotation_of,
     take_centre,
+    workspace_for,
 )
 
 _STILL = 1e-12
@@ -129,7 +129,7 @@ def set_attachments(
         delta: Increments, overwritten.
     """
     cells, (H, rest, middle, step) = span.cells, nodes
-    room = memory(largest_cell(cells.first))
+    workspace = workspace_for(largest_cell(cells.first))
     span.beside[:] = 0.0
     for g in range(span.turns.shape[0]):
         moved, turned = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -149,7 +149,7 @@ def set_attachments(
         if span.turns[g]:
             ψ = _turn(span.start[g], span.end[g], mean[g], delta[g])
             store(span.left[g], 0, minus(ψ, rotate(a1, a2, a3, turned)))
-            work = part_of(room, cells.first[g + 1] - cells.first[g])
+            work = part_of(workspace, cells.first[g + 1] - cells.first[g])
             _deform(cells, g, H, rest, step, work, span.beside)
 
 

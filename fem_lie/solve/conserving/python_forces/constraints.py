@@ -236,7 +236,7 @@ class OtherConstraints(Stateful):
         rolling = self._rolling
         gains[rolling] = 0.0
         if rolling.start < rolling.stop:
-            size = 0.5 * (1.0 + model.scheme.dissipation * state.filter_state.remembers) * h
+            size = 0.5 * (1.0 + model.scheme.dissipation * state.filter_state.active) * h
             change[rolling] = size * self._rates(along.end, this.V1)[rolling] - state.gap[rolling]
         B = middle.jacobian
         B.sort_indices()

@@ -221,12 +221,12 @@ class Joints:
         """Frames of nodes, attachments, ground and prescribed motions."""
         return np.concatenate([H[: self._n], self._attachments.locate(H)[0], H[self._n :]])
 
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """State for the next steps: counted angles, and :attr:`reached`."""
         turned = views(self._pairs.joints).turned
         return {"turned": turned.copy(), "reached": self.reached.copy()}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state that :meth:`memory` returned."""
+        """Restore the state that :meth:`saved_state` returned."""
         views(self._pairs.joints).turned[:] = kept["turned"]
         self.reached[:] = kept["reached"]

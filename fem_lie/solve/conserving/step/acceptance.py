@@ -66,13 +66,13 @@ def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     step, V1, F1, losses, scheme = this.step, this.V1, this.F1, this.losses, model.scheme
     end, _, middle, delta = span_of(this.rows)
     n, (h, χ, μ) = step.shape[0], scheme
-    share = 0.5 * (1.0 + χ * filter_state.remembers)
+    share = 0.5 * (1.0 + χ * filter_state.active)
     given = model.kinds, model.arms, middle, step, solution_of(this.r).residual
-    _store_residual(*given, share, filter_state, state.carry)
+    _store_residual(*given, share, filter_state, state.last_residual)
     if χ > 0.0:
         # in the first step there is no earlier change
-        μ = μ if filter_state.remembers > 0.0 else 1.0
-        filter_state.remembers = 1.0
+        μ = μ if filter_state.active > 0.0 else 1.0
+        filter_state.active = 1.0
         remember(filter_state, μ)
         _learn(μ, V, V1, state.w)
         for place in range(F1.shape[0]):
@@ -148,7 +148,7 @@ def _go_along_edges(packed: PackedModel, starts: Indices, steps: Indices) -> Non
             store_row(state.rest[i], r, (0.0, 0.0, 0.0))
             for rates in (state.V, state.w):
                 store_row(rates[i], r, turned_with(before[i], after, load_row(rates[i], r)))
-        for numbers in (state.carry, state.trend, state.rates[0], state.rates[1]):
+        for numbers in (state.last_residual, state.trend, state.rates[0], state.rates[1]):
             store(numbers[i], 3, turned_with(before[i], after, load(numbers[i], 3)))
 
 
@@ -209,7 +209,7 @@ def _store_residual(
     r: Array,
     factor: float,
     filter_state: Record,
-    carry: Array,
+    last_residual: Array,
 ) -> None:
     """Residual forces ``r`` and energy that the next step corrects."""
     gain = square = 0.0
@@ -218,7 +218,7 @@ def _store_residual(
         d1, d2, d3 = axes(kinds[i], middle[i])
         f = scaled(factor, rotate(d1, d2, d3, load(left, 0)))
         moment = scaled(factor, rotate(d1, d2, d3, load(left, 3)))
-        before, earlier = load(carry[i], 0), load(carry[i], 3)
+        before, earlier = load(last_residual[i], 0), load(last_residual[i], 3)
         frame = kinds[i] < POSITION_GRADIENT
         if frame:
             earlier = left_moment(earlier, before, u)
@@ -227,8 +227,8 @@ def _store_residual(
         square += dot(f, f) / arms[i, 0] ** 2
         if not frame:
             square += dot(moment, moment) / arms[i, 1] ** 2
-        store(carry[i], 0, f)
-        store(carry[i], 3, minus(moment, cross(scaled(0.5, u), f)) if frame else moment)
+        store(last_residual[i], 0, f)
+        store(last_residual[i], 3, minus(moment, cross(scaled(0.5, u), f)) if frame else moment)
     filter_state.leak += gain - filter_state.repaid - filter_state.row_repaid
     filter_state.limit = sqrt(square)
 

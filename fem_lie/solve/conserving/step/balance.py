@@ -59,14 +59,14 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, reevaluate: b
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     held, scheme, losses, forces = model.held, model.scheme, this.losses, this.forces
     kinds, addresses = model.kinds, model.addresses
-    n, χ = this.step.shape[0], scheme.dissipation * state.filter_state[0].remembers
+    n, χ = this.step.shape[0], scheme.dissipation * state.filter_state[0].active
     along, r = span_of(this.rows), solution_of(this.r).residual
     span_all(kinds, state.H, this.step, (along.delta, along.mean, along.end, along.middle))
     if this.products.shape[0] > 0:
         _span_products(packed, starts, steps)
     for k in range(losses.shape[0]):
         losses[k] = 0.0
-    _add_carried_forces(kinds, state.carry, this.step, forces)
+    _add_last_residual(kinds, state.last_residual, this.step, forces)
     add_from_nodes(packed, starts, steps, reevaluate)
     if χ > 0.0:
         _choose_memory(packed, starts, steps)
@@ -109,10 +109,10 @@ def _span_products(packed: PackedModel, starts: Indices, steps: Indices) -> None
 
 
 @inlined
-def _add_carried_forces(kinds: Indices, carry: Array, step: Array, forces: Array) -> None:
+def _add_last_residual(kinds: Indices, last_residual: Array, step: Array, forces: Array) -> None:
     """Start the forces with the remainder of the last step: momenta are compensated sums."""
     for i in range(forces.shape[0]):
-        f, moment = load(carry[i], 0), load(carry[i], 3)
+        f, moment = load(last_residual[i], 0), load(last_residual[i], 3)
         if kinds[i] < POSITION_GRADIENT:
             moment = left_moment(moment, f, load(step[i], 0))
         store(forces[i], 0, f)
@@ -161,7 +161,7 @@ def _choose_memory(packed: PackedModel, starts: Indices, steps: Indices) -> None
     )
     set_products(model.inertia, V, w, this.moved, model.scheme.h, products)
     ψ = choose_memory(products.sums, χ, filter_state)
-    set_velocities(V, w, products.δ, χ, filter_state.memory, ψ, this.V1)
+    set_velocities(V, w, products.δ, χ, filter_state.gain, ψ, this.V1)
 
 
 @uncounted
@@ -175,7 +175,7 @@ def _add_momenta(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     n, moved, dissipates = (
         forces.shape[0],
         this.moved,
-        scheme.dissipation * state.filter_state[0].remembers > 0.0,
+        scheme.dissipation * state.filter_state[0].active > 0.0,
     )
     if not dissipates:
         for i in range(V.shape[0]):

@@ -293,8 +293,8 @@ def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) ->
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     masters, scheme = model.masters, model.scheme
     filter_state, given, losses = state.filter_state[0], this.filtered, this.losses
-    a = 0.5 * scheme.dissipation * filter_state.remembers * filter_state.elastic
-    b = a * filter_state.memory
+    a = 0.5 * scheme.dissipation * filter_state.active * filter_state.elastic
+    b = a * filter_state.gain
     others = model.rows.sees.shape[0] + this.products.shape[0]
     if model.cells.x.shape[0] > 0 or others > 0:
         losses[NUMERICAL] += a * filter_state.change_work - b * filter_state.filter_work

@@ -146,12 +146,12 @@ def choose_memory(sums: Array, χ: float, filter_state: Record) -> Vector:
     """
     ψ = (0.0, 0.0, 0.0)
     for _ in range(TURNS):
-        β, share = filter_state.memory, filter_state.elastic
+        β, share = filter_state.gain, filter_state.elastic
         ψ = turning(sums, χ, β, ψ)
         _choose_once(sums, χ, ψ, filter_state)
-        if abs(filter_state.memory - β) <= _EXACT and abs(filter_state.elastic - share) <= _EXACT:
+        if abs(filter_state.gain - β) <= _EXACT and abs(filter_state.elastic - share) <= _EXACT:
             break
-    return turning(sums, χ, filter_state.memory, ψ)
+    return turning(sums, χ, filter_state.gain, ψ)
 
 
 @uncounted
@@ -159,7 +159,7 @@ def _choose_once(sums: Array, χ: float, ψ: Vector, filter_state: Record) -> No
     """The same for velocities with the previous β, and their ψ."""
     work = blocks_at(stack(36), 4, 3, 3)
     W, A, shifted, X = work[0], work[1], work[2], work[3]
-    a, p, _ = changes(χ, filter_state.memory)
+    a, p, _ = changes(χ, filter_state.gain)
     w = (0.0, 0.0, 1.0)
     product(sums, p, p, W)
     make_squares(ψ, W)
@@ -178,22 +178,20 @@ def _choose_once(sums: Array, χ: float, ψ: Vector, filter_state: Record) -> No
     by_nearest = nearest(A, shifted, by_w)
     change = max(square - dot(nearest(A, shifted, by_change), by_change), 0.0)
     common -= dot(by_nearest, by_change)
-    memory = max(trace(sums[2, 2]) - dot(by_nearest, by_w), 0.0)
+    square = max(trace(sums[2, 2]) - dot(by_nearest, by_w), 0.0)
     elastic = filter_state.change_work
     share = change / -elastic if -elastic > change else 1.0
     change, common = change + share * elastic, common + share * filter_state.filter_work
     filter_state.elastic = share
-    filter_state.memory = _remembered(
-        max(change, 0.0), common, memory + share * filter_state.length
-    )
+    filter_state.gain = _filter_gain(max(change, 0.0), common, square + share * filter_state.length)
 
 
 @inlined
-def _remembered(change: float, common: float, memory: float) -> float:
+def _filter_gain(change: float, common: float, square: float) -> float:
     """β from ``|Δ|²``, ``Δ·w`` and ``|w|²``."""
-    most = sqrt(change * memory)
+    most = sqrt(change * square)
     if common <= 0.0:
-        return min(1.0, (most - common) / memory) if memory > 0.0 else 1.0
+        return min(1.0, (most - common) / square) if square > 0.0 else 1.0
     # metrics change between steps: the Cauchy-Schwarz inequality is enforced
     return min(1.0, change / max(most, common))
 

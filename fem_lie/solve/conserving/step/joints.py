@@ -227,7 +227,7 @@ def begin(packed: PackedModel, starts: Indices, steps: Indices) -> float:
     H, V, trend, step, scheme = state.H, state.V, state.trend, this.step, model.scheme
     put(V, this.V1)
     put(state.multipliers, this.multipliers)
-    if scheme.dissipation * state.filter_state[0].remembers > 0.0:
+    if scheme.dissipation * state.filter_state[0].active > 0.0:
         begin_products(model.inertia, V, state.w, products_of(this))
     h = scheme.h
     ahead, largest, rates = h * h, 0.0, vector_at(stack(6), 6)
@@ -269,7 +269,7 @@ def compare(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     )
     if this.turnings.shape[1] > 0:
         χ, frames = (
-            scheme.dissipation * state.filter_state[0].remembers,
+            scheme.dissipation * state.filter_state[0].active,
             (model.kinds, along.mean, along.middle),
         )
         set_turnings(products_of(this), frames, model.held, χ, scheme.h, this.turnings)
@@ -293,7 +293,7 @@ def packed_correct(model: PackedModel, state: Indices, step: Indices) -> None:
 def correct(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     """Apply the correction."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
-    χ = model.scheme.dissipation * state.filter_state[0].remembers
+    χ = model.scheme.dissipation * state.filter_state[0].active
     H, multipliers, held, scale = state.H, state.multipliers, model.held, model.scale
     kinds = model.kinds
     step, middle, x = this.step, span_of(this.rows).middle, solution_of(this.r).x

@@ -160,7 +160,7 @@ def run(
             progress.excess += _OF_ONE * max(terms - _USUAL, 0)
         # secants handle the directions of their own corrections
         if state.slow.shape[0] > 0 and addresses[LEARN] == 0:
-            x, cut = solution_of(this.r).x, state.filter_state[0].memory < 1.0
+            x, cut = solution_of(this.r).x, state.filter_state[0].gain < 1.0
             accelerate(measure, x, state.slow, state.share, (cut, iteration == 1), noticed)
         progress.total += 1
         x, moved, rests, stalled = solution_of(this.r).x, 0.0, True, False

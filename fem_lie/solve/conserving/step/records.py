@@ -25,9 +25,9 @@ has failed; whether contacts may act in the step, in a scene of frames only; and
 
 
 FILTER = record_type(
-    memory=float,
+    gain=float,
     elastic=float,
-    remembers=float,
+    active=float,
     change_work=float,
     filter_work=float,
     length=float,
@@ -197,8 +197,8 @@ class State(NamedTuple):
         w: Filter state of changes of velocity, (n + p, 4, 3).
         w_F: Filter state of changes of forces, (cell nodes, 6).
         filter_state: Numbers of the filters and of round-off, see :data:`FILTER`.
-        carry: Residual forces of the last step, and moments about the current positions of nodes,
-            global components, (n, 6).
+        last_residual: Residual forces of the last step, and moments about the current positions of
+            nodes, global components, (n, 6).
         balance: Work of non-conservative loads and drives, of damping, numerical dissipation, and
             impulses of loads and of reactions, (15,).
         trend: Half the change of the nodes' spatial velocities in the last step, per time, (n, 6).
@@ -228,7 +228,7 @@ class State(NamedTuple):
     w: Array
     w_F: Array
     filter_state: Records
-    carry: Array
+    last_residual: Array
     balance: Array
     trend: Array
     earlier: Array
@@ -297,7 +297,7 @@ class Step(NamedTuple):
         changes: Forces on nodes of these changes and of their filter state, (2, n, 6).
         outer: Forces of Python callbacks, along increments, (n, 6).
         moved: Increments of all coordinates with inertia, (n + p, 4, 3); without products the same
-            memory as in ``rows``.
+            array as in ``rows``.
         products: Means of the products, (p, 4, 3).
         within: Modal coordinates over the step, see
             :data:`~fem_lie.solve.conserving.midpoint.reduced_bodies.START`, (3, coordinates).

@@ -137,7 +137,7 @@ class Work(NamedTuple):
 
 
 @compiled
-def memory(most: int) -> Work:
+def workspace_for(most: int) -> Work:
     """Workspace for cells of up to ``most`` nodes."""
     halves = np.empty((4, most, 2, 3))
     A = np.empty((3, 3))
@@ -267,7 +267,7 @@ def add_elastic(
     Returns:
         The sum of ``|s|²``.
     """
-    return _add_all(cells, nodes, energies, factors, memory(largest_cell(cells.first)), out)
+    return _add_all(cells, nodes, energies, factors, workspace_for(largest_cell(cells.first)), out)
 
 
 @uncounted
@@ -322,7 +322,7 @@ def _add_all(
 @compiled
 def energies_at(cells: CellTable, H: Array, rest: Array, W: Array) -> None:
     """Energies ``W`` (M,) of all cells at nodes ``H``."""
-    workspace = memory(largest_cell(cells.first))
+    workspace = workspace_for(largest_cell(cells.first))
     for e in range(W.shape[0]):
         here = slice(cells.first[e], cells.first[e + 1])
         work = part_of(workspace, cells.first[e + 1] - cells.first[e])

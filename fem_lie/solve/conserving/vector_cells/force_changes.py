@@ -49,12 +49,12 @@ from fem_lie.solve.conserving.vector_cells.cell_table import (
 from fem_lie.solve.conserving.vector_cells.cells import (
     Nodes,
     Work,
-    memory,
     part_of,
     rotation_of,
     set_out,
     solve_thin,
     take_centre,
+    workspace_for,
 )
 
 _FEEL, _SEEN = 0.05, 1e-6
@@ -78,7 +78,7 @@ def measure_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> No
         H: All nodes, (≥ n, 4, 3).
         rest: Their digits beyond double precision, (≥ n, 4, 3).
     """
-    workspace = memory(largest_cell(cells.first))
+    workspace = workspace_for(largest_cell(cells.first))
     for e in range(cells.first.shape[0] - 1):
         here = slice(cells.first[e], cells.first[e + 1])
         work = part_of(workspace, cells.first[e + 1] - cells.first[e])
@@ -92,7 +92,7 @@ def measure_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> No
 @compiled
 def weigh_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> None:
     """Set the metric only, see :func:`measure_cells`."""
-    workspace = memory(largest_cell(cells.first))
+    workspace = workspace_for(largest_cell(cells.first))
     for e in range(cells.first.shape[0] - 1):
         here = slice(cells.first[e], cells.first[e + 1])
         work = part_of(workspace, cells.first[e + 1] - cells.first[e])
@@ -193,14 +193,14 @@ class CellForces(NamedTuple):
 
     Attributes:
         start: Forces at the start of the step.
-        memory: Filter state at the start.
+        filter_state: Filter state at the start.
         end: Forces at the end, overwritten like the following.
         change: Change from the start, rotated to the end.
         kept: Filter state, rotated to the end.
     """
 
     start: Array
-    memory: Array
+    filter_state: Array
     end: Array
     change: Array
     kept: Array
@@ -256,8 +256,8 @@ def add_changes(
     Returns:
         The works of both.
     """
-    workspace = memory(largest_cell(cells.first))
-    by_change = by_memory = 0.0
+    workspace = workspace_for(largest_cell(cells.first))
+    by_change = by_filter = 0.0
     for e in range(cells.sees.shape[0]):
         begin, end = cells.first[e], cells.first[e + 1]
         work = part_of(workspace, end - begin)
@@ -276,17 +276,17 @@ def add_changes(
                 before = turned(ω, load_row(cell_forces.start[begin + a], k))
                 change = minus(load_row(cell_forces.end[begin + a], k), before)
                 store_row(cell_forces.change[begin + a], k, change)
-                kept = turned(ω, load_row(cell_forces.memory[begin + a], k))
+                kept = turned(ω, load_row(cell_forces.filter_state[begin + a], k))
                 store_row(cell_forces.kept[begin + a], k, kept)
         by_change += _add(cells, e, ω, cell_forces.change[begin:end], work, out[0])
-        by_memory += _add(cells, e, ω, cell_forces.kept[begin:end], work, out[1])
-    return by_change, by_memory
+        by_filter += _add(cells, e, ω, cell_forces.kept[begin:end], work, out[1])
+    return by_change, by_filter
 
 
 @compiled
 def forces_at(cells: CellTable, H: Array, rest: Array, out: Array) -> None:
     """Forces (cell nodes, 2, 3) of all cells at nodes ``H``."""
-    workspace = memory(largest_cell(cells.first))
+    workspace = workspace_for(largest_cell(cells.first))
     for e in range(cells.sees.shape[0]):
         here = slice(cells.first[e], cells.first[e + 1])
         work = part_of(workspace, cells.first[e + 1] - cells.first[e])

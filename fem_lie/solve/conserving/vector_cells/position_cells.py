@@ -43,8 +43,8 @@ from fem_lie.solve.conserving.vector_cells.cells import (
     Nodes,
     Work,
     factor_beside,
-    memory,
     solve_thin,
+    workspace_for,
 )
 
 
@@ -124,7 +124,7 @@ def add_position_cells(
     Returns:
         The sum of ``|s|²``.
     """
-    return _add_all(cells, nodes, energies, factors, memory(largest_cell(cells.first)), out)
+    return _add_all(cells, nodes, energies, factors, workspace_for(largest_cell(cells.first)), out)
 
 
 @uncounted

@@ -18,7 +18,7 @@ from fem_lie.system.terms.all_terms import Terms
 _PART = "low rank."  # prefix of names in a checkpoint
 
 
-class Memory:
+class HistoryVariables:
     """History variables, which neither states nor the time determine; the solver updates them."""
 
     def __init__(self, system: System, terms: Terms) -> None:
@@ -30,7 +30,7 @@ class Memory:
         """
         self._system, self._terms, self._connections = system, terms, system.connections
 
-    def carry(self, H: Array, h: Array | None = None) -> None:
+    def update_stress(self, H: Array, h: Array | None = None) -> None:
         """Update the independent stress along the increment ``h`` (6 n,) made from frames ``H``.
 
         Without an increment: reset it to the stress at these frames.
@@ -38,7 +38,7 @@ class Memory:
         if h is None:
             self._terms.reset_stress(H)
         else:
-            self._terms.carry(H, h)
+            self._terms.update_stress(H, h)
 
     def stretch_springs(self, H: Array, h: Array) -> None:
         """Give springs at frames ``H`` the forces that they have at the end of ``h`` (6 n,).
@@ -113,10 +113,10 @@ class Memory:
             else:
                 axes.rotate_motion(H, motion, self._system.kinds, written)
 
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """State of the history variables."""
-        kept = {f"carried.{k}": part for k, part in enumerate(self._terms.carried())}
-        kept["joints"] = self._connections.memory
+        kept = {f"stress.{k}": part for k, part in enumerate(self._terms.linearised_values())}
+        kept["joints"] = self._connections.history_variables
         return kept | {f"watched.{k}": part for k, part in enumerate(self._terms.watched())}
 
     @property
@@ -125,10 +125,10 @@ class Memory:
         return WithMatrix(self, self._system, self._terms)
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state of :meth:`memory`."""
-        self._connections.memory = kept["joints"]
-        count = sum(name.startswith("carried.") for name in kept)
-        self._terms.restore([kept[f"carried.{k}"] for k in range(count)])
+        """Restore the state of :meth:`saved_state`."""
+        self._connections.history_variables = kept["joints"]
+        count = sum(name.startswith("stress.") for name in kept)
+        self._terms.restore([kept[f"stress.{k}"] for k in range(count)])
         watched = sum(name.startswith("watched.") for name in kept)
         self._terms.watch_again([kept[f"watched.{k}"] for k in range(watched)])
 
@@ -143,21 +143,21 @@ class WithMatrix:
         terms: Terms with pairs in contact.
     """
 
-    of: Memory
+    of: HistoryVariables
     system: System
     terms: Terms
 
-    def memory(self) -> dict[str, Array]:
+    def saved_state(self) -> dict[str, Array]:
         """State of all of these."""
         kkt = self.system.kkt
-        kept = self.of.memory() | {"matrix": kkt.csr[0], "blocks": self.system.tangent.A}
+        kept = self.of.saved_state() | {"matrix": kkt.csr[0], "blocks": self.system.tangent.A}
         kept |= {"row pointers": kkt.indptr, "columns": kkt.indices}
         if kkt.low_rank is not None:
             kept |= {_PART + name: array for name, array in kkt.low_rank._asdict().items()}
         return kept | {f"seen.{k}": term.seen.copy() for k, term in enumerate(self.terms)}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Restore the state of :meth:`memory`.
+        """Restore the state of :meth:`saved_state`.
 
         Raises:
             ValueError: There are subdomains, whose matrices are not in checkpoints.
