@@ -113,7 +113,7 @@ def term_of(name: str, body: Any) -> Any:
         body.model.drills([])
     term = body.model.assemble([body.model])
     beside = name.startswith(BESIDE) or name == "drilling"
-    return term.beside[0] if beside else term
+    return term.further_terms[0] if beside else term
 
 
 def least(call: Callable[[], Any]) -> float:

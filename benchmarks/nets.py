@@ -4,8 +4,8 @@ A square net of a side of 1 m, of 12 by 12 meshes whose sides are divided into 1
 32 of which make 9984. Cables of 100 N and 10 g/m are stretched by 2 % and pinned at their ends;
 the net is hit, off its middle and obliquely, with velocities up to 4 m/s that are smooth over it.
 
-Beside each refinement is the largest distance of any knot at any of ten times from where the
-coarser net has it, over the side; as the element is of second order, a third of the last one is
+LowRankCorrection each refinement is the largest distance of any knot at any of ten times from where
+the coarser net has it, over the side; as the element is of second order, a third of the last one is
 left. The last lines halve the step of a net of 2496 elements. Seconds of the processor of all
 steps, and of what a run takes to begin.
 

@@ -4,9 +4,10 @@ A soft rod swings on a ball joint under gravity. Shapes of its local motion are 
 in one posture (POD), and those of its body at rest (Craig-Bampton); other swings start in ten other
 postures, and with ten times the angular velocity. The error is the largest distance of a node from
 its place over all states, the amplitude the largest distance of a node from its place in the body's
-mean axes. Beside it the same shapes of POD in fixed axes, with small rigid motions. The blade is
-that of rotating_beam.py, its speeds are over the scale of its lag frequencies: reduced frequencies
-beside those of all unknowns. Last, a beam that is bent by a tenth of its length, in equilibrium.
+mean axes. LowRankCorrection it the same shapes of POD in fixed axes, with small rigid motions. The
+blade is that of rotating_beam.py, its speeds are over the scale of its lag frequencies: reduced
+frequencies beside those of all unknowns. Last, a beam that is bent by a tenth of its length, in
+equilibrium.
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ def residual(elements: int, element: fl.elements.BeamFormulation) -> float:
     assembly = body.model.assemble([body.model])
     H, out = np.empty_like(body.frames), np.zeros(6 * len(body.frames))
     H[assembly.order] = body.frames
-    terms = [assembly, *assembly.beside]
+    terms = [assembly, *assembly.further_terms]
 
     def once() -> None:
         for term in terms:

@@ -2,8 +2,9 @@
 
 A cantilever of 200 elements and a twisted plate of 20 x 20 cells, bent by a tenth of their length
 in eight load steps, in linear modes, these with modal derivatives (the beam), POD by the same
-load at 12 ... 120 % of its size, and POD with few cells that have weights (ECSW). Beside it cells
-that interpolate forces (DEIM). Seconds are those of the iterations; what is done once is apart.
+load at 12 ... 120 % of its size, and POD with few cells that have weights (ECSW). LowRankCorrection
+it cells that interpolate forces (DEIM). Seconds are those of the iterations; what is done once is
+apart.
 
 Writes docs/measured/sampling.csv and, with ``--plot``, docs/measured/sampling.png.
 """

@@ -64,17 +64,17 @@ STENCILS = {
 }
 
 
-def sums(cells, kernel, apart):
+def sums(cells, kernel, separate):
     values = np.zeros((len(cells), 37))
     values[:, 36] = 1.0 + np.arange(len(cells))
-    values = values[:, 36:] if apart else values
+    values = values[:, 36:] if separate else values
     given = values, np.array([2.0]), np.zeros((len(cells), 1))
-    return CellSum(cells, kernel.address, *given, apart=apart)
+    return CellSum(cells, kernel.address, *given, separate_nodes=separate)
 
 
-@pytest.mark.parametrize("apart", [False, True], ids=["in room of their own", "apart"])
+@pytest.mark.parametrize("separate", [False, True], ids=["in a workspace", "separate"])
 @pytest.mark.parametrize("cells", STENCILS.values(), ids=STENCILS.keys())
-def test_any_stencil(cells, apart):
+def test_any_stencil(cells, separate):
     """Energy, forces and matrix against dense sums, all from the same quadratic form."""
     H = np.random.default_rng(4).normal(size=(COUNT, 4, 3))
     dense = np.zeros((COUNT, COUNT))
@@ -83,15 +83,15 @@ def test_any_stencil(cells, apart):
         second[cell] = 1.0, -2.0, 1.0
         dense += 2.0 * (1.0 + k) * np.outer(second, second)
     x = H[:, 0]
-    energy = sums(cells, energy_kernel, apart).scalar(H)
+    energy = sums(cells, energy_kernel, separate).scalar(H)
     assert energy == pytest.approx(0.5 * np.vdot(x, dense @ x), rel=1e-13)
     forces = np.zeros(6 * COUNT)
-    sums(cells, force_kernel, apart).add_vector(H, forces)
+    sums(cells, force_kernel, separate).add_vector(H, forces)
     expected = np.zeros((COUNT, 6))
     expected[:, :3] = dense @ x
     np.testing.assert_allclose(forces.reshape(-1, 6), expected, atol=1e-12)
     pattern = Pattern.of(cells, COUNT)
-    sum_of_cells = sums(cells, matrix_kernel, apart)
+    sum_of_cells = sums(cells, matrix_kernel, separate)
     blocks = sum_of_cells.matrix(H, pattern)
     found = np.zeros((COUNT, 6, COUNT, 6))
     rows = np.repeat(np.arange(COUNT), np.diff(pattern.indptr))
@@ -151,7 +151,7 @@ def test_viscous_forces_have_room_for_all_nodes_of_a_cell():
 
 
 def test_parts_of_places_are_one():
-    """To their columns A and K have the same blocks, and the sum is that of parts kept apart."""
+    """To their columns A and K have the same blocks, and the sum is that of parts kept separate."""
     scene = square_net(2, cells=3)
     scene.gravity = (0, 0, -GRAVITY)
     equations = fl.extend.Equations(scene, dynamics=True)
@@ -165,10 +165,10 @@ def test_parts_of_places_are_one():
         fl.extend.Plan(np.zeros((n, 6)), at_rest=0.5),
     )
     tangent, found = equations.system.tangent, []
-    for apart in (False, True):
-        if apart:
-            tangent.keep_apart()
-        assert tangent.parts.apart == apart
+    for separate in (False, True):
+        if separate:
+            tangent.separate_blocks()
+        assert tangent.parts.separate == separate
         for plan in plans:
             equations.fill(state, forces, plan)
             found.append(equations.matrix.csr[0].copy())
@@ -176,7 +176,7 @@ def test_parts_of_places_are_one():
         np.testing.assert_allclose(one, two, rtol=0.0, atol=1e-13 * np.abs(two).max())
     # all but the masses at the corners are places
     pairs = len(equations.matrix.indices)
-    assert len(Parts(equations.unknowns.kinds, equations.matrix.indices, apart=False).blocks) < (
+    assert len(Parts(equations.unknowns.kinds, equations.matrix.indices, separate=False).blocks) < (
         1.2 * pairs
     )
 

@@ -29,7 +29,7 @@ def test_cables_are_in_equilibrium_at_each_knot_but_those_of_the_rims(bays):
 
 @pytest.mark.filterwarnings("ignore:the equilibrium is unstable")  # zero is round-off
 def test_without_drives_one_motion_is_free_and_with_them_none():
-    """Beside the six of a rigid body; the next vibration is far away."""
+    """LowRankCorrection the six of a rigid body; the next vibration is far away."""
     antenna = layout.Antenna(6, 1, 4.0, elements=1, cells=0, slack=1e-3)
     held = fl.vibrations(antenna.scene, count=8).frequencies
     antenna.scene.connections.remove(antenna.drives[0])

@@ -120,11 +120,11 @@ def test_stretches_are_seen_again():
         return out
 
     forces(1.0)
-    before, seen = forces(1.00009), term.seen.copy()
+    before, pair_positions = forces(1.00009), term.pair_positions.copy()
     after = forces(1.2)
     assert np.abs(after[:, :3]).max() > 0.0
     assert not np.array_equal(forces(1.00009), before)
-    term.see_again(seen)
+    term.restore_pairs(pair_positions)
     np.testing.assert_array_equal(forces(1.00009), before)
 
 

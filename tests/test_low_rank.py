@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.linear.low_rank import Beside, Columns
+from fem_lie.linear.low_rank import Columns, LowRankCorrection
 
 RADIUS, CELLS = 0.01, 8
 SECTION = fl.Section.circle(RADIUS, fl.Material(1e7, 0.3, 1000.0))
@@ -39,7 +39,7 @@ def test_solutions_are_those_of_the_whole_matrix():
     def found(left, right):
         x, r = np.empty(9), np.arange(1.0, 10.0)
         x[:] = np.linalg.solve(S, r)
-        beside = Beside(first, unknowns, left, right, np.array([1e6, 3.0]))
+        beside = LowRankCorrection(first, unknowns, left, right, np.array([1e6, 3.0]))
         columns.correct(beside, solve, x)
         return S @ x + beside.times(x) - r
 
@@ -67,14 +67,14 @@ def test_what_is_beside_is_the_stiffness_of_the_contact(line):
     state = fl.extend.TimeState(H, still, still, np.empty(0))
     r, none = np.empty(equations.unknowns.size), np.empty(0)
     forces = equations.residual(state, none, r)
-    whole, apart = fl.extend.Plan(still, none), fl.extend.Plan(still, none, apart=True)
+    whole, without = fl.extend.Plan(still, none), fl.extend.Plan(still, none, without_low_rank=True)
     equations.fill(state, forces, whole)
     x = np.random.default_rng(1).normal(size=len(r))
     wanted = equations.matrix.times(x)
-    equations.fill(state, forces, apart)
+    equations.fill(state, forces, without)
     without = equations.matrix.times(x)
-    equations.fill(state, forces, apart._replace(beside=True))
-    assert equations.matrix.beside is not None
+    equations.fill(state, forces, without._replace(low_rank_only=True))
+    assert equations.matrix.correction is not None
     part = np.abs(wanted - without).max()
     assert part > 1.0
     assert np.abs(equations.matrix.times(x) - wanted).max() < 1e-2 * part

@@ -318,7 +318,7 @@ def test_line_load(formulation, axis, shear, moment, sign):
 
 
 def test_a_single_force_stays_a_jump():
-    """Beside a line load, and with elements of different lengths."""
+    """LowRankCorrection a line load, and with elements of different lengths."""
     q, single = 1e-4, 3e-4
     s = np.array([0.0, 0.3, 0.7, 1.0, 1.6, 2.0])
     mesh = fl.mesh.LineMesh.from_cells(np.outer(s, [1, 0, 0]), [(i, i + 1) for i in range(5)])

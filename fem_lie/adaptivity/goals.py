@@ -95,8 +95,8 @@ def fields_along(
     length = float(np.ptp(result.frames[-1, :, 0], axis=0).max())
     step = _STEP / max(size[:3].max() / length, size[3:].max())
     frames = np.array([lie.se3_retract(result.frames[-1], s * step * z) for s in (-1, 0, 1)])
-    beside = replace(result, frames=frames, factors=np.repeat(result.factors[-1], 3))
-    before, now, behind = fields_of(beside, body, scene, (0, 1, 2))
+    around = replace(result, frames=frames, factors=np.repeat(result.factors[-1], 3))
+    before, now, behind = fields_of(around, body, scene, (0, 1, 2))
     return now, (behind.missing - before.missing) / (2.0 * step)
 
 

@@ -299,8 +299,8 @@ class Sizes(NamedTuple):
         nearest = min(2, len(self.middles))
         for _ in range(_LEVELS):
             middles, sizes = _middles(found)
-            _, beside = tree.query(middles, k=nearest)
-            least = self.target[np.reshape(beside, (len(middles), -1))].min(axis=1)
+            _, closest = tree.query(middles, k=nearest)
+            least = self.target[np.reshape(closest, (len(middles), -1))].min(axis=1)
             within = tree.query_ball_point(middles, 0.5 * sizes + ahead)
             least = [
                 min(low, self.target[inside].min(initial=np.inf))

@@ -18,7 +18,7 @@ from fem_lie._jit import compiled, inlined, uncounted
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
 
-KERNEL, CELLS, NODES, FIRST, W, WIDTH, C, X, EXTENT, APART = range(10)
+KERNEL, CELLS, NODES, FIRST, W, WIDTH, C, X, EXTENT, GATHERED = range(10)
 """Columns of a row of :class:`FormTable`.
 
 Address of the kernel; number of cells, nodes per cell, index of the first node; address and length
@@ -27,7 +27,7 @@ coefficients that a kernel reads before these and that are not stored per cell: 
 none.
 """
 
-NO_ROWS: Indices = np.empty((0, APART + 1), dtype=np.int64)
+NO_ROWS: Indices = np.empty((0, GATHERED + 1), dtype=np.int64)
 """Table without forms."""
 
 
@@ -63,7 +63,7 @@ def each_cell(table: FormTable) -> EachCell:
     calls: list[Indices] = [np.empty((0, 6), dtype=np.int64)]
     sizes = [np.zeros(1, dtype=np.int64)]
     for row in table.rows:
-        own = np.tile(row[[KERNEL, W, C, X, WIDTH, APART]], (row[CELLS], 1))
+        own = np.tile(row[[KERNEL, W, C, X, WIDTH, GATHERED]], (row[CELLS], 1))
         own[:, [1, 3]] += 8 * np.arange(row[CELLS])[:, np.newaxis] * row[[WIDTH, EXTENT]]
         calls.append(own)
         sizes.append(np.full(row[CELLS], row[NODES]))
@@ -80,45 +80,47 @@ def own_coefficients(row: Indices) -> Array:
     Returns:
         Shape (m, any); zero at nodal coordinates.
     """
-    width, apart = row[WIDTH], row[APART]
-    out = np.zeros((row[CELLS], apart + width))
+    width, gathered = row[WIDTH], row[GATHERED]
+    out = np.zeros((row[CELLS], gathered + width))
     for e in range(row[CELLS]):
         given = vector_at(pointer(row[W] + 8 * width * e), width)
         for k in range(width):
-            out[e, apart + k] = given[k]
+            out[e, gathered + k] = given[k]
     return out
 
 
 @inlined
-def room_for(rows: Indices) -> int:
+def workspace_size(rows: Indices) -> int:
     """Size of the workspace for coefficients that cells share."""
     most = 1
     for f in range(rows.shape[0]):
-        if rows[f, APART] > 0:
-            most = max(most, rows[f, WIDTH] + rows[f, APART])
+        if rows[f, GATHERED] > 0:
+            most = max(most, rows[f, WIDTH] + rows[f, GATHERED])
     return most
 
 
 @inlined
-def coefficients(at: int, width: int, apart: int, room: Pointer) -> Pointer:
+def coefficients(at: int, width: int, gathered: int, workspace: Pointer) -> Pointer:
     """Address of all coefficients for a kernel: workspace, or storage if nothing is shared."""
-    if apart == 0:
+    if gathered == 0:
         return pointer(at)
-    given, found = vector_at(pointer(at), width), vector_at(room, apart + width)
+    given, found = vector_at(pointer(at), width), vector_at(workspace, gathered + width)
     for k in range(width):
-        found[apart + k] = given[k]
-    return room
+        found[gathered + k] = given[k]
+    return workspace
 
 
 @inlined
-def _add_cell(H: Array, row: Indices, nodes: Indices, e: int, room: Pointer, place: Pointer) -> int:
+def _add_cell(
+    H: Array, row: Indices, nodes: Indices, e: int, workspace: Pointer, place: Pointer
+) -> int:
     """Evaluate the kernel of a form for its cell ``e``; return the index of the cell's first node.
 
     The frames of its nodes are written to the head of its coefficients.
     """
     count, width = row[NODES], row[WIDTH]
     first = row[FIRST] + count * e
-    w = coefficients(row[W] + 8 * width * e, width, row[APART], room)
+    w = coefficients(row[W] + 8 * width * e, width, row[GATHERED], workspace)
     packed, k = vector_at(w, 12 * count), 0
     for i in range(first, first + count):
         for a in range(4):
@@ -144,14 +146,14 @@ def add_cells(H: Array, table: tuple[Indices, Indices], unknowns: int, out: Arra
     most = 1
     for f in range(rows.shape[0]):
         most = max(most, rows[f, NODES] * unknowns)
-    place, room = stack(most), stack(room_for(rows))
+    place, workspace = stack(most), stack(workspace_size(rows))
     values = vector_at(place, most)
     for f in range(rows.shape[0]):
         count = rows[f, NODES]
         for e in range(rows[f, CELLS]):
             for k in range(most):
                 values[k] = 0.0
-            first = _add_cell(H, rows[f], nodes, e, room, place)
+            first = _add_cell(H, rows[f], nodes, e, workspace, place)
             if unknowns == 0:
                 out[0] += values[0]
             for i in range(count):
@@ -184,7 +186,7 @@ def add_blocks(
     most = 1
     for f in range(rows.shape[0]):
         most = max(most, rows[f, NODES] * unknowns)
-    place_of, room, pair = stack(most * most), stack(room_for(rows)), 0
+    place_of, workspace, pair = stack(most * most), stack(workspace_size(rows)), 0
     for f in range(rows.shape[0]):
         count = rows[f, NODES]
         values = numba.carray(place_of, (count, unknowns, count, unknowns))
@@ -194,7 +196,7 @@ def add_blocks(
                     for j in range(count):
                         for b in range(used):
                             values[i, a, j, b] = 0.0
-            _add_cell(H, rows[f], nodes, e, room, place_of)
+            _add_cell(H, rows[f], nodes, e, workspace, place_of)
             for i in range(count):
                 for j in range(count):
                     block = out[place[pair_of[pair]]]
@@ -242,7 +244,7 @@ def of_cells(table: FormTable, chosen: Sequence[Flags]) -> FormTable:
             found.append(some)
             kept.append(cells[start:end].ravel())
             at += len(kept[-1])
-    rows = np.array(found, dtype=np.int64).reshape(-1, APART + 1)
+    rows = np.array(found, dtype=np.int64).reshape(-1, GATHERED + 1)
     return FormTable(rows, np.concatenate(kept))
 
 

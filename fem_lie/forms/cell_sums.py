@@ -70,7 +70,7 @@ class CellSum:
         constants: Array,
         coordinates: Array,
         *,
-        apart: bool = False,
+        separate_nodes: bool = False,
     ) -> None:
         """Store the data that the kernel reads.
 
@@ -81,20 +81,20 @@ class CellSum:
                 coordinates.
             constants: Constants, the same for all cells.
             coordinates: Coordinates of each cell, shape (m, any).
-            apart: Whether ``values`` are without these 12 k numbers, so that the kernel reads a
-                copy on the stack: for many cells with little data.
+            separate_nodes: Whether ``values`` are without these 12 k numbers, so that the kernel
+                reads a copy on the stack: for many cells with little data.
         """
         self.cells, rows = cells, 12 * cells.shape[1]
         self.values, self._x = (np.ascontiguousarray(a, np.float64) for a in (values, coordinates))
         self._constants = constants
-        least = 0 if apart else rows
+        least = 0 if separate_nodes else rows
         if self.values.shape != (len(cells), max(self.values.shape[1], least)):
             raise ValueError(
                 f"cells of shape {cells.shape} need data of shape ({len(cells)}, ≥ {least}), got "
                 f"{self.values.shape}"
             )
         row = [kernel, *cells.shape, 0, *_place(self.values), constants.ctypes.data]
-        row += [*_place(self._x), rows if apart else 0]
+        row += [*_place(self._x), rows if separate_nodes else 0]
         self.table = FormTable(np.array([row], dtype=np.int64), cells.ravel().astype(np.int64))
         self._plain: tuple[Indices, Indices] = (self.table[0], self.table[1])
 
@@ -239,7 +239,7 @@ class CellForm(CellSum):
         else:
             x, same = other._x, self._form.coefficients == other._form.coefficients
             values = other.values if same else self._packed()
-        super().__init__(cells, int(kernel.address), values, constants, x, apart=True)
+        super().__init__(cells, int(kernel.address), values, constants, x, separate_nodes=True)
 
     def _packed(self) -> Array:
         """Packed coefficients without the state."""

@@ -274,17 +274,17 @@ class Term(ABC):
     # --- positions that determine the pairs, for terms whose pairs change ---
 
     @property
-    def seen(self) -> Array:
+    def pair_positions(self) -> Array:
         """Positions for which :attr:`pairs` were computed; empty if the pairs do not change."""
         return np.empty((0, 3))
 
-    def see_again(self, seen: Array) -> None:
-        """Restore the pairs that belong to an earlier copy of :attr:`seen`.
+    def restore_pairs(self, pair_positions: Array) -> None:
+        """Restore the pairs that belong to an earlier copy of :attr:`pair_positions`.
 
         Args:
-            seen: Copied version of the pairs.
+            pair_positions: Copied version of the pairs.
         """
-        assert not len(seen)
+        assert not len(pair_positions)
 
     # --- over a step ---
 

@@ -291,8 +291,8 @@ class DirectSolver:
             InaccurateSolutionError: No method reaches :data:`~.equilibrated.ACCURATE`.
         """
         self._solve_for(self.right_hand_side, self.solution)
-        if self._kkt.beside is not None:
-            self.columns.correct(self._kkt.beside, self._solve_for, self.solution)
+        if self._kkt.correction is not None:
+            self.columns.correct(self._kkt.correction, self._solve_for, self.solution)
 
     def _solve_for(self, b: Array, x: Array) -> None:
         """Solve with the last factorisation, into ``x``."""
@@ -322,7 +322,7 @@ class DirectSolver:
         It is unavailable before the first solution, which is checked, and if solutions are refined
         or corrected.
         """
-        if self._kkt.beside is not None:
+        if self._kkt.correction is not None:
             return Solution.none()
         if self._by_call is None:
             kept = self._checked and self._idle is None and self._shared is None

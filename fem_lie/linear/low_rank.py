@@ -108,7 +108,7 @@ class Extended:
         return np.concatenate([own, left, right, -part.scale, part.core.ravel()])[self._from]
 
 
-class Beside(NamedTuple):
+class LowRankCorrection(NamedTuple):
     """Correction ``Σ k u wᵀ`` with rows of few unknowns each, at least one.
 
     Attributes:
@@ -155,25 +155,29 @@ class Columns:
         """Delete the columns, as the factors change."""
         self._kept, self._lefts = {}, {}
 
-    def correct(self, beside: Beside, solve: Callable[[Array, Array], None], x: Array) -> None:
+    def correct(
+        self, correction: LowRankCorrection, solve: Callable[[Array, Array], None], x: Array
+    ) -> None:
         """Correct the solution ``x`` (n,) of the factors for all rows that were added to them.
 
         Args:
-            beside: The rows.
+            correction: The rows.
             solve: Solves with the factors for its first argument into its second.
             x: Overwritten.
         """
-        Z = self._columns(beside, solve, len(x))
-        inner = np.diag(1.0 / beside.stiffness) + beside.across(Z)
-        x -= np.linalg.solve(inner, beside.across(x)) @ Z
+        Z = self._columns(correction, solve, len(x))
+        inner = np.diag(1.0 / correction.stiffness) + correction.across(Z)
+        x -= np.linalg.solve(inner, correction.across(x)) @ Z
 
-    def _columns(self, beside: Beside, solve: Callable[[Array, Array], None], size: int) -> Array:
+    def _columns(
+        self, correction: LowRankCorrection, solve: Callable[[Array, Array], None], size: int
+    ) -> Array:
         """``Zᵀ``, shape (m, n)."""
         kept: _Columns = {}
-        Z = np.empty((len(beside.stiffness), size))
+        Z = np.empty((len(correction.stiffness), size))
         for row, z in enumerate(Z):
-            part = slice(beside.first[row], beside.first[row + 1])
-            unknowns, left = beside.unknowns[part], beside.left[part]
+            part = slice(correction.first[row], correction.first[row + 1])
+            unknowns, left = correction.unknowns[part], correction.left[part]
             place, turn = unknowns.tobytes(), 0
             while (place, turn) in kept:
                 turn += 1

@@ -27,7 +27,7 @@ import scipy.sparse as sp
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.linear.domains.division import Division, Part
-from fem_lie.linear.low_rank import Beside, LowRank
+from fem_lie.linear.low_rank import LowRank, LowRankCorrection
 
 SOFTNESS = 1e-9
 """Compliance of redundant constraints in one iteration, relative to their own flexibility.
@@ -181,7 +181,7 @@ class KKT:
         unit_rows: Whether a row is that of a held unknown, shape (6 n + m,).
         measure: Norm scaling of each multiplier, shape (m,).
         redundant: Whether constraints may be redundant.
-        beside: Low-rank correction of solutions; ``None`` after values were filled.
+        correction: Low-rank correction of solutions; ``None`` after values were filled.
         incidences: Incidences of the constraints with nodes.
         held: Unknowns of nodes that are zero, shape (n, 6).
         part: Part of this rank's subdomain, if the matrix is divided.
@@ -192,7 +192,7 @@ class KKT:
         length: Power of two near the length of the model.
     """
 
-    beside: Beside | None = None
+    correction: LowRankCorrection | None = None
     part: Part | None = None
     divisible: Divisible | None = None
     splits = False
@@ -279,7 +279,7 @@ class KKT:
     def times(self, x: Array) -> Array:
         """Product of the matrix, with low-rank part and correction, with ``x``."""
         product: Array = sp.csr_matrix(self.csr) @ x
-        for part in (self.low_rank, self.beside):
+        for part in (self.low_rank, self.correction):
             product = product if part is None else product + part.times(x)
         return product
 
@@ -364,7 +364,7 @@ class KKT:
         self._changed()
 
     def _changed(self) -> None:
-        self.beside = None
+        self.correction = None
         self.matrix.stateIncrease()
         self.matrix.assemble()
 

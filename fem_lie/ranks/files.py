@@ -51,7 +51,7 @@ def place(path: str | os.PathLike[str]) -> Path:
     return aside / Path(path).name
 
 
-def place_to_go_on(path: Path, beside: Sequence[Path]) -> Path:
+def restart_file(path: Path, others: Sequence[Path]) -> Path:
     """As :func:`place`, with a copy of the existing file and its companions.
 
     All ranks wait until all have their copies.
@@ -60,7 +60,7 @@ def place_to_go_on(path: Path, beside: Sequence[Path]) -> Path:
         return path
     own = place(path)
     if not first():
-        for source in (path, *beside):
+        for source in (path, *others):
             if source.is_file():
                 shutil.copyfile(source, own.with_name(source.name))
     meet(f"a copy of {path}")

@@ -35,8 +35,8 @@ from fem_lie.system.outer_forces import (
     POWER,
     REACTIONS,
     SIZE,
+    LastState,
     PlainScene,
-    Seen,
     add_local,
     look_and_sum_up,
     sum_up,
@@ -200,10 +200,10 @@ class Acting:
         self._viscous = system.terms.chosen(
             lambda term: term.viscosity is None or term.viscosity.rates is None
         )
-        apart = self._pushed or self._viscous.viscous
+        separate = self._pushed or self._viscous.viscous
         self._grounded = [term.ground for term in system.terms if term.ground is not None]
-        apart = apart or bool(self._grounded)
-        moved = self._others or apart or self.strained
+        separate = separate or bool(self._grounded)
+        moved = self._others or separate or self.strained
         special = moved or self._held is not None
         self._any = special or self._loaded or joined or rates is not None or connections.driven
         self.plain, self.plain_but_held = self._any and not special, not moved
@@ -275,14 +275,14 @@ class EnergyBalance(Stateful):
         table: Arguments of that function.
     """
 
-    STATE = attributes("total", "_stored", "_time", "_seen")
+    STATE = attributes("total", "_stored", "_time", "_last")
 
     def __init__(self, system: System) -> None:
         """Start an empty balance of the equations ``system``."""
         self._system, self._acting = system, Acting(system)
         self.total = np.zeros(TOTAL)
         rows, z = len(system.frames) - system.count, np.zeros
-        self._seen = Seen(
+        self._last = LastState(
             row=z(SIZE),
             wrenches=z((rows, 6)),
             H=system.frames.copy(),
@@ -290,8 +290,8 @@ class EnergyBalance(Stateful):
             multipliers=z(system.m),
             targets=z(system.m),
         )
-        self._start = self._seen.plain
-        self._fixed = FixedArrays([*self._acting.arrays, *self._seen, self.total])
+        self._start = self._last.plain
+        self._fixed = FixedArrays([*self._acting.arrays, *self._last, self.total])
         self.empty, self.compiled = not self._acting, self._acting.plain
         self._idle = False
         self.compiled_but_held = self._acting.plain_but_held
@@ -321,9 +321,9 @@ class EnergyBalance(Stateful):
         """Evaluate the actions at the current time of the equations."""
         if self.empty:
             return
-        seen = self._seen
-        self._acting.look(H, v, a, multipliers, seen.row, seen.wrenches)
-        seen.H[:], seen.v[:], seen.multipliers[:], seen.targets[:] = H, v, multipliers, self.targets
+        last = self._last
+        self._acting.look(H, v, a, multipliers, last.row, last.wrenches)
+        last.H[:], last.v[:], last.multipliers[:], last.targets[:] = H, v, multipliers, self.targets
         self._note(time, H)
 
     def _note(self, time: float, H: Array) -> None:
@@ -368,7 +368,7 @@ class EnergyBalance(Stateful):
     def _strain_work(self, time: float, H: Array) -> float:
         """Work of stress-free strains: their change of the energy at each end, on the average."""
         system, elastic = self._system, self._system.elastic
-        ahead = elastic.energy(self._seen.H) - self._stored[0]
+        ahead = elastic.energy(self._last.H) - self._stored[0]
         behind = elastic.energy(H)
         began = system.scene.began.time
         system.set_time(began + float(self._time[0]))
@@ -383,8 +383,8 @@ class EnergyBalance(Stateful):
         """
         if self._idle:
             return
-        system, seen, before, after = self._system, self._seen, np.empty(7), np.empty(7)
-        system.report(seen.H, seen.v, before)
+        system, last, before, after = self._system, self._last, np.empty(7), np.empty(7)
+        system.report(last.H, last.v, before)
         system.report(H, v, after)
         stored = float(self._stored[0])
         self.look(time, H, v, a, multipliers)
@@ -403,14 +403,14 @@ class EnergyBalance(Stateful):
         Returns:
             Energy dissipated by the impacts, which is part of that of damping.
         """
-        system, seen = self._system, (np.empty(7), np.empty(7))
+        system, last = self._system, (np.empty(7), np.empty(7))
         energies = [
             system.report(state.H, state.v, invariants) + system.terms.energy(state.H)
-            for state, invariants in zip((before, after), seen, strict=True)
+            for state, invariants in zip((before, after), last, strict=True)
         ]
-        lost = float(seen[0][0] + energies[0] - seen[1][0] - energies[1]) + work
+        lost = float(last[0][0] + energies[0] - last[1][0] - energies[1]) + work
         self.total[DAMPING] += lost
         self.total[WORK] += work
-        self.total[BY_REACTIONS:] += seen[1][1:] - seen[0][1:]
+        self.total[BY_REACTIONS:] += last[1][1:] - last[0][1:]
         self.look(time, *after)
         return lost

@@ -46,10 +46,10 @@ joints, bodies that deform within their frames, whether to evaluate loads, and j
 """
 
 PlainSeen: TypeAlias = tuple[Array, Array, Array, Array, Array, Array]
-""":class:`Seen` as a plain tuple, which makes calls of compiled functions faster."""
+""":class:`LastState` as a plain tuple, which makes calls of compiled functions faster."""
 
 
-class Seen(NamedTuple):
+class LastState(NamedTuple):
     """External actions at the start of a step.
 
     Attributes:
@@ -189,7 +189,7 @@ def sum_up(
         end: Frames, twists, multipliers and targets of the constraints at its end.
         row: Actions there, see :func:`look`.
         wrenches: Forces of ground and prescribed frames there, see :func:`look`.
-        start: See :class:`Seen`, overwritten.
+        start: See :class:`LastState`, overwritten.
         total: See :class:`~fem_lie.system.balance.EnergyBalance`, updated.
     """
     H, v, multipliers, targets = end

@@ -119,17 +119,17 @@ class Parts:
         of_K: Position of the block of ``K`` of each pair, shape (nnz,).
     """
 
-    def __init__(self, kinds: Indices, bind: Indices, *, apart: bool) -> None:
+    def __init__(self, kinds: Indices, bind: Indices, *, separate: bool) -> None:
         """Allocate the blocks.
 
         Args:
             kinds: Types of the nodes.
             bind: Node of the columns of each block.
-            apart: Whether all blocks of ``K`` are separate.
+            separate: Whether all blocks of ``K`` are separate.
         """
         self._bind, count = bind, len(bind)
-        alone = np.full(count, True) if apart else kinds[bind] != POSITION
-        self.apart = bool(alone.all())
+        alone = np.full(count, True) if separate else kinds[bind] != POSITION
+        self.separate = bool(alone.all())
         self.of_K: Indices = np.arange(count)
         self.of_K[alone] = count + np.arange(alone.sum())
         self.blocks = np.zeros((count + alone.sum(), 6, 6))
@@ -142,7 +142,7 @@ class Parts:
     @property
     def K(self) -> Array:
         """Blocks of ``K`` of all pairs, if all are separate, shape (nnz, 6, 6)."""
-        assert self.apart
+        assert self.separate
         return self.blocks[len(self.of_K) :]
 
     def place_K(self, place: Indices) -> Indices:

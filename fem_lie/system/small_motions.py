@@ -114,7 +114,7 @@ def linearised(
     now = TimeState(H, v, np.zeros_like(v), multipliers)
     system.residual(now, scale, r, forces)
     loads = forces.on_rows, system.loads.moment
-    tangent.keep_apart()
+    tangent.separate_blocks()
     tangent.clear()
     tangent.add_inertia(now, twists, loads, (1.0, 0.0))
     M = tangent.A.copy()

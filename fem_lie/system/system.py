@@ -146,10 +146,10 @@ class System:
         self._check_redundant()
         self._still = np.zeros((self.count, 6))
         self._any_uncoupled = bool(self.uncoupled.any())
-        self._some_apart, self._viscous = not self.terms.all_in_tables, self.terms.viscous
-        apart = self._others or self._any_uncoupled or self._some_apart
+        self._some_outside_tables, self._viscous = not self.terms.all_in_tables, self.terms.viscous
+        separate = self._others or self._any_uncoupled or self._some_outside_tables
         settles = any(term.local is not None for term in self.terms)
-        self.in_one_sum = not (apart or self._viscous or self._guided or settles)
+        self.in_one_sum = not (separate or self._viscous or self._guided or settles)
         self._found = self.workspace()
         self._plain_inertia, self._plain_floating = self.inertia.plain, self.floating.plain
         self.set_time(scene.began.time, 1.0)
@@ -237,7 +237,7 @@ class System:
             self.terms.add_forces(H, r, found.own)
         else:
             residual(H, v, a, multipliers, scale, r, found.table)
-            if self._some_apart:
+            if self._some_outside_tables:
                 self.terms.add_others(H, r, found.own)
         if self._viscous:
             self.terms.add_viscous_forces(H, v, r)
@@ -297,7 +297,7 @@ class System:
             state = state._replace(v=self._still, a=self._still)
         tangent.clear()
         tangent.add_inertia(state, self.kinds, loads, factors)
-        tangent.add_terms(H, forces.own, whole if plan.apart else every, ends=plan.ends)
+        tangent.add_terms(H, forces.own, whole if plan.without_low_rank else every, ends=plan.ends)
         if damping != 0.0:
             tangent.add_viscosity(H, v, damping)
         if plan.matrix_terms.geometric:

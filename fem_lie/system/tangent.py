@@ -17,7 +17,7 @@ from fem_lie.lie.node_types import floating_tangents, inertia
 from fem_lie.lie.node_types.floating import Floating
 from fem_lie.lie.node_types.inertia import Inertia, PlainMotion
 from fem_lie.linear.domains.division import Division
-from fem_lie.linear.low_rank import Beside, LowRank
+from fem_lie.linear.low_rank import LowRank, LowRankCorrection
 from fem_lie.linear.saddle_point import KKT, flexibility
 from fem_lie.system.constraint_sets.averages import Averages
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
@@ -65,7 +65,7 @@ class Tangent:
 
     domain: Domain | None = None
     _share: Array | None = None
-    _apart = False
+    _separate = False
     _given: Array | None = None
 
     def __init__(
@@ -133,7 +133,7 @@ class Tangent:
         place, diagonal = self.kkt.place, np.arange(self._count)
         own, floating, *coupled = self._pairs()
         self._versions = self._terms.versions
-        self.parts = Parts(self._kinds, self.kkt.indices, apart=self._apart)
+        self.parts = Parts(self._kinds, self.kkt.indices, separate=self._separate)
         in_K = self.parts.place_K
         self._place_mass, self._place_bodies = (
             (at, in_K(at)) for at in (place(*own), place(*floating))
@@ -158,10 +158,10 @@ class Tangent:
         """Blocks ``A`` of :attr:`parts`."""
         return self.parts.A
 
-    def keep_apart(self) -> None:
+    def separate_blocks(self) -> None:
         """Store all blocks of ``K`` separately from ``A``, from the next matrix on."""
-        self._apart = True
-        if not self.parts.apart:
+        self._separate = True
+        if not self.parts.separate:
             self._settle()
             if self.domain is not None:
                 self._others = np.zeros_like(self.parts.blocks)
@@ -263,7 +263,7 @@ class Tangent:
 
     def _couple(self) -> None:
         """Update the pattern to the current pairs of terms and treatment of attachments."""
-        splits = self._averaged and self.kkt.splits and not self._apart
+        splits = self._averaged and self.kkt.splits and not self._separate
         if self._versions == self._terms.versions and self._splits == splits:
             return
         if self.domain is not None:
@@ -277,7 +277,7 @@ class Tangent:
         if np.array_equal(indptr, self.kkt.indptr) and np.array_equal(indices, self.kkt.indices):
             return
         self.kkt.couple([(np.repeat(np.arange(self._count), np.diff(indptr)), indices)])
-        self.parts = Parts(self._kinds, indices, apart=self._apart)
+        self.parts = Parts(self._kinds, indices, separate=self._separate)
         self._versions, self._filled = (), False
 
     def add_inertia(
@@ -340,7 +340,7 @@ class Tangent:
                 elif selected(term):
                     term.add_tangent(H, forces, place, self.parts.blocks)
 
-    def put_beside(self, H: Array, kinds: Indices, d: Array) -> None:
+    def set_correction(self, H: Array, kinds: Indices, d: Array) -> None:
         """Set the low-rank correction of the KKT matrix: stiff rows of terms, in increments.
 
         Supports along fixed axes are not transformed.
@@ -351,7 +351,7 @@ class Tangent:
         some = [which.any(axis=1) for which in moves]
         nodes = np.concatenate([f.nodes[which] for f, which in zip(found, moves, strict=True)])
         if not len(nodes):
-            self.kkt.beside = None
+            self.kkt.correction = None
             return
         left = np.concatenate([f.rows[which] for f, which in zip(found, moves, strict=True)])
         counts = np.concatenate([m[s].sum(axis=1) for m, s in zip(moves, some, strict=True)])
@@ -362,7 +362,7 @@ class Tangent:
             rows[self._held[nodes]] = 0.0
         unknowns = (6 * nodes[:, np.newaxis] + np.arange(6)).ravel()
         first = 6 * np.append(0, np.cumsum(counts))
-        self.kkt.beside = Beside(first, unknowns, left.ravel(), right.ravel(), k)
+        self.kkt.correction = LowRankCorrection(first, unknowns, left.ravel(), right.ravel(), k)
 
     def alone(self, H: Array, term: Term) -> sp.csr_matrix:
         """Matrix of one term, along the axes of supports, shape (6 n, 6 n)."""

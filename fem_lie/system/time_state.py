@@ -134,8 +134,9 @@ class Plan(NamedTuple):
         at_rest: Step size ``h`` of a matrix for accelerations and impulses, ``M + h² K/4``, at rest
             with the current stress and a fitting scale. The plan then has no other effect.
         ends: Ends of a step, of all nodes, for terms with forces over a step; default: none.
-        apart: Whether terms that can be separate low-rank corrections are left out.
-        beside: Whether only the low-rank correction of these terms is filled; needs ``scale``.
+        without_low_rank: Whether terms that can be separate low-rank corrections are left out.
+        low_rank_only: Whether only the low-rank correction of these terms is filled; needs
+            ``scale``.
         spread: Overwritten where a scale is found: change of each constraint of a vector under
             forces of the size of their scales, shape of ``vectors`` of the unknowns; default: not
             needed.
@@ -155,8 +156,8 @@ class Plan(NamedTuple):
     steady: bool = False
     at_rest: float | None = None
     ends: Ends | None = None
-    apart: bool = False
-    beside: bool = False
+    without_low_rank: bool = False
+    low_rank_only: bool = False
     spread: Array | None = None
 
 

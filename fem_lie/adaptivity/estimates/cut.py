@@ -236,9 +236,9 @@ class Patches(NamedTuple):
         about = [np.arange(n), cut.ends.ravel(), corners[: len(middles)].ravel()]
         nodes = [np.arange(n), np.repeat(n + np.arange(edges), 2), np.repeat(middles, k)]
         pairs = np.concatenate(about), np.concatenate(nodes)
-        beside = csr_matrix((np.ones(len(pairs[0])), pairs), shape=(n, N))
+        incident = csr_matrix((np.ones(len(pairs[0])), pairs), shape=(n, N))
         of_cells = csr_matrix((np.ones(m * k), (np.repeat(np.arange(m), k), corners.ravel())))
-        found = np.unique(np.ravel_multi_index((of_cells @ beside).nonzero(), (m, N)))
+        found = np.unique(np.ravel_multi_index((of_cells @ incident).nonzero(), (m, N)))
         return cls(found // N, found % N, N)
 
     def solved(self, cells: Indices, stiffness: Array, rest: Array, free: Flags) -> Array:

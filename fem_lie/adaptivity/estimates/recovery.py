@@ -249,12 +249,12 @@ def _around(shell: ThinShell) -> tuple[Indices, Indices]:
     rows = np.repeat(np.arange(m), 4)
     has = csr_matrix((np.ones(4 * m), (rows, points.ravel())), (m, n))
     _, section = np.unique(shell.model.stiffness.reshape(m, -1), axis=0, return_inverse=True)
-    beside = _alike(has @ has.T, section.ravel())
-    few = np.flatnonzero(np.diff(beside.indptr) < _LEAST)
+    neighbours = _alike(has @ has.T, section.ravel())
+    few = np.flatnonzero(np.diff(neighbours.indptr) < _LEAST)
     if len(few):
         chosen = np.isin(np.arange(m), few)
-        beside = beside + diags(chosen.astype(np.float64)) @ beside @ beside
-    return np.repeat(np.arange(m), np.diff(beside.indptr)), beside.indices.astype(np.int64)
+        neighbours = neighbours + diags(chosen.astype(np.float64)) @ neighbours @ neighbours
+    return np.repeat(np.arange(m), np.diff(neighbours.indptr)), neighbours.indices.astype(np.int64)
 
 
 def _alike(pairs: csr_matrix, section: Indices) -> csr_matrix:

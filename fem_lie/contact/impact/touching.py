@@ -300,16 +300,16 @@ class Touching:
 
     def saved_state(self) -> dict[str, Array]:
         """State that the next steps depend on."""
-        seen = {f"near.{k}": each.seen for k, each in enumerate(self._near)}
-        seen["margins"] = np.array([each.margin for each in self._near])
-        seen["slots"] = self.polyhedra.ids.astype(np.float64)
-        return seen | {f"work.{k}": values for k, values in enumerate(_arrays(self.work))}
+        pair_positions = {f"near.{k}": each.pair_positions for k, each in enumerate(self._near)}
+        pair_positions["margins"] = np.array([each.margin for each in self._near])
+        pair_positions["slots"] = self.polyhedra.ids.astype(np.float64)
+        return pair_positions | {f"work.{k}": values for k, values in enumerate(_arrays(self.work))}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Restore the state that :meth:`saved_state` returned."""
         for k, each in enumerate(self._near):
             each.widen(float(kept["margins"][k]))
-            each.see_again(kept[f"near.{k}"])
+            each.restore_pairs(kept[f"near.{k}"])
         self._versions = tuple(each.version for each in self._near)
         self._set()
         self.polyhedra.ids[:] = kept["slots"].astype(np.int64)

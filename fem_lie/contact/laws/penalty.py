@@ -179,13 +179,13 @@ class PenaltyForces(
         return self._sides.near.blocks
 
     @property
-    def seen(self) -> Array:
+    def pair_positions(self) -> Array:
         """State of the list of pairs, for checkpoints."""
-        return self._sides.seen
+        return self._sides.pair_positions
 
-    def see_again(self, seen: Array) -> None:
+    def restore_pairs(self, pair_positions: Array) -> None:
         """Restore the list of pairs."""
-        self._sides.see_again(seen)
+        self._sides.restore_pairs(pair_positions)
 
     def _measured(self, H: Array, v: Array, *, viscous: bool) -> tuple[ContactPoints, Array]:
         """Contact points; gaps, elastic and damping forces along the normal, shape (3, m)."""

@@ -115,13 +115,13 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         )
 
     @property
-    def seen(self) -> Array:
+    def pair_positions(self) -> Array:
         """State of the sparsity pattern, for checkpoints."""
         return np.repeat(self._first[:, np.newaxis].astype(np.float64), 3, axis=1)
 
-    def see_again(self, seen: Array) -> None:
+    def restore_pairs(self, pair_positions: Array) -> None:
         """Restore the sparsity pattern."""
-        self._first[:] = seen[:, 0].astype(np.int64)
+        self._first[:] = pair_positions[:, 0].astype(np.int64)
         self.version += 1
 
     # --- forces ---

@@ -140,7 +140,7 @@ class NearPairs:
             positions(H, self._b, out[n:])
 
     @property
-    def seen(self) -> Array:
+    def pair_positions(self) -> Array:
         """State: positions at the last update, margin, and ignored pairs, shape (·, 3)."""
         ignored = np.zeros((len(self._ignored), 3))
         ignored[:, 0] = self._ignored
@@ -148,15 +148,15 @@ class NearPairs:
             return ignored
         return np.vstack([self._before, [self._margin, 0.0, 0.0], ignored])
 
-    def see_again(self, seen: Array) -> None:
-        """Restore the list from its state :attr:`seen`."""
+    def restore_pairs(self, pair_positions: Array) -> None:
+        """Restore the list from its state :attr:`pair_positions`."""
         n = 0 if self.fixed else len(self._before)
-        self._ignored = seen[n if self.fixed else n + 1 :, 0].astype(np.int64)
+        self._ignored = pair_positions[n if self.fixed else n + 1 :, 0].astype(np.int64)
         if self.fixed:
             self._again()
         else:
-            self._widen(float(seen[n, 0]))
-            self._look(seen[:n])
+            self._widen(float(pair_positions[n, 0]))
+            self._look(pair_positions[:n])
 
     def in_step(
         self, start: Array, end: Array

@@ -98,13 +98,13 @@ class Sides(ABC):
         """Keep the stretches of the last contact points for the forces of steps."""
 
     @property
-    def seen(self) -> Array:
+    def pair_positions(self) -> Array:
         """State of :meth:`meet`, for checkpoints, shape (n, 3)."""
-        return self.near.seen
+        return self.near.pair_positions
 
-    def see_again(self, seen: Array) -> None:
-        """Restore the state :attr:`seen`."""
-        self.near.see_again(seen)
+    def restore_pairs(self, pair_positions: Array) -> None:
+        """Restore the state :attr:`pair_positions`."""
+        self.near.restore_pairs(pair_positions)
 
 
 class Balls(Sides):
@@ -284,17 +284,17 @@ class Lines(Sides):
         self._a.stretches[:], self._b.stretches[:] = np.split(stretches, [len(self._a.stretches)])
 
     @property
-    def seen(self) -> Array:
+    def pair_positions(self) -> Array:
         """State of the list of pairs, and of the stretches."""
         stretches = np.stack([self._stretches, self._frozen, self._frozen], axis=1)
-        return np.concatenate([self.near.seen, stretches])
+        return np.concatenate([self.near.pair_positions, stretches])
 
-    def see_again(self, seen: Array) -> None:
-        """Restore the state :attr:`seen`."""
-        n = len(seen) - len(self._frozen)
-        self._stretch(seen[n:, 0])
-        self._frozen = seen[n:, 1].copy()
-        self.near.see_again(seen[:n])
+    def restore_pairs(self, pair_positions: Array) -> None:
+        """Restore the state :attr:`pair_positions`."""
+        n = len(pair_positions) - len(self._frozen)
+        self._stretch(pair_positions[n:, 0])
+        self._frozen = pair_positions[n:, 1].copy()
+        self.near.restore_pairs(pair_positions[:n])
 
 
 def copied(at: ContactPoints) -> ContactPoints:

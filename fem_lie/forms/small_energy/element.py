@@ -203,8 +203,8 @@ def _inputs(
 def _curved(pairs: Indices, inputs: Indices, vectors: int, every: int) -> int:
     """Number of linear vectors, the first ones, in second derivatives of derived vectors."""
     first = every - len(inputs)
-    beside = pairs[(pairs >= first).any(axis=1)]
-    touched = [*inputs.ravel(), *beside[beside < vectors]]
+    coupled = pairs[(pairs >= first).any(axis=1)]
+    touched = [*inputs.ravel(), *coupled[coupled < vectors]]
     return 1 + int(max(touched, default=-1))
 
 

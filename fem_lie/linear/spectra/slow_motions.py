@@ -50,7 +50,7 @@ def without_round_off(pencil: Pencil, s: Complex, vectors: Complex) -> SlowMotio
     limit = _gap(np.abs(s), np.sqrt(SHIFT) * pencil.fastest)
     slow = np.abs(s) <= limit
     free, resisted = _split(parts, rigid)
-    strained = _beside(pencil.M, rigid, vectors[slow])
+    strained = _without_rigid(pencil.M, rigid, vectors[slow])
     basis, z = np.concatenate([free, resisted, strained]), len(free)
     K = np.asarray(basis @ pencil.stiffness(basis).T, dtype=np.float64)
     if pencil.C is None:
@@ -92,7 +92,7 @@ def without(pencil: Pencil, slow: Array, s: Complex, vectors: Complex) -> Comple
     return cleared
 
 
-def _beside(M: sp.csr_matrix, rigid: Array, vectors: Complex) -> Array:
+def _without_rigid(M: sp.csr_matrix, rigid: Array, vectors: Complex) -> Array:
     """Basis of the parts of vectors other than rigid motion and errors, shape (k, n)."""
     both = np.concatenate([vectors.real, vectors.imag])
     both = _unit(both / np.abs(both).max(initial=1e-300), M / M.diagonal().max(), _SPLIT)

@@ -310,7 +310,7 @@ class Run(Newton):
         self.equations.history_variables.update_stress(self.s.H)
         count = self._iterate(EveryIteration().begin(bound=False), linearised=True)
         # its matrices had all terms
-        self._outgrown = self._may_be_apart
+        self._outgrown = self._may_correct
         return count + in_vain if count else 0
 
     def _close(self, end: float, start: Array | None = None) -> bool:

@@ -61,7 +61,7 @@ class RunState(DividedIntegration[Recorder]):
         "progress",
         "balance",
         "_born",
-        "_apart",
+        "_corrects",
         "_outgrown",
         "solver",
     )
@@ -69,7 +69,7 @@ class RunState(DividedIntegration[Recorder]):
     _refreshes: ClassVar[bool] = True
     """Whether the constraint Jacobian of the frozen matrix may be updated separately."""
 
-    _sets_apart: ClassVar[bool] = True
+    _uses_correction: ClassVar[bool] = True
     """Whether intermittent stiffness may be a low-rank correction of the frozen matrix."""
 
     def __init__(self, options: Options, equations: Equations, step: float) -> None:
@@ -113,8 +113,10 @@ class RunState(DividedIntegration[Recorder]):
         whole = self._projects or self._turned or self._guided or self.decisions.rule is None
         # matrices of rigid bodies cost less than iterations without the derivative of contact
         # normals
-        self._may_be_apart = unknowns.apart and self._sets_apart and not (whole or unknowns.rigid)
-        self._apart, self._outgrown = self._may_be_apart, False
+        self._may_correct = (
+            unknowns.has_low_rank and self._uses_correction and not (whole or unknowns.rigid)
+        )
+        self._corrects, self._outgrown = self._may_correct, False
         self.balance = equations.energy_balance()
         self._secants: Secants | None = None
         if options.policy.secants > 0:
@@ -237,19 +239,19 @@ class RunState(DividedIntegration[Recorder]):
         """Evaluate the residual; velocity constraints are treated like position constraints."""
         given, factor = (self.scale, self.r, self.forces), 1.0 / self.p.damping
         self.equations.residual(state, *given, linearised=linearised, per_increment=factor)
-        if self._apart:
-            self._put_beside()
+        if self._corrects:
+            self._fill_correction()
 
-    def _put_beside(self) -> None:
+    def _fill_correction(self) -> None:
         """Set the low-rank correction of the frozen matrix to the current end of the step."""
-        plan = Plan(self.s.d, self.scale, beside=True)
+        plan = Plan(self.s.d, self.scale, low_rank_only=True)
         self.equations.fill(self._end_instant, self.forces, plan)
-        self._outgrown = self._rows_beside > MOST
+        self._outgrown = self._correction_rank > MOST
 
     @property
-    def _rows_beside(self) -> int:
-        beside = self.equations.matrix.beside
-        return 0 if beside is None else len(beside.stiffness)
+    def _correction_rank(self) -> int:
+        correction = self.equations.matrix.correction
+        return 0 if correction is None else len(correction.stiffness)
 
     def _contradicts(self, tolerance: float, stagnant: bool) -> bool:
         """Whether the remaining constraint violation is not due to unfinished iteration."""
@@ -302,11 +304,11 @@ class RunState(DividedIntegration[Recorder]):
         if update == Refactorisation.CONSTRAINTS and not self._missing:
             self._refresh()
         else:
-            self._apart = self._may_be_apart and stressed is not None and not self._outgrown
+            self._corrects = self._may_correct and stressed is not None and not self._outgrown
             self._factorise(stressed)
             self._outgrown = False
-        if self._apart:
-            self._put_beside()
+        if self._corrects:
+            self._fill_correction()
 
     def _factorise(self, stressed: Array | None) -> None:
         """Assemble and factorise the matrix.
@@ -337,7 +339,7 @@ class RunState(DividedIntegration[Recorder]):
         found = self.spread if scale is None else None
         plan = Plan(self.s.d, scale, p.mass, p.damping, joint_frames=joint_frames, spread=found)
         plan = plan._replace(inertial=turned, stressed=stressed, matrix_terms=self.matrix_terms)
-        plan = plan._replace(apart=self._apart)
+        plan = plan._replace(without_low_rank=self._corrects)
         made = self.equations.fill(self._end_instant, self.forces, plan)
         if found is not None:
             found *= self.measure[:, np.newaxis]

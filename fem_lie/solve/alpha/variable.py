@@ -157,7 +157,7 @@ class AlphaSteps(Run):
     STATE = attributes("_speed", "h", "_starter.factorisations")
 
     # the whole matrix is refactorised, never the constraint Jacobian only
-    _refreshes = _sets_apart = False
+    _refreshes = _uses_correction = False
 
     def __init__(self, options: Options, equations: Equations, control: Control) -> None:
         """Set up without computing anything; ``control`` holds the level of the step size."""

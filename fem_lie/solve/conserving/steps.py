@@ -351,7 +351,7 @@ class Steps(RunState):
             self._begin()
             python_forces.touch(True)
             code = self._go_free(last, rule, limit, always=always)
-        if code == loop.DONE and not self._keep_apart(before["s.H"], self.s.H):
+        if code == loop.DONE and not self._surfaces_stay_separate(before["s.H"], self.s.H):
             self.take_back(before)
             return loop.FAILED
         return code

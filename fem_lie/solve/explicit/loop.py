@@ -12,7 +12,7 @@ from fem_lie._jit import compiled, inlined, linked
 from fem_lie._jit.records import Records, record_type
 from fem_lie._jit.stack import stack
 from fem_lie.bodies.balances import BY_REACTIONS
-from fem_lie.forms.cell_forms import APART, CELLS, EXTENT, FIRST, KERNEL, NODES, WIDTH, C, W, X
+from fem_lie.forms.cell_forms import CELLS, EXTENT, FIRST, GATHERED, KERNEL, NODES, WIDTH, C, W, X
 from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3, records
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
 from fem_lie.lie.node_types import wrench
@@ -27,7 +27,7 @@ def workspace_for(rows: Indices) -> tuple[int, int]:
     """Largest numbers of coefficients and of forces of a cell."""
     width = most = 1
     for f in range(rows.shape[0]):
-        width = max(width, rows[f, APART] + rows[f, WIDTH])
+        width = max(width, rows[f, GATHERED] + rows[f, WIDTH])
         most = max(most, 6 * rows[f, NODES])
     return width, most
 
@@ -49,9 +49,9 @@ def cell_forces(
     Returns:
         Index of its first node in ``nodes``.
     """
-    count, width, apart = row[NODES], row[WIDTH], row[APART]
+    count, width, gathered = row[NODES], row[WIDTH], row[GATHERED]
     first = row[FIRST] + count * e
-    packed, values = numba.carray(data, (apart + width,)), numba.carray(place, (6 * count,))
+    packed, values = numba.carray(data, (gathered + width,)), numba.carray(place, (6 * count,))
     given = numba.carray(pointer(row[W] + 8 * width * e), (width,))
     k = 0
     for i in range(first, first + count):
@@ -60,8 +60,8 @@ def cell_forces(
             for j in range(3):
                 packed[k] = H[node, a, j]
                 k += 1
-    for j in range(k, apart + width):
-        packed[j] = given[j - apart]
+    for j in range(k, gathered + width):
+        packed[j] = given[j - gathered]
     for j in range(6 * count):
         values[j] = 0.0
     x = pointer(row[X] + 8 * row[EXTENT] * e)

@@ -98,9 +98,9 @@ class CoupledBodies:
 
     @property
     def _islands(self) -> tuple[Indices, Indices]:
-        matrix, beside = self._equations.matrix, bool(self._equations.scene.contacts)
+        matrix, has_contacts = self._equations.matrix, bool(self._equations.scene.contacts)
         if self._known != matrix.version:
-            self._known, self._labels = matrix.version, islands_of(matrix, beside)
+            self._known, self._labels = matrix.version, islands_of(matrix, has_contacts)
         return self._labels
 
     def _moved_by(self, end: Array, d: Array) -> Array:

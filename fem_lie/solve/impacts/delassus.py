@@ -37,7 +37,7 @@ def islands_of(matrix: KKT, whole: bool) -> tuple[Indices, Indices]:
     """
     n, border, pointers = len(matrix.held), matrix.incidences, matrix.indptr
     m = len(border.ptr) - 1
-    if whole or matrix.low_rank is not None or matrix.beside is not None:
+    if whole or matrix.low_rank is not None or matrix.correction is not None:
         return np.zeros(n, dtype=np.int64), np.zeros(m, dtype=np.int64)
     rows = np.concatenate([np.repeat(np.arange(n), np.diff(pointers)), n + border.rows])
     columns = np.concatenate([matrix.indices, border.nodes])
@@ -90,7 +90,7 @@ class Delassus:
         skipped = np.repeat(start[order] - np.cumsum(counts) + counts, counts)
         at = np.arange(counts.sum()) + skipped
         ends = np.concatenate([[0], np.cumsum(np.bincount(who, stop - start, k).astype(np.int64))])
-        self._pushes, self._seen = (ends, at), np.repeat(number[order], counts)
+        self._pushes, self._numbers = (ends, at), np.repeat(number[order], counts)
 
     def solve(
         self, forces: Array, H: Array, solve: Callable[[Array], tuple[Array, Array]]
@@ -108,8 +108,8 @@ class Delassus:
         add_local_forces(*blocks, H, self._free, f)
         x, multipliers = solve(f.reshape(6 * n, 3 * s))
         x, of_joints = x.reshape(n, 6, s, 3), multipliers.reshape(len(multipliers), s, 3)
-        (ends, at), pushes = self._pushes, np.empty((len(self._seen), 3, 6))
-        take_local_velocities(self.touched[at], self._seen, x, H, self._free, pushes)
+        (ends, at), pushes = self._pushes, np.empty((len(self._numbers), 3, 6))
+        take_local_velocities(self.touched[at], self._numbers, x, H, self._free, pushes)
         return Responses(self, x, of_joints, BlockRows(ends, at, pushes))
 
     def problem(self, rows: Array, responses: Responses, friction: Array) -> Cones:

@@ -192,7 +192,7 @@ class Integration(Driver[HistoryT]):
             self.equations.history_variables.watch(start, self.frames, self.h, middle)
         return True
 
-    def _keep_apart(self, start: Array, end: Array) -> bool:
+    def _surfaces_stay_separate(self, start: Array, end: Array) -> bool:
         """Whether no surfaces pass through each other in a step that is not yet accepted.
 
         If they do, :attr:`reason` names them.

@@ -28,7 +28,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
-from fem_lie.ranks.files import place, place_to_go_on
+from fem_lie.ranks.files import place, restart_file
 from fem_lie.results import file as results_file
 from fem_lie.results.record import ContactSteps, StepHistory
 from fem_lie.results.storage import ResultRows, write_all
@@ -79,7 +79,7 @@ class Checkpoints:
         file = Path(path)
         require_files(file)
         results_file.require_version(file)
-        file = place_to_go_on(file, [_beside(file), _before(file)])
+        file = restart_file(file, [_checkpoint_of(file), _before(file)])
         used, kept = _last_undamaged(file)
         if "fingerprint" not in kept or "plan.record" not in kept:
             raise ValueError(f"{str(used)!r} is not a checkpoint of this version")
@@ -110,7 +110,7 @@ class Checkpoints:
                 if size > free:
                     _log.warning("%s will have %d bytes, and %d are free", self._path, size, free)
                 results_file.create(self._path, info, shapes, rows)
-            for checkpoint in (_beside(self._path), _before(self._path)):
+            for checkpoint in (_checkpoint_of(self._path), _before(self._path)):
                 checkpoint.unlink(missing_ok=True)
         self._info, self._shapes = info, shapes
         self._file = ResultRows(self._path)
@@ -179,7 +179,7 @@ class Checkpoints:
 
         The last checkpoint becomes the previous one.
         """
-        target = _beside(self._path)
+        target = _checkpoint_of(self._path)
         unfinished = target.with_name(f".{target.name}.{os.getpid()}.part")
         try:
             with unfinished.open("wb", buffering=0) as file:
@@ -231,7 +231,7 @@ def _listed(names: list[str]) -> str:
 
 def require_files(path: Path) -> None:
     """Raise ``FileNotFoundError`` if there is no file of results, or no checkpoint beside it."""
-    for wanted, instead in ((path, path), (_beside(path), _before(path))):
+    for wanted, instead in ((path, path), (_checkpoint_of(path), _before(path))):
         if not (wanted.is_file() or instead.is_file()):
             raise FileNotFoundError(f"cannot resume: there is no file {str(wanted)!r}")
 
@@ -255,7 +255,7 @@ def _last_undamaged(path: Path) -> tuple[Path, dict[str, Any]]:
         ValueError: Both are damaged.
     """
     damages: list[str] = []
-    for checkpoint in (_beside(path), _before(path)):
+    for checkpoint in (_checkpoint_of(path), _before(path)):
         if not checkpoint.is_file():
             continue
         try:
@@ -273,7 +273,7 @@ def _last_undamaged(path: Path) -> tuple[Path, dict[str, Any]]:
     raise ValueError(f"cannot resume: {' and '.join(damages)}")
 
 
-def _beside(path: Path) -> Path:
+def _checkpoint_of(path: Path) -> Path:
     """File of the last checkpoint."""
     return path.with_name(path.name + ".checkpoint")
 

@@ -80,7 +80,7 @@ def switch_branch(
     h[: 6 * len(masters)] = shape[masters].ravel()
     size = _first_amplitude(model, shape)
     if critical.crossed:
-        h, size = _beside(model, station, h)
+        h, size = _step_off_the_path(model, station, h)
     u = model.translations(h)
     if not np.abs(u).max() > _NIL:
         raise ValueError(f"mode {mode} moves only nodes that are attached rigidly to others")
@@ -91,10 +91,10 @@ def switch_branch(
     for _ in range(1 if amplitude is not None else _HALVINGS):
         model.restore(station.state)
         model.move(size * h)
-        beside, unit = replace(station, state=model.state()), _REACH * abs(size)
+        displaced, unit = replace(station, state=model.state()), _REACH * abs(size)
         arc, control = Arc(unit, walker.load), Along(pattern, unit)
         try:
-            found = walker.step(station, control, size / unit, arc, begin=beside)
+            found = walker.step(station, control, size / unit, arc, begin=displaced)
         except LostError:
             size /= 2
             continue
@@ -128,7 +128,7 @@ def _first_amplitude(model: StableEquilibrium, shape: Array) -> float:
     return min(_AMPLITUDE * size, _TURN / turn if turn > 0 else np.inf)
 
 
-def _beside(model: StableEquilibrium, station: Station, h: Array) -> tuple[Array, float]:
+def _step_off_the_path(model: StableEquilibrium, station: Station, h: Array) -> tuple[Array, float]:
     """Response to the load without its part along a mode, and the first step along it.
 
     Its largest displacement is 1.

@@ -76,8 +76,8 @@ class Passed:
         for k in np.flatnonzero(upwards):
             chord = self._places[k + 1] - self._places[k]
             part = (factor - factors[k]) / (factors[k + 1] - factors[k])
-            beside = rms(self._places[k] + part * chord - places) < near
-            if beside and cosine(twist, self._twists[k]) < -_AGAINST:
+            close = rms(self._places[k] + part * chord - places) < near
+            if close and cosine(twist, self._twists[k]) < -_AGAINST:
                 return True
         return False
 

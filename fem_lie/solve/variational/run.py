@@ -164,11 +164,13 @@ class VariationalRun(Newton):
     def _alone(self) -> bool:
         """Whether the compiled loop can make the next steps; the first ones have no matrix yet."""
         tables, balance = self.equations.tables, self.balance
-        beside = self._changing or self._viscous or tables.turns or not tables.in_one_sum
-        beside = beside or self._binding is not None or self._follows
-        beside = beside or self._contacts is not None
-        beside = beside or not (balance.empty or balance.compiled) or self.division.level > 0
-        return not beside and self._factors is not None and self.decisions.rule is not None
+        needs_python = self._changing or self._viscous or tables.turns or not tables.in_one_sum
+        needs_python = needs_python or self._binding is not None or self._follows
+        needs_python = needs_python or self._contacts is not None
+        needs_python = (
+            needs_python or not (balance.empty or balance.compiled) or self.division.level > 0
+        )
+        return not needs_python and self._factors is not None and self.decisions.rule is not None
 
     @property
     def _balance_in_loop(self) -> bool:

@@ -31,14 +31,14 @@ class AllPairs(NamedTuple):
     Attributes:
         joints: The table; rows of which only positions matter may rotate arbitrarily.
         attachments: The attachment frames.
-        seen: Nodes and attachments of which more than the position matters, shape (n + g,).
+        oriented: Nodes and attachments of which more than the position matters, shape (n + g,).
         turns: Whether any angle is counted beyond a full turn.
         loose: Whether axes matter that do not rotate with their node or attachment.
     """
 
     joints: PackedJoints
     attachments: HeldAttachments
-    seen: Flags
+    oriented: Flags
     turns: bool
     loose: bool
 
@@ -68,13 +68,17 @@ def all_pairs(
     for each in attached:
         rows.append(np.concatenate([each.rows.moving, n + np.arange(g), each.rows.fixed + g]))
     table = _joined(tables, rows)
-    seen = _seen(table, n + g, _NO_ARM * float(np.ptp(frames[:, 0], axis=0).max(initial=0.0)))
-    table.frames[:, :, 0][~np.append(seen, np.ones(len(frames) - n, dtype=bool))[table.nodes]] = 0.0
+    oriented = _oriented(
+        table, n + g, _NO_ARM * float(np.ptp(frames[:, 0], axis=0).max(initial=0.0))
+    )
+    table.frames[:, :, 0][
+        ~np.append(oriented, np.ones(len(frames) - n, dtype=bool))[table.nodes]
+    ] = 0.0
     whole = np.append(kinds < POSITION_GRADIENT, [kind.turns for kind in attachments.kinds]).astype(
         bool
     )
-    turns, loose = bool(table.functions.any()), bool((seen & ~whole).any())
-    return AllPairs(pack(table), attachments, seen, turns, loose)
+    turns, loose = bool(table.functions.any()), bool((oriented & ~whole).any())
+    return AllPairs(pack(table), attachments, oriented, turns, loose)
 
 
 def _joined(tables: Sequence[JointTable], rows: Sequence[Indices]) -> JointTable:
@@ -103,13 +107,13 @@ def _joined(tables: Sequence[JointTable], rows: Sequence[Indices]) -> JointTable
     )
 
 
-def _seen(table: JointTable, count: int, short: float) -> Flags:
+def _oriented(table: JointTable, count: int, short: float) -> Flags:
     """Rows, of ``count``, of which more than the position matters.
 
     Side A matters with its rotation if some but not all components of the gap are constrained along
     its axes; distances, and gaps constrained in all directions, do not depend on it.
     """
-    seen, m = np.zeros(count, dtype=bool), len(table.targets)
+    oriented, m = np.zeros(count, dtype=bool), len(table.targets)
     for j in range(len(table.nodes)):
         own = slice(table.first[j], table.first[j + 1])
         S, c = table.selection[own], table.functions[own]
@@ -120,5 +124,5 @@ def _seen(table: JointTable, count: int, short: float) -> Flags:
         for side, row in enumerate(table.nodes[j].tolist()):
             arm = bool(np.abs(table.frames[j, side, 0]).max() > short)
             if row < count:
-                seen[row] |= turned or arm or (side == 0 and partly)
-    return seen
+                oriented[row] |= turned or arm or (side == 0 and partly)
+    return oriented

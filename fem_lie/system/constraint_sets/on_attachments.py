@@ -54,11 +54,11 @@ class AttachmentRows:
         order = np.array(sorted(touched), dtype=np.int64)
         self.moving, self.fixed = order[order < rows.count], order[order >= rows.count]
         self.count = len(self.moving) + self.attachments.count
-        self.frames = self.seen(rows.frames, self.attachments.locate(rows.frames)[0])
+        self.frames = self.inner_frames(rows.frames, self.attachments.locate(rows.frames)[0])
         free = np.zeros(self.attachments.count, dtype=bool)
         self.still = np.concatenate([rows.still[self.moving], free, rows.still[self.fixed]])
 
-    def seen(self, H: Array, attachments: Array) -> Array:
+    def inner_frames(self, H: Array, attachments: Array) -> Array:
         """Frames of all of these rows."""
         return np.concatenate([H[self.moving], attachments, H[self.fixed]])
 
@@ -187,10 +187,10 @@ class OnAttachments(ConstraintSet):
 
     # --- between both sorts of rows ---
 
-    def _seen(self, H: Array) -> tuple[Array, Array]:
+    def _inner_frames(self, H: Array) -> tuple[Array, Array]:
         """Frames of the inner rows, and the Jacobian of each row in each entry, (e, 6, 6)."""
         frames, J = self._attachments.locate(H)
-        return self.rows.seen(H, frames), np.concatenate([self._by_itself, J])
+        return self.rows.inner_frames(H, frames), np.concatenate([self._by_itself, J])
 
     def _twists(self, J: Array, v: Array) -> Array:
         """Twists of the inner rows."""
@@ -233,7 +233,7 @@ class OnAttachments(ConstraintSet):
         self, H: Array, v: Array, multipliers: Array, scale: Array, count: int, r: Array
     ) -> None:
         """Add constraint forces ``Bᵀλ`` and spring forces to ``r``; set its rows ``scale · Φ``."""
-        frames, J = self._seen(H)
+        frames, J = self._inner_frames(H)
         given = multipliers[self.own], scale[self.own]
         forces, values = self._forces(frames, self._twists(J, v), *given)
         self._give(J, forces, count, r)
@@ -241,14 +241,14 @@ class OnAttachments(ConstraintSet):
 
     def values(self, H: Array, v: Array, out: Array) -> None:
         """Set the violations ``Φ`` or ``W V`` in its rows of ``out``."""
-        frames, J = self._seen(H)
+        frames, J = self._inner_frames(H)
         found = np.zeros(self.m)
         self.inner.values(frames, self._twists(J, v), found)
         out[self.own] = found
 
     def jacobian(self, H: Array, rows: Array) -> None:
         """Add ``∂Φ/∂h``, one row of six per incidence, to the constraint Jacobian ``rows``."""
-        frames, J = self._seen(H)
+        frames, J = self._inner_frames(H)
         own = np.zeros((len(self.inner.incidences.nodes), 6))
         self.inner.jacobian(frames, own)
         moved = np.einsum("lij,li->lj", J[self._incidence_entry], own[self._inner_incidence])
@@ -256,7 +256,7 @@ class OnAttachments(ConstraintSet):
 
     def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
         """Add the geometric stiffness of the inner set, and of attachments under its forces."""
-        _, J = self._seen(H)
+        _, J = self._inner_frames(H)
         blocks, forces = self._bent(H, multipliers)
         self._add_pulled(J, blocks, place, K)
         within = place[len(self._left) : len(self._sparse[0])]
@@ -265,7 +265,7 @@ class OnAttachments(ConstraintSet):
 
     def _bent(self, H: Array, multipliers: Array) -> tuple[Array, Array]:
         """Geometric stiffness of the inner set between its rows, and its forces on attachments."""
-        frames, _ = self._seen(H)
+        frames, _ = self._inner_frames(H)
         blocks, own = np.zeros((self._blocks, 6, 6)), multipliers[self.own]
         self.inner.geometric(frames, own, self._inner_place, blocks)
         forces, _ = self._forces(frames, np.zeros((0, 6)), own, np.ones(self.m))
@@ -277,7 +277,7 @@ class OnAttachments(ConstraintSet):
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
         """Set rates, with the changes of twists of attachments at constant twists of nodes."""
-        frames, J = self._seen(H)
+        frames, J = self._inner_frames(H)
         found, (by_change, unused) = np.zeros((2, self.m)), np.zeros((2, self.m))
         self.inner.rates(frames, self._twists(J, v), *found)
         change = np.zeros((len(frames), 6))
@@ -287,7 +287,7 @@ class OnAttachments(ConstraintSet):
 
     def initial(self, H: Array) -> Array:
         """Targets that keep initial values, shape (m,); zero for all other constraints."""
-        return self.inner.initial(self._seen(H)[0])
+        return self.inner.initial(self._inner_frames(H)[0])
 
     # --- springs and dampers ---
 
@@ -298,7 +298,7 @@ class OnAttachments(ConstraintSet):
 
     def stiffen(self, H: Array, place: Indices, stiff: float, damp: float, K: Array) -> None:
         """Add ``(stiff k + damp c) bᵀb`` of springs and dampers to blocks, as :meth:`geometric`."""
-        frames, J = self._seen(H)
+        frames, J = self._inner_frames(H)
         blocks = np.zeros((self._blocks, 6, 6))
         self.inner.stiffen(frames, self._inner_place, stiff, damp, blocks)
         self._add_pulled(J, blocks, place, K)
@@ -306,23 +306,23 @@ class OnAttachments(ConstraintSet):
 
     def stretch_springs(self, H: Array, h: Array) -> None:
         """Change rest values of springs by the changes of coordinates along ``h`` (n, 6)."""
-        frames, J = self._seen(H)
+        frames, J = self._inner_frames(H)
         self.inner.stretch_springs(frames, self._twists(J, h))
 
     def spring_energy(self, H: Array) -> float:
         """Energy of all springs."""
-        return self.inner.spring_energy(self._seen(H)[0])
+        return self.inner.spring_energy(self._inner_frames(H)[0])
 
     def damper_loss(self, H: Array, v: Array) -> float:
         """Power dissipated by dampers."""
-        frames, J = self._seen(H)
+        frames, J = self._inner_frames(H)
         return self.inner.damper_loss(frames, self._twists(J, v))
 
     # --- rotations within a step ---
 
     def follow(self, H: Array, h: Array) -> None:
         """Move reference angles along the increment ``h`` (n, 6) of nodes, made from ``H``."""
-        frames, J = self._seen(H)
+        frames, J = self._inner_frames(H)
         self.inner.follow(frames, self._twists(J, h))
 
     def mark(self) -> None:
@@ -331,7 +331,7 @@ class OnAttachments(ConstraintSet):
 
     def check_branch(self, H: Array) -> None:
         """Refuse a state in which an angle or axis may be on a wrong branch."""
-        self.inner.check_branch(self._seen(H)[0])
+        self.inner.check_branch(self._inner_frames(H)[0])
 
     @property
     def preloaded(self) -> bool:
@@ -340,13 +340,13 @@ class OnAttachments(ConstraintSet):
 
     def preload(self, H: Array, part: float) -> None:
         """Apply a fraction of the preload of springs with a prescribed rest value."""
-        self.inner.preload(self._seen(H)[0], part)
+        self.inner.preload(self._inner_frames(H)[0], part)
 
     # --- history variables ---
 
     def accept(self, H: Array) -> None:
         """Update history variables that frames do not determine, at an accepted state."""
-        self.inner.accept(self._seen(H)[0])
+        self.inner.accept(self._inner_frames(H)[0])
 
     @property
     def history_variables(self) -> tuple[Array, ...]:
@@ -362,12 +362,12 @@ class OnAttachments(ConstraintSet):
 
     def wrenches(self, H: Array, v: Array, multipliers: Array, out: Array) -> None:
         """Add force and moment on side A of each item, in its axes there, to the rows of items."""
-        frames, J = self._seen(H)
+        frames, J = self._inner_frames(H)
         self.inner.wrenches(frames, self._twists(J, v), multipliers[self.own], out)
 
     def coordinates(self, H: Array, out: Array) -> None:
         """Set the coordinates of its items in ``out``, shape (c,)."""
-        self.inner.coordinates(self._seen(H)[0], out)
+        self.inner.coordinates(self._inner_frames(H)[0], out)
 
     def drawn(self) -> dict[int, tuple[int, Array]]:
         """Positions of items; on an attachment relative to its nearest node at the start."""

@@ -256,7 +256,7 @@ class Equations:
             The scale of the constraints in it, (m,).
         """
         scale, tangent = self._fill(state, forces, plan), self._system.tangent
-        if tangent.domain is not None and not plan.beside:
+        if tangent.domain is not None and not plan.low_rank_only:
             tangent.domain.see(state.H, self.unknowns.kinds, inertial=plan.inertial)
             with tangent.of_domain(scale):
                 self._fill(state, forces, plan._replace(scale=scale, spread=None))
@@ -271,9 +271,9 @@ class Equations:
             assert plan.scale is not None
             fill_steady(system, state.H, state.v, state.multipliers, plan.scale)
             return plan.scale
-        if plan.beside:
+        if plan.low_rank_only:
             assert plan.scale is not None
-            system.tangent.put_beside(state.H, system.kinds, plan.d)
+            system.tangent.set_correction(state.H, system.kinds, plan.d)
             return plan.scale
         if plan.constraints_only:
             return system.tangent.refill_constraints(state.H, system.kinds, plan)

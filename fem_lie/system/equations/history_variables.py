@@ -154,7 +154,9 @@ class WithMatrix:
         kept |= {"row pointers": kkt.indptr, "columns": kkt.indices}
         if kkt.low_rank is not None:
             kept |= {_PART + name: array for name, array in kkt.low_rank._asdict().items()}
-        return kept | {f"seen.{k}": term.seen.copy() for k, term in enumerate(self.terms)}
+        return kept | {
+            f"pairs.{k}": term.pair_positions.copy() for k, term in enumerate(self.terms)
+        }
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Restore the state of :meth:`saved_state`.
@@ -170,7 +172,7 @@ class WithMatrix:
             )
         self.of.restore(kept)
         for k, term in enumerate(self.terms):
-            term.see_again(kept[f"seen.{k}"])
+            term.restore_pairs(kept[f"pairs.{k}"])
         pattern = kept["row pointers"], kept["columns"]
         tangent.restore_pattern(*(part.astype(np.int64) for part in pattern))
         tangent.A[:] = kept["blocks"]

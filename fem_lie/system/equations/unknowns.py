@@ -58,7 +58,7 @@ class Unknowns(NamedTuple):
         drilling: Shells whose nodes have drilling rotations.
         floating: Bodies that deform within their frames.
         has_potential: Whether all loads have a potential.
-        apart: Whether the matrix may have a separate low-rank correction.
+        has_low_rank: Whether the matrix may have a separate low-rank correction.
         summary: Summary of the scene, in one line for the log.
     """
 
@@ -91,7 +91,7 @@ class Unknowns(NamedTuple):
     drilling: Sequence[str]
     floating: Sequence[str]
     has_potential: bool
-    apart: bool
+    has_low_rank: bool
     summary: str
 
     @property
@@ -135,7 +135,7 @@ class Unknowns(NamedTuple):
             drilling=[b.label for b, six in numbering.drills.items() if b.model.uncoupled and six],
             floating=[b.label for b in numbering.nodes if b.model.within_frame() is not None],
             has_potential=potential,
-            apart=any(term.low_rank is not None for term in system.terms),
+            has_low_rank=any(term.low_rank is not None for term in system.terms),
             summary=describe.in_one_line(*shown, time_dependent=system.time_dependent),
         )
 

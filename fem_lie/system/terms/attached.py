@@ -201,13 +201,13 @@ class AttachedTerm(Term):
         return self.term.contents
 
     @property
-    def seen(self) -> Array:
+    def pair_positions(self) -> Array:
         """Positions at which the node pairs were found; empty if the pairs are constant."""
-        return self.term.seen
+        return self.term.pair_positions
 
-    def see_again(self, seen: Array) -> None:
-        """Restore the node pairs of :attr:`seen`."""
-        self.term.see_again(seen)
+    def restore_pairs(self, pair_positions: Array) -> None:
+        """Restore the node pairs of :attr:`pair_positions`."""
+        self.term.restore_pairs(pair_positions)
 
     @property
     def pieces(self) -> PushedPieces | None:

@@ -79,7 +79,7 @@ class AttachmentSpan(NamedTuple):
         end: Frames at the end.
         J: Twist of the attachment per motion of each entry along its axes, (e, 6, 6).
         left: ``ψ − J_ω Δr``, global components, (g, 3).
-        beside: ``M s/|s|²``, (e, 2, 3).
+        per_length: ``M s/|s|²``, (e, 2, 3).
     """
 
     cells: CellTable
@@ -89,7 +89,7 @@ class AttachmentSpan(NamedTuple):
     end: Array
     J: Array
     left: Array
-    beside: Array
+    per_length: Array
 
 
 @compiled
@@ -122,7 +122,7 @@ def set_attachments(
     """Means and increments (g, 4, 3) of attachments, and their rotations.
 
     Args:
-        span: The attachments; ``left`` and ``beside`` are overwritten.
+        span: The attachments; ``left`` and ``per_length`` are overwritten.
         nodes: Nodal coordinates at the start of the step, their digits beyond double precision,
             coordinates at the midpoint, (≥ n, 4, 3), and increments of coordinate vectors, (n, 6).
         mean: Means, overwritten.
@@ -130,7 +130,7 @@ def set_attachments(
     """
     cells, (H, rest, middle, step) = span.cells, nodes
     workspace = workspace_for(largest_cell(cells.first))
-    span.beside[:] = 0.0
+    span.per_length[:] = 0.0
     for g in range(span.turns.shape[0]):
         moved, turned = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         for e in range(cells.first[g], cells.first[g + 1]):
@@ -150,7 +150,7 @@ def set_attachments(
             ψ = _turn(span.start[g], span.end[g], mean[g], delta[g])
             store(span.left[g], 0, minus(ψ, rotate(a1, a2, a3, turned)))
             work = part_of(workspace, cells.first[g + 1] - cells.first[g])
-            _deform(cells, g, H, rest, step, work, span.beside)
+            _deform(cells, g, H, rest, step, work, span.per_length)
 
 
 @inlined
@@ -229,5 +229,5 @@ def give(
                 for c in range(6):
                     row = J[c, 3 * k], J[c, 3 * k + 1], J[c, 3 * k + 2]
                     f = plus(f, scaled(own[c], row))
-                f = combined(1.0, rotate(d1, d2, d3, f), left, load_row(span.beside[e], k))
+                f = combined(1.0, rotate(d1, d2, d3, f), left, load_row(span.per_length[e], k))
                 store(forces[i], 3 * k, plus(load(forces[i], 3 * k), f))

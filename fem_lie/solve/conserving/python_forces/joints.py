@@ -162,7 +162,7 @@ class Joints:
         entries = len(attachments.nodes)
         self._span = AttachmentSpan(
             cells,
-            pairs.seen[n:],
+            pairs.oriented[n:],
             located,
             located.copy(),
             located.copy(),

@@ -113,12 +113,12 @@ def write_node(kind: int, H: Array, halves: Array, out: Array) -> None:
     for k in range(vector_count(kind)):
         store_row(out, at + k, load_row(halves, k))
     if kind == POSITION_GRADIENT:
-        along, beside = load_row(halves, 1), load_row(H, 2)
+        along, across = load_row(halves, 1), load_row(H, 2)
         along = scaled(1.0 / sqrt(dot(along, along)), along)
-        beside = minus(beside, scaled(dot(along, beside), along))
-        beside = scaled(1.0 / sqrt(dot(beside, beside)), beside)
-        store_row(out, 2, beside)
-        store_row(out, 3, cross(along, beside))
+        across = minus(across, scaled(dot(along, across), along))
+        across = scaled(1.0 / sqrt(dot(across, across)), across)
+        store_row(out, 2, across)
+        store_row(out, 3, cross(along, across))
     else:
         set_axes(kind, out, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 

@@ -83,7 +83,7 @@ class Energies(NamedTuple):
 
 
 @inlined_uncounted
-def factor_beside(
+def additional_factor(
     energies: Energies,
     e: int,
     factors: tuple[float, float, float],
@@ -308,13 +308,13 @@ def _add_all(
                 round_off_level += sqrt(dot(push, push) * dot(arm, arm))
                 ρ2 += weight * dot(arm, arm) / count
         known = (made, square, round_off_level, ρ2, cells.cancels[e])
-        factor = factor_beside(energies, e, factors, known)
+        factor = additional_factor(energies, e, factors, known)
         squares += square
         for a in range(count):
             i = cells.nodes[begin + a]
             for k in range(2):
-                beside = (factor + repay) * cells.weights[begin + a, k]
-                push = combined(1.0, load_row(f[a], k), beside, load_row(d[a], k))
+                whole_factor = (factor + repay) * cells.weights[begin + a, k]
+                push = combined(1.0, load_row(f[a], k), whole_factor, load_row(d[a], k))
                 store(out[i], 3 * k, plus(load(out[i], 3 * k), push))
     return squares
 

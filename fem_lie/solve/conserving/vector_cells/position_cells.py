@@ -42,7 +42,7 @@ from fem_lie.solve.conserving.vector_cells.cells import (
     Energies,
     Nodes,
     Work,
-    factor_beside,
+    additional_factor,
     solve_thin,
     workspace_for,
 )
@@ -165,11 +165,11 @@ def _add_all(
             round_off_level += sqrt(dot(push, push) * reach)
             ρ2 += reach / count
         known = (made, square, round_off_level, ρ2, cells.cancels[e])
-        factor = factor_beside(energies, e, factors, known)
+        factor = additional_factor(energies, e, factors, known)
         squares += square
-        beside = factor + factors[0]
+        whole_factor = factor + factors[0]
         for a in range(count):
             i = cells.nodes[begin + a]
-            push = combined(1.0, load_row(work.f[a], 0), beside, load_row(work.d[a], 0))
+            push = combined(1.0, load_row(work.f[a], 0), whole_factor, load_row(work.d[a], 0))
             store(out[i], 0, plus(load(out[i], 0), push))
     return squares
