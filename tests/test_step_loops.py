@@ -503,7 +503,13 @@ def test_a_rejected_step_leaves_the_state_as_it_was(monkeypatch, scheme):
     result = SCHEMES[scheme].run(scene, duration=0.05, step=steps, progress=False)
     assert len(result.steps.rejected) >= 1
     if stepper is ConservingSteps:
-        assert {"s.H.", "s.V.", "s.account.", "equations.history_variables.joints.", "cells.0."} <= changed
+        assert {
+            "s.H.",
+            "s.V.",
+            "s.account.",
+            "equations.history_variables.joints.",
+            "cells.0.",
+        } <= changed
 
 
 @pytest.mark.parametrize("scheme", ["energy-momentum", "energy-decaying"])

@@ -30,7 +30,11 @@ from fem_lie.solve.conserving.midpoint.any_node import span_all
 from fem_lie.solve.conserving.midpoint.cayley import left_moment
 from fem_lie.solve.conserving.midpoint.reduced_bodies import add_inertia, span_products
 from fem_lie.solve.conserving.step.cells import add_filtered_forces, add_from_nodes
-from fem_lie.solve.conserving.step.dissipation import choose_memory, set_velocities, velocity_loss
+from fem_lie.solve.conserving.step.dissipation import (
+    choose_filter_gain,
+    set_velocities,
+    velocity_loss,
+)
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
 from fem_lie.solve.conserving.step.products import set_products
@@ -69,7 +73,7 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, reevaluate: b
     _add_last_residual(kinds, state.last_residual, this.step, forces)
     add_from_nodes(packed, starts, steps, reevaluate)
     if χ > 0.0:
-        _choose_memory(packed, starts, steps)
+        _choose_filter_gain(packed, starts, steps)
         add_filtered_forces(packed, starts, steps)
     _add_momenta(packed, starts, steps)
     if addresses[FORCES] != 0:
@@ -149,7 +153,7 @@ def _add_reactions(
 
 
 @uncounted
-def _choose_memory(packed: PackedModel, starts: Indices, steps: Indices) -> None:
+def _choose_filter_gain(packed: PackedModel, starts: Indices, steps: Indices) -> None:
     """Choose β, and velocities with it."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     V, w, filter_state, products, χ = (
@@ -160,7 +164,7 @@ def _choose_memory(packed: PackedModel, starts: Indices, steps: Indices) -> None
         model.scheme.dissipation,
     )
     set_products(model.inertia, V, w, this.moved, model.scheme.h, products)
-    ψ = choose_memory(products.sums, χ, filter_state)
+    ψ = choose_filter_gain(products.sums, χ, filter_state)
     set_velocities(V, w, products.δ, χ, filter_state.gain, ψ, this.V1)
 
 

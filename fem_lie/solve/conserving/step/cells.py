@@ -140,9 +140,9 @@ def _add_from_rows(
     forces = CellForces(
         state.cell_forces[0], state.cell_forces[1], cell_forces[0], cell_forces[1], cell_forces[2]
     )
-    by_change, by_memory = add_changes(cells, nodes, forces, changes)
+    by_change, by_filter = add_changes(cells, nodes, forces, changes)
     filter_state.change_work += by_change
-    filter_state.filter_work += by_memory
+    filter_state.filter_work += by_filter
 
 
 @uncounted

@@ -139,7 +139,7 @@ def set_turnings(
 
 
 @uncounted
-def choose_memory(sums: Array, χ: float, filter_state: Record) -> Vector:
+def choose_filter_gain(sums: Array, χ: float, filter_state: Record) -> Vector:
     """β and the filtered fraction of elastic forces, consistent with the velocities.
 
     Returns their ψ.
