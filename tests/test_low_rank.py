@@ -67,13 +67,16 @@ def test_what_is_beside_is_the_stiffness_of_the_contact(line):
     state = fl.extend.TimeState(H, still, still, np.empty(0))
     r, none = np.empty(equations.unknowns.size), np.empty(0)
     forces = equations.residual(state, none, r)
-    whole, without = fl.extend.Plan(still, none), fl.extend.Plan(still, none, without_low_rank=True)
+    whole, separate = (
+        fl.extend.Plan(still, none),
+        fl.extend.Plan(still, none, without_low_rank=True),
+    )
     equations.fill(state, forces, whole)
     x = np.random.default_rng(1).normal(size=len(r))
     wanted = equations.matrix.times(x)
-    equations.fill(state, forces, without)
+    equations.fill(state, forces, separate)
     without = equations.matrix.times(x)
-    equations.fill(state, forces, without._replace(low_rank_only=True))
+    equations.fill(state, forces, separate._replace(low_rank_only=True))
     assert equations.matrix.correction is not None
     part = np.abs(wanted - without).max()
     assert part > 1.0

@@ -178,12 +178,14 @@ def _choose_once(sums: Array, χ: float, ψ: Vector, filter_state: Record) -> No
     by_nearest = nearest(A, shifted, by_w)
     change = max(square - dot(nearest(A, shifted, by_change), by_change), 0.0)
     common -= dot(by_nearest, by_change)
-    square = max(trace(sums[2, 2]) - dot(by_nearest, by_w), 0.0)
+    filter_square = max(trace(sums[2, 2]) - dot(by_nearest, by_w), 0.0)
     elastic = filter_state.change_work
     share = change / -elastic if -elastic > change else 1.0
     change, common = change + share * elastic, common + share * filter_state.filter_work
     filter_state.elastic = share
-    filter_state.gain = _filter_gain(max(change, 0.0), common, square + share * filter_state.length)
+    filter_state.gain = _filter_gain(
+        max(change, 0.0), common, filter_square + share * filter_state.length
+    )
 
 
 @inlined
