@@ -521,7 +521,7 @@ def test_a_change_of_the_step_keeps_impulses_and_rates(monkeypatch, scheme):
         old, before = self.h, {name: a.copy() for name, a in self.s._asdict().items()}
         set_step(self, time, h)
         assert self.h == pytest.approx(h, rel=1e-12)
-        for name, power in {"carry": -1, "w": 1, "w_F": 1}.items():
+        for name, power in {"last_residual": -1, "w": 1, "w_F": 1}.items():
             expected = before.pop(name) * (h / old) ** power
             np.testing.assert_allclose(getattr(self.s, name), expected, rtol=1e-12)
         lag = before.pop("filter_state")
