@@ -25,6 +25,7 @@ PAGES = [
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 WORDS, FIRST_EXAMPLE = 1200, 20
+SCRIPTS, LONGEST_SCRIPT = DOCS / "guide" / "six_tasks.md", 25
 
 
 class Block(NamedTuple):
@@ -60,12 +61,17 @@ def last_digit(number: str) -> float:
 
 @pytest.mark.parametrize("page", PAGES)
 def test_blocks_of_a_page_run_in_order(page, tmp_path, monkeypatch):
-    """In one namespace; a block of text below a block of Python is what that prints."""
+    """In one namespace; a block of text below a block of Python is what that prints.
+
+    Complete scripts have a namespace each.
+    """
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {"__name__": page.stem}
     for block, below in pairwise([*blocks(page), Block("", "", 0)]):
         if block.language != "python":
             continue
+        if page == SCRIPTS:
+            names = {"__name__": page.stem}
         output = io.StringIO()
         with contextlib.redirect_stdout(output):
             exec(compile("\n" * block.line + block.text, str(page), "exec"), names)
@@ -83,6 +89,15 @@ def test_a_page_is_short_and_leads_on(page):
     *_, last = re.findall(r"^## (.*)$", text, re.MULTILINE)
     assert last == "What to do next"
     assert "](" in text.rpartition(f"## {last}")[2]
+
+
+def test_the_six_tasks_are_short():
+    """A cantilever, a pendulum, a shell from gmsh, buckling, contact, an element."""
+    scripts = [block.text for block in blocks(SCRIPTS) if block.language == "python"]
+    assert len(scripts) == 6
+    for text in scripts:
+        lines = [line for line in text.splitlines() if line.strip()]
+        assert len(lines) <= LONGEST_SCRIPT and max(map(len, lines)) <= 88
 
 
 @pytest.mark.parametrize("page", PAGES)
