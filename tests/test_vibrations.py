@@ -518,3 +518,37 @@ def test_pictures(tmp_path):
         modes.moved(1, 0, 0.0)
     lines = str(modes).splitlines()
     assert len(lines) == 3 and f"{modes.hertz[0]:.5g}" in lines[1]
+
+
+def test_bodies_without_any_stiffness_have_zeros_only():
+    """Two of them: as many rigid motions as are asked for, up to all twelve."""
+    scene = fl.Scene()
+    for x in (0.0, 2.0):
+        scene.add(fl.RigidBody(1.0, (0.1, 0.2, 0.3), position=(x, 0, 0)))
+    for count in (1, 12):
+        modes = fl.vibrations(scene, count)
+        np.testing.assert_array_equal(modes.eigenvalues, np.zeros(count))
+
+
+def pendulum() -> fl.Scene:
+    """A rod on a damped hinge, created where it is horizontal."""
+    scene = fl.Scene(gravity=(0, 0, -G))
+    rod = scene.add(fl.RigidBody(1.0, (1e-4, 1 / 12, 1 / 12), (0.5, 0, 0), name="rod"))
+    hinge = scene.add(
+        fl.joints.Revolute(fl.ground(), rod.point("centre"), at=(0, 0, 0), axis=(0, 1, 0))
+    )
+    scene.add(fl.joints.Spring(hinge.angle, damping=0.5))
+    return scene
+
+
+def test_the_message_on_a_mechanism_that_moves_says_how_it_comes_to_rest():
+    """As the message says: what a damped motion comes to has the frequency of a hanging rod."""
+    swinging, hanging = pendulum(), pendulum()
+    with pytest.raises(fl.ConvergenceError, match=r"where it hangs.*fl\.adaptivity\.transfer"):
+        fl.vibrations(swinging, 1)
+    motion = fl.GeneralisedAlpha().run(swinging, duration=40.0, step=1e-2)
+    fl.adaptivity.transfer(motion, swinging, hanging)
+    (s,) = fl.vibrations(hanging, 1).eigenvalues
+    decay = 0.5 / (2 / 3)  # damping over twice the moment of inertia about the hinge
+    wanted = -decay + 1j * np.sqrt(1.5 * G - decay**2)
+    assert s == pytest.approx(wanted, rel=1e-6)

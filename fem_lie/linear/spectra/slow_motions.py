@@ -68,7 +68,12 @@ def without_round_off(pencil: Pencil, s: Complex, vectors: Complex) -> SlowMotio
 
 
 def _gap(rates: Array, limit: float) -> float:
-    """A rate near a limit that lies between those of modes and is close to none."""
+    """A rate near a limit that lies between those of modes and is close to none.
+
+    Without any stiffness the limit is zero, and all motions are slow.
+    """
+    if limit == 0.0:
+        return np.inf
     sizes = np.sort(np.concatenate([rates, [1e-3 * limit, 1e3 * limit]]))
     wide = np.flatnonzero((sizes[:-1] <= limit) & (sizes[1:] > _WIDE * sizes[:-1]))
     return float(np.sqrt(sizes[wide[-1]] * sizes[wide[-1] + 1]))

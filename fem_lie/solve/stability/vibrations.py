@@ -116,8 +116,9 @@ def vibrations(
     """Frequencies, damping and mode shapes of the slowest small vibrations.
 
     The equilibrium is the initial configuration if that is one under the full loads (unloaded
-    bodies, or a top that stands upright), or else the
-    result of :func:`~fem_lie.solve.statics.statics.statics`. Bodies may be free: rigid motions have
+    bodies, or a top that stands upright), or else the result of
+    :func:`~fem_lie.solve.statics.statics.statics`, which finds none for a mechanism that moves
+    freely: create it where it is at rest. Bodies may be free: rigid motions have
     eigenvalues zero. An unstable equilibrium is not an error: see ``Modes.unstable``.
 
     Args:
@@ -180,9 +181,23 @@ def _equilibrium(
 
     Soft directions are sensitive to the forces that an error of 1e-10 lengths causes along stiff
     axes.
+
+    Raises:
+        ConvergenceError: There is none; the message says how to get one.
     """
     try:
         fine = Newton(tolerance=1e-12)
         return statics(scene, spin=spin, about=about, load_steps=load_steps, newton=fine)
     except ConvergenceError:
+        pass
+    try:
         return statics(scene, spin=spin, about=about, load_steps=load_steps)
+    except ConvergenceError as error:
+        raise ConvergenceError(
+            "vibrations are about an equilibrium: the configuration in which the bodies were "
+            "created is none under these loads, and fl.statics finds none from there. Create the "
+            "bodies where they are at rest (a pendulum where it hangs), or let a damped motion "
+            "come to rest and continue from its end with fl.adaptivity.transfer, or give "
+            f"at=fl.statics(...) of the scene in smaller load steps. Statics says: {error}",
+            error.result,
+        ) from None
