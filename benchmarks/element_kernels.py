@@ -10,8 +10,9 @@ of each of the three, and of forces and tangent together.
 Elements that both checkouts have as hand-written kernels have factors of one.
 
 With ``--derived`` forces of this checkout that are written by hand, beside an energy in UFL, are
-those that FFCx derives from it, and the cable is that of the general kernel of
-``docs/how_to/gradient_element.py``. With ``--cold`` the columns are instead the processor time in
+those that FFCx derives from it, the cable is that of the general kernel of
+``docs/how_to/gradient_element.py``, and thin shells and reduced-order bodies are those of
+``benchmarks/derived_kernels.py``. With ``--cold`` the columns are instead the processor time in
 seconds of building the term and of its first forces, energy and tangent, in new processes whose
 caches of machine code are empty.
 """
@@ -73,6 +74,11 @@ def bodies(derived: bool = False) -> dict[str, Callable[[], Any]]:
         mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.2 * a * b), (side, side))
         return fl.Shell(mesh, layer, drilling=True)
 
+    def reduced() -> Any:
+        scene = fl.Scene()
+        beam = scene.add(fl.Beam.curve(wave, section, cells=16))
+        return fl.reduction.reduced_order_body(scene, [beam.point("start"), beam.point("end")], 6)
+
     def page() -> Any:
         file = HERE / "docs" / "how_to" / "gradient_element.py"
         with redirect_stdout(StringIO()):
@@ -100,6 +106,7 @@ def bodies(derived: bool = False) -> dict[str, Callable[[], Any]]:
         "thin shell": lambda: fl.ThinShell(patch(), layer),
         "coupling of thin shells": sewn,
         "drilling": shell,
+        "reduced body": reduced,
     }
 
 
@@ -107,8 +114,13 @@ BESIDE = ("bends", "corners", "warping", "coupling")
 """Elements that stand beside others of the same body."""
 
 
-def term_of(name: str, body: Any) -> Any:
+def term_of(name: str, body: Any, derived: bool) -> Any:
     """The term of an element of a body."""
+    if derived:
+        from benchmarks.derived_kernels import TERMS
+
+        if name in TERMS:
+            return TERMS[name](body.model)
     if name == "drilling":
         body.model.drills([])
     term = body.model.assemble([body.model])
@@ -133,7 +145,7 @@ def measured(name: str, derived: bool) -> list[float]:
     from fem_lie.lie import node_types
 
     body = bodies(derived)[name]()
-    term, rng = term_of(name, body), np.random.default_rng(1)
+    term, rng = term_of(name, body, derived), np.random.default_rng(1)
     H, count = np.empty_like(body.frames), len(body.frames)
     scale = 0.05 * body.model.size / CELLS
     node_types.retract_all(
@@ -170,7 +182,7 @@ def first_calls(name: str, derived: bool) -> list[float]:
     """Processor time of building a term, and of its first forces, energy and tangent, s."""
     body = bodies(derived)[name]()
     start = process_time()
-    term, H = term_of(name, body), body.frames
+    term, H = term_of(name, body, derived), body.frames
     built, kept = process_time(), term.room()
     term.add_forces(H, np.zeros((len(H), 6)), kept)
     term.energy(H)
