@@ -110,6 +110,16 @@ def test_a_joint_of_ones_own():
     assert runpy.run_path(str(DOCS / "how_to" / "joint.py"))["error"] <= 1e-9
 
 
+PARTS = "composition", "contact_surface", "element", "estimate", "gradient_element", "joint", "load"
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_a_part_of_ones_own_is_one_short_file(part):
+    """With its body, where it has one; ``test_public_names`` holds them to public names."""
+    lines = (DOCS / "how_to" / f"{part}.py").read_text(encoding="utf-8").splitlines()
+    assert len(lines) <= 150
+
+
 @pytest.mark.parametrize("scene", [pytest.param(file, id=file.stem) for file in SCENES])
 def test_scenes_of_the_first_page(scene, tmp_path, monkeypatch):
     """Each makes its picture and its page in a few lines."""
