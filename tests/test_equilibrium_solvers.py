@@ -10,7 +10,7 @@ from benchmarks.levels import PROBLEMS
 from fem_lie.lie.motions import add_turning
 from fem_lie.linear.pivots import inertia, negative_determinant
 from fem_lie.scene.rotation import Rotation
-from fem_lie.solve.stability.branches import _beside
+from fem_lie.solve.stability.branches import _step_off_the_path
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from fem_lie.solve.statics.arc_length import Passed
 from fem_lie.solve.statics.load_steps import LoadSteps, SingularStartError, move
@@ -95,7 +95,7 @@ def test_beside_a_crossed_branch_modes_and_response_are_measured_in_one_unit():
     station = path.stations[3]
     model.restore(station.state)
     h = np.random.default_rng(0).standard_normal(model.equations.unknowns.size)
-    rest, _ = _beside(model, station, h)
+    rest, _ = _step_off_the_path(model, station, h)
     n = model.equations.unknowns.moving
     unit = np.array([model.diameter] * 3 + [1.0] * 3)
     a, b = (x[: 6 * n].reshape(n, 6) / unit for x in (rest, h))
