@@ -23,21 +23,11 @@ from fem_lie.contact.friction.anchors import (
     unpacked,
 )
 from fem_lie.contact.sides.gauss_points import ContactPoints, set_slide, slides
-from fem_lie.contact.sides.kinematics import SLOTS, add_turning, bends, gap, position
+from fem_lie.contact.sides.kinematics import SLOTS, add_turning, bends, gap, position, store_motion
 from fem_lie.contact.sides.two_sides import Sides, Stations
 from fem_lie.forms.abilities import Done, Ends
-from fem_lie.lie.motions import global_components, local_components
-from fem_lie.lie.tuples import Vector, combined, cross, dot, load, load_row, minus, scaled
-
-
-@inlined_uncounted
-def _motion(H: Array, w: float, c: Vector, D: Array) -> None:
-    """Motion of an anchor per motion of its node, ``[w R, −R ĉ]``, shape (3, 6)."""
-    for k in range(3):
-        e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
-        moved, turned = global_components(H, e), global_components(H, cross(e, c))
-        for r in range(3):
-            D[r, k], D[r, 3 + k] = w * moved[r], turned[r]
+from fem_lie.lie.motions import local_components
+from fem_lie.lie.tuples import Vector, combined, dot, load, load_row, minus, scaled
 
 
 @inlined_uncounted
@@ -92,7 +82,7 @@ def add_traction_tangents(
         for s in range(SLOTS):
             if nodes[s] >= 0:
                 c = load_row(anchors.arms[q], s)
-                _motion(H[nodes[s]], anchors.weights[q, s], c, A[s])
+                store_motion(H[nodes[s]], 1.0, anchors.weights[q, s], c, A[s])
                 for p in range(6):
                     δu, δn = _column(A[s], p), _column(D[s, 1], p)
                     δτ = _change(law, t, n, u, δu, δn, rows[s, p])

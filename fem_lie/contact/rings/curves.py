@@ -19,6 +19,16 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
+from fem_lie.contact.sides.curves import (
+    at,
+    bend,
+    between,
+    pull,
+    slope,
+    slopes,
+    stationary,
+    weights,
+)
 from fem_lie.lie.tuples import Vector, combined, dot, load_row, minus, plus, scaled, store_row
 
 _TURNS = 60
@@ -35,8 +45,8 @@ class Ropes(NamedTuple):
 
     Attributes:
         slots: Nodes that segments depend on, −1: none, shape (m, 4).
-        powers: Polynomial coefficients of the weights of their coordinate vectors 0 and 1, (m, 4,
-            2, 4).
+        controls: Weights of their coordinate vectors 0 and 1 in both ends and both tangents of the
+            segment, shape (m, 4, 2, 4).
         starts: Undeformed length before each segment, and in total, shape (m + 1,).
         rings: Nodes of the rings, −1: ground, shape (r,).
         factors: Weights of their coordinate vectors; positions on ground, shape (r, 4).
@@ -44,7 +54,7 @@ class Ropes(NamedTuple):
     """
 
     slots: Indices
-    powers: Array
+    controls: Array
     starts: Array
     rings: Indices
     factors: Array
@@ -53,42 +63,15 @@ class Ropes(NamedTuple):
 
 @inlined_uncounted
 def set_curve(H: Array, ropes: Ropes, p: int, C: Array) -> None:
-    """Polynomial coefficients (4, 3) of a segment."""
+    """Ends and tangents (4, 3) of a segment."""
     C[:] = 0.0
     for a in range(4):
         node = ropes.slots[p, a]
         for row in range(2 if node >= 0 else 0):
             for q in range(4):
-                w = ropes.powers[p, a, row, q]
+                w = ropes.controls[p, a, row, q]
                 for j in range(3):
                     C[q, j] += w * H[node, row, j]
-
-
-@inlined_uncounted
-def at(C: Array, s: float) -> Vector:
-    """Position on a segment."""
-    a = combined(1.0, load_row(C, 2), s, load_row(C, 3))
-    return combined(1.0, load_row(C, 0), s, combined(1.0, load_row(C, 1), s, a))
-
-
-@inlined_uncounted
-def slope(C: Array, s: float) -> Vector:
-    """First derivative of the position."""
-    a = combined(2.0, load_row(C, 2), 3.0 * s, load_row(C, 3))
-    return combined(1.0, load_row(C, 1), s, a)
-
-
-@inlined_uncounted
-def bend(C: Array, s: float) -> Vector:
-    """Second derivative of the position."""
-    return combined(2.0, load_row(C, 2), 6.0 * s, load_row(C, 3))
-
-
-@inlined_uncounted
-def between(C: Array, s: float, r: float) -> Vector:
-    """``P(s) − P(r)`` without cancellation."""
-    first = combined(1.0, load_row(C, 1), s + r, load_row(C, 2))
-    return scaled(s - r, combined(1.0, first, s * s + s * r + r * r, load_row(C, 3)))
 
 
 @inlined_uncounted
@@ -124,15 +107,13 @@ def foot(H: Array, ropes: Ropes, guess: float, X: Vector, C: Array) -> float:
     p = piece_of(ropes, guess)
     set_curve(H, ropes, p, C)
     s = min(max(part_of(ropes, p, guess), 0.0), 1.0)
-    separation, t = minus(at(C, s), X), slope(C, s)
-    f, df = dot(separation, t), dot(t, t) + dot(separation, bend(C, s))
+    f, df = pull(C, s, X)
     if df > 0.0 and abs(f) <= _THERE * df:
         return guess  # the sign of round-off must not start a search for another position
     back = f > 0.0
     low, high = (0.0, s) if back else (s, 1.0)
     while True:
-        end = low if back else high
-        f = dot(minus(at(C, end), X), slope(C, end))
+        f, _ = pull(C, low if back else high, X)
         if (f <= 0.0) if back else (f >= 0.0):
             break
         if p == (0 if back else last):
@@ -140,20 +121,7 @@ def foot(H: Array, ropes: Ropes, guess: float, X: Vector, C: Array) -> float:
         p += -1 if back else 1
         set_curve(H, ropes, p, C)
         low, high, s = 0.0, 1.0, 0.5
-    for _ in range(_TURNS):
-        separation, t = minus(at(C, s), X), slope(C, s)
-        f, df = dot(separation, t), dot(t, t) + dot(separation, bend(C, s))
-        if f > 0.0:
-            high = s
-        else:
-            low = s
-        new = s - f / df if df > 0.0 else 0.5 * (low + high)
-        if not low <= new <= high:
-            new = 0.5 * (low + high)
-        if abs(new - s) <= _KNOWN:
-            s = new
-            break
-        s = new
+    s = stationary(C, X, low, high, s, _KNOWN)
     return ropes.starts[p] + s * (ropes.starts[p + 1] - ropes.starts[p])
 
 
@@ -239,12 +207,14 @@ def _set_factors(ropes: Ropes, k: int, σ: float, out: tuple[Indices, Array, Arr
     s, length = part_of(ropes, p, σ), ropes.starts[p + 1] - ropes.starts[p]
     W[:] = 0.0
     by_place[:] = 0.0
+    w, by_s = weights(s), slopes(s)
     for a in range(4):
         nodes[a] = ropes.slots[p, a]
         for row in range(2):
-            c = ropes.powers[p, a, row]
-            W[a, row] = c[0] + s * (c[1] + s * (c[2] + s * c[3]))
-            by_place[a, row] = (c[1] + s * (2.0 * c[2] + s * 3.0 * c[3])) / length
+            c = ropes.controls[p, a, row]
+            W[a, row] = c[0] * w[0] + c[1] * w[1] + c[2] * w[2] + c[3] * w[3]
+            by = c[0] * by_s[0] + c[1] * by_s[1] + c[2] * by_s[2] + c[3] * by_s[3]
+            by_place[a, row] = by / length
     nodes[4] = ropes.rings[k]
     for row in range(4 if nodes[4] >= 0 else 0):
         W[4, row] = -ropes.factors[k, row]

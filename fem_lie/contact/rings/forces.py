@@ -10,6 +10,7 @@ from fem_lie.contact.laws.law import ContactTerm
 from fem_lie.contact.rings import kernels
 from fem_lie.contact.rings.curves import Ropes
 from fem_lie.contact.rings.surfaces import Rings, Rope
+from fem_lie.contact.sides.curves import weights
 from fem_lie.contact.sides.table import GROUND, Nodes, number_of
 from fem_lie.forms.abilities import (
     Done,
@@ -56,7 +57,7 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         self._grounded = bool((self._ropes.rings == GROUND).any())
         self._size = min(4 + 2 * _BEYOND, len(self._path))
         self._first = np.full(count, -1, dtype=np.int64)
-        slots, _ = rope.powers()
+        slots, _ = rope.controls()
         self._reach = np.column_stack([slots[:, 0], slots.max(axis=1)])
         self._look(self._feet)
 
@@ -245,7 +246,7 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
 
 def _ropes_of(rope: Rope, rings: Rings, nodes: Nodes) -> Ropes:
     """Rope and rings as packed arrays."""
-    slots, powers = rope.powers()
+    slots, controls = rope.controls()
     path = nodes(rope.body)[rope.path]
     slots = np.where(slots < 0, -1, path[slots])
     owners = np.array([number_of(p.body, p.node, nodes) for p in rings.of], dtype=np.int64)
@@ -255,7 +256,7 @@ def _ropes_of(rope: Rope, rings: Rings, nodes: Nodes) -> Ropes:
         own = body.model.node_types
         kinds[nodes(body)] = np.where(own == NodeType.FRAME, 0, own)
     starts = np.concatenate([[0.0], np.cumsum(rope.lengths)])
-    return Ropes(slots, powers, starts, owners, rings.factors(), kinds)
+    return Ropes(slots, controls, starts, owners, rings.factors(), kinds)
 
 
 def _first_feet(rope: Rope, rings: Rings, ropes: Ropes, nodes: Nodes) -> Array:
@@ -271,11 +272,11 @@ def _first_feet(rope: Rope, rings: Rings, ropes: Ropes, nodes: Nodes) -> Array:
 
 def _near(rope: Rope, rings: Rings) -> Array:
     """The closest of sampled positions, which are a fraction of an element apart."""
-    slots, powers = rope.powers()
+    slots, controls = rope.controls()
     lengths, H = rope.lengths, rope.body.frames[rope.path]
     starts = np.cumsum(lengths) - lengths
     s = np.linspace(0.0, 1.0, 17)
-    W = np.einsum("makq,qs->smak", powers, s ** np.arange(4)[:, np.newaxis])
+    W = np.einsum("makq,sq->smak", controls, [weights(float(part)) for part in s])
     rows = np.where(slots[:, :, np.newaxis, np.newaxis] < 0, 0.0, H[slots][:, :, :2])
     curve = np.einsum("smak,makj->msj", W, rows)
     found = np.empty(len(rings.of))

@@ -21,11 +21,6 @@ from fem_lie.bodies.points import require_node, require_point
 from fem_lie.contact.sides.surfaces import ContactSurface, initial_frame
 from fem_lie.lie.node_types import NodeType
 
-_HERMITE = np.array(
-    [[1.0, 0.0, -3.0, 2.0], [0.0, 0.0, 3.0, -2.0], [0.0, 1.0, -2.0, 1.0], [0.0, 0.0, -1.0, 1.0]]
-)
-"""Polynomial coefficients of the weights of both ends, then of the slopes there."""
-
 
 @dataclass(frozen=True, eq=False)
 class Rope(ContactSurface):
@@ -114,28 +109,28 @@ class Rope(ContactSurface):
         """Initial positions of the nodes, shape (n, 3)."""
         return np.asarray(self.body.frames[self.path, 0])
 
-    def powers(self) -> tuple[Indices, Array]:
-        """Cubic of each segment, in a parameter from 0 to 1.
+    def controls(self) -> tuple[Indices, Array]:
+        """Ends and tangents of the cubic of each segment, in a parameter from 0 to 1.
 
         Returns:
-            Indices along the path of the nodes that it depends on, −1: none, shape (m, 4), and
-            polynomial coefficients of the weights of their coordinate vectors 0 and 1, shape (m, 4,
-            2, 4).
+            Indices along the path of the nodes that it depends on, −1: none, shape (m, 4), and the
+            weights of their coordinate vectors 0 and 1 in both ends, then in both tangents, shape
+            (m, 4, 2, 4).
         """
         lengths, m = self.lengths, len(self.path) - 1
-        slots, powers = np.full((m, 4), -1), np.zeros((m, 4, 2, 4))
+        slots, found = np.full((m, 4), -1), np.zeros((m, 4, 2, 4))
         by_places = self.body.model.node_types[self.path[0]] == NodeType.POSITION
         for k in range(m):
             first, count = (max(k - 1, 0), min(m, k + 2)) if by_places else (k, k + 1)
             slots[k, : count - first + 1] = range(first, count + 1)
             for end in range(2):
-                powers[k, k + end - first, 0] += _HERMITE[end]
+                found[k, k + end - first, 0, end] = 1.0
                 if not by_places:
-                    powers[k, end, 1] += lengths[k] * _HERMITE[2 + end]
+                    found[k, end, 1, 2 + end] = lengths[k]
                     continue
                 for node, factor in _slope(lengths, k + end).items():
-                    powers[k, node - first, 0] += lengths[k] * factor * _HERMITE[2 + end]
-        return slots, powers
+                    found[k, node - first, 0, 2 + end] = lengths[k] * factor
+        return slots, found
 
 
 def _slope(lengths: Array, k: int) -> dict[int, float]:

@@ -17,7 +17,7 @@ from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.contact.sides.kinematics import normal_of, position
 from fem_lie.contact.sides.table import GROUND, Side
 from fem_lie.lie.motions import global_components
-from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
+from fem_lie.lie.tuples import Vector, combined, dot, load_row, minus, plus, scaled, store_row
 
 
 class Strands(NamedTuple):
@@ -145,31 +145,59 @@ def bend(C: Array, s: float) -> Vector:
     return _sum(C, (12.0 * s - 6.0, 6.0 - 12.0 * s, 6.0 * s - 4.0, 6.0 * s - 2.0))
 
 
+@inlined_uncounted
+def between(C: Array, s: float, r: float) -> Vector:
+    """``P(s) − P(r)`` without cancellation."""
+    a, b = s + r, s * s + s * r + r * r
+    chord = minus(load_row(C, 1), load_row(C, 0))
+    first = combined(1.0 - 2.0 * a + b, load_row(C, 2), b - a, load_row(C, 3))
+    return scaled(s - r, combined(3.0 * a - 2.0 * b, chord, 1.0, first))
+
+
+@inlined_uncounted
+def pull(C: Array, s: float, P: Vector) -> tuple[float, float]:
+    """Derivatives of half the squared distance to ``P`` along a curve: first and second."""
+    separation, t = minus(at(C, s), P), slope(C, s)
+    return dot(separation, t), dot(t, t) + dot(separation, bend(C, s))
+
+
 @uncounted
-def project(C: Array, P: Vector) -> float:
-    """Parameter in [0, 1] of the point of a curve that is closest to ``P``."""
-    low, high = 0.0, 1.0
-    f0 = dot(minus(P, at(C, 0.0)), slope(C, 0.0))
-    if f0 <= 0.0:
-        return 0.0
-    f1 = dot(minus(P, at(C, 1.0)), slope(C, 1.0))
-    if f1 >= 0.0:
-        return 1.0
-    s = f0 / (f0 - f1)
+def stationary(C: Array, P: Vector, low: float, high: float, s: float, known: float) -> float:
+    """Parameter at which the distance to ``P`` is least, between bounds where it falls and rises.
+
+    Args:
+        C: The curve, shape (4, 3).
+        P: The point.
+        low: Lower bound.
+        high: Upper bound.
+        s: First guess.
+        known: Accuracy.
+    """
     for _ in range(_TURNS):
-        separation, t = minus(P, at(C, s)), slope(C, s)
-        f, df = dot(separation, t), dot(separation, bend(C, s)) - dot(t, t)
+        f, df = pull(C, s, P)
         if f > 0.0:
-            low = s
-        else:
             high = s
-        new = s - f / df if df < 0.0 else 0.5 * (low + high)
+        else:
+            low = s
+        new = s - f / df if df > 0.0 else 0.5 * (low + high)
         if not low <= new <= high:
             new = 0.5 * (low + high)
-        if abs(new - s) < _ZERO:
+        if abs(new - s) <= known:
             return new
         s = new
     return s
+
+
+@uncounted
+def project(C: Array, P: Vector) -> float:
+    """Parameter in [0, 1] of the point of a curve that is closest to ``P``."""
+    f0, _ = pull(C, 0.0, P)
+    if f0 >= 0.0:
+        return 0.0
+    f1, _ = pull(C, 1.0, P)
+    if f1 <= 0.0:
+        return 1.0
+    return stationary(C, P, 0.0, 1.0, f0 / (f0 - f1), _ZERO)
 
 
 @uncounted

@@ -137,13 +137,13 @@ def count_blocks(a: Side, b: Side, pairs: Indices, rows: Indices, columns: Indic
 
 
 @inlined_uncounted
-def _store_motion(H: Array, node: int, sign: float, w: float, c: Vector, D: Array) -> None:
-    """``± [w R, −R ĉ]``, shape (3, 6)."""
+def store_motion(H: Array, sign: float, w: float, c: Vector, D: Array) -> None:
+    """Motion of a point per motion of its node, ``± [w R, −R ĉ]``, shape (3, 6)."""
     for k in range(3):
-        d = load_row(H[node], 1 + k)
+        d = load_row(H, 1 + k)
         # column k of R, and of −R ĉ = R (e_k × c)
         e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
-        rotated = global_components(H[node], cross(e, c))
+        rotated = global_components(H, cross(e, c))
         for r in range(3):
             D[r, k] = sign * w * d[r]
             D[r, 3 + k] = sign * rotated[r]
@@ -223,7 +223,7 @@ def bends(
         nodes[s], sign, w, c = slot(H, a, b, i, j, flat, P, s)
         if nodes[s] < 0:
             continue
-        _store_motion(H, nodes[s], sign, w, c, D[s, 0])
+        store_motion(H[nodes[s]], sign, w, c, D[s, 0])
         _turns_of_normal(H, b, j, flat, separation, n, D[s, 0], s, D[s, 1])
         for k in range(6):
             rows[s, k] = n[0] * D[s, 0, 0, k] + n[1] * D[s, 0, 1, k] + n[2] * D[s, 0, 2, k]
