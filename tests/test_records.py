@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
 import fem_lie as fl
 from demos.double_pendulum import pendulum
+from fem_lie._jit import compiled
+from fem_lie._jit.fixed_arrays import FixedArrays, Frames, Integers1, Integers2, Numbers1, unpacking
 from fem_lie.forms.cells import Cells
-from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.solve.conserving.model import (
     cells_of_rows,
     incidences_of,
@@ -52,15 +53,28 @@ def given() -> dict[str, Any]:
     }
 
 
+@compiled
+def model_arrays(table: np.ndarray) -> records.Model:
+    return packing.model_of(table)
+
+
+@compiled
+def state_arrays(table: np.ndarray) -> records.State:
+    return packing.state_of(table)
+
+
+@compiled
+def step_arrays(table: np.ndarray) -> records.Step:
+    return packing.step_of(table)
+
+
 @pytest.mark.parametrize("name", ["model", "state", "step"])
 def test_compiled_code_reads_each_record_as_it_was_packed(given, name):
     """Every field has the name, the shape and the place in memory that it has in Python."""
     packed = packing.Packed(**given)
-    read = {
-        "model": packing.model_of,
-        "state": packing.state_of,
-        "step": packing.step_of,
-    }[name](getattr(packed, name))
+    read = {"model": model_arrays, "state": state_arrays, "step": step_arrays}[name](
+        getattr(packed, name)
+    )
     wanted, found = dict(leaves(given[name], name)), dict(leaves(read, name))
     assert found.keys() == wanted.keys()
     for field, value in wanted.items():
@@ -81,6 +95,44 @@ def test_compiled_code_reads_each_record_as_it_was_packed(given, name):
 def test_what_is_not_as_compiled_code_reads_it_is_refused(array):
     with pytest.raises(TypeError, match="contiguous doubles or integers"):
         FixedArrays([array])
+
+
+class Inner(NamedTuple):
+    x: Numbers1
+    cells: Integers2
+
+
+class Outer(NamedTuple):
+    H: Frames
+    sees: bool
+    count: int
+    h: float
+    inner: Inner
+    joints: tuple[Numbers1, Integers1]
+
+
+unpacked = unpacking(Outer)
+
+
+@compiled
+def total(table: np.ndarray) -> float:
+    this = unpacked(table)
+    this.H[1, 2, 1] = this.h
+    size = this.H.shape[0] * this.count if this.sees else 0
+    return size + this.inner.x[3] + this.inner.cells[2, 1] + this.joints[1][0] + len(this.joints[0])
+
+
+def test_compiled_code_reads_and_writes_records_by_their_annotations():
+    """Arrays, numbers, records within records; numbers may change, arrays stay."""
+    H, x, cells = np.zeros((3, 4, 3)), np.array([0.0, 0.0, 0.0, 0.5]), np.arange(6).reshape(3, 2)
+    record = Outer(H, True, 7, 0.25, Inner(x, cells), (np.zeros(2), np.array([100])))
+    fixed = FixedArrays(record)
+    assert total(fixed.table) == 21 + 0.5 + 5 + 100 + 2
+    assert H[1, 2, 1] == 0.25
+    assert np.count_nonzero(H) == 1
+    fixed.set(record._replace(sees=False, h=-1.5))
+    assert total(fixed.table) == 0.5 + 5 + 100 + 2
+    assert H[1, 2, 1] == -1.5
 
 
 def moving_system() -> tuple[System, tuple[np.ndarray, ...]]:

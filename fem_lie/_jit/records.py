@@ -1,7 +1,8 @@
 """Records: numbers with names in one block of memory that Python and compiled code share.
 
 Compiled functions take records as arguments, but cannot return them: what unpacks a table of
-addresses gives an array of one record, :data:`Records`, where Python has the record itself.
+addresses (:mod:`fem_lie._jit.fixed_arrays`) gives an array of one record, :data:`Records`, where
+Python has the record itself.
 """
 
 from __future__ import annotations

@@ -19,6 +19,7 @@ from dolfinx import fem
 from fem_lie import _compat
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, uncounted
+from fem_lie._jit.fixed_arrays import Integers1, Integers2
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.assembly import Assembly, BodyTerm
 from fem_lie.forms.cell_forms import CELLS, EXTENT, KERNEL, NODES, C, X, own_coefficients
@@ -51,16 +52,16 @@ class CellTable(NamedTuple):
         nodes: Nodes of the cells, in the numbering of all nodes.
     """
 
-    kernel: Indices
-    w: Indices
-    c: Indices
-    at: Indices
-    x: Indices
-    n_s: Indices
-    unknowns: Indices
-    shares: Indices
-    first: Indices
-    nodes: Indices
+    kernel: Integers2
+    w: Integers2
+    c: Integers2
+    at: Integers2
+    x: Integers1
+    n_s: Integers1
+    unknowns: Integers1
+    shares: Integers1
+    first: Integers1
+    nodes: Integers1
 
 
 class _Form:

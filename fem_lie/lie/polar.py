@@ -13,6 +13,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie._jit.copies import copy_matrix
+from fem_lie._jit.fixed_arrays import Integers1, Numbers2, Numbers3
 
 _MOST = 60  # iterations; six do for moderate strains
 _EXACT = 1e-15
@@ -79,7 +80,7 @@ class Surroundings(NamedTuple):
     axes: Array
 
 
-PlainSurroundings: TypeAlias = tuple[Indices, Indices, Indices, Array, Array]
+PlainSurroundings: TypeAlias = tuple[Integers1, Integers1, Integers1, Numbers2, Numbers3]
 """A :class:`Surroundings` as a plain tuple, which is faster to pass from Python."""
 
 

@@ -19,9 +19,9 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
+from fem_lie._jit.fixed_arrays import FixedArrays
 from fem_lie._state import Stateful, attributes
 from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, TOTAL, WORK
-from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.joints.equations.terms import wrenches
 from fem_lie.lie.node_types import acceleration, pull_back

@@ -15,8 +15,8 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked, uncounted
 from fem_lie._jit.copies import copy_blocks, copy_matrix, copy_vector
+from fem_lie._jit.fixed_arrays import Integers1, Numbers1, Numbers2, Numbers3, unpacking
 from fem_lie.bodies.balances import BY_LOADS
-from fem_lie.forms.fixed_arrays import integers1, numbers1, numbers2, numbers3
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.lie.node_types import floating, inertia, push_all_forward, wrench
@@ -45,7 +45,7 @@ PlainScene: TypeAlias = tuple[
 joints, bodies that deform within their frames, whether to evaluate loads, and joints.
 """
 
-PlainSeen: TypeAlias = tuple[Array, Array, Array, Array, Array, Array]
+PlainSeen: TypeAlias = tuple[Numbers1, Numbers2, Numbers3, Numbers2, Numbers1, Numbers1]
 """:class:`LastState` as a plain tuple, which makes calls of compiled functions faster."""
 
 
@@ -211,6 +211,33 @@ def sum_up(
     copy_vector(targets, old_targets)
 
 
+class _Actions(NamedTuple):
+    """Constant arrays of :func:`look_and_sum_up`.
+
+    Attributes:
+        kinds: Types of the nodes, (n,).
+        loads: Nodal loads.
+        conservative: Dead loads with a potential, (n, 4, 3).
+        damping: Mass-proportional damping matrix.
+        joints: Packed arrays of the joints.
+        bodies: Bodies that deform within their frames.
+        start: See :func:`sum_up`, as the next one.
+        total: Energy balance and impulses.
+    """
+
+    kinds: Integers1
+    loads: PlainLoads
+    conservative: Numbers3
+    damping: PlainInertia
+    joints: PackedJoints
+    bodies: PlainFloating
+    start: PlainSeen
+    total: Numbers1
+
+
+_actions = unpacking(_Actions)
+
+
 @linked
 def look_and_sum_up(
     h: float,
@@ -226,20 +253,12 @@ def look_and_sum_up(
         end: As for :func:`sum_up`.
         loaded: Whether to evaluate loads.
         joined: Whether to evaluate joints.
-        table: Table of fixed arrays: types of the nodes, loads, loads with a potential,
-            mass-proportional damping, joints, bodies that deform within their frames, then
-            ``start`` and ``total`` of ``sum_up``.
+        table: Constant arrays, see :class:`_Actions`.
     """
-    loads = numbers3(table, 1), numbers2(table, 2), numbers2(table, 3)
-    damping = integers1(table, 5), integers1(table, 6), numbers3(table, 7)
-    joints = numbers1(table, 8), integers1(table, 9)
-    bodies, at = (integers1(table, 10), numbers1(table, 11)), 12
-    scene = integers1(table, 0), loads, numbers3(table, 4), damping, joints, bodies, loaded, joined
-    old_row, old_wrenches = numbers1(table, at), numbers2(table, at + 1)
-    old_H, old_v = numbers3(table, at + 2), numbers2(table, at + 3)
-    old_multipliers, old_targets = numbers1(table, at + 4), numbers1(table, at + 5)
-    start = old_row, old_wrenches, old_H, old_v, old_multipliers, old_targets
-    row, wrenches = np.empty(SIZE), np.empty_like(old_wrenches)
+    this = _actions(table)
+    constant = this.conservative, this.damping, this.joints, this.bodies
+    scene = this.kinds, this.loads, *constant, loaded, joined
+    row, wrenches = np.empty(SIZE), np.empty_like(this.start[1])
     H, v, multipliers, _ = end
     look(H, v, multipliers, scene, row, wrenches)
-    sum_up(h, end, row, wrenches, start, numbers1(table, at + 6))
+    sum_up(h, end, row, wrenches, this.start, this.total)

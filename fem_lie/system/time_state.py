@@ -9,8 +9,8 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices, diameter
+from fem_lie._jit.fixed_arrays import FixedArrays
 from fem_lie.forms.abilities import Ends
-from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.joints.histories import declared, until_next
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.lie.node_types import node_types_of

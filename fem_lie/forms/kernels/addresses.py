@@ -81,16 +81,6 @@ def pointer(typing_context, address):  # type: ignore[no-untyped-def]
 
 
 @intrinsic
-def void_pointer(typing_context, address):  # type: ignore[no-untyped-def]
-    """Pointer without a type at an address."""
-
-    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
-        return builder.inttoptr(arguments[0], context.get_value_type(types.voidptr))
-
-    return types.voidptr(types.int64), generate
-
-
-@intrinsic
 def integer_pointer(typing_context, address):  # type: ignore[no-untyped-def]
     """Pointer to 64-bit integers at an address."""
 

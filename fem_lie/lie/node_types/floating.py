@@ -18,6 +18,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, compiled, inlined, inlined_uncounted, uncounted
 from fem_lie._jit.by_address import call_with_arrays
 from fem_lie._jit.copies import copy_matrix
+from fem_lie._jit.fixed_arrays import Integers1, Numbers1
 from fem_lie._jit.stack import blocks_at, matrix_at, stack, vector_at
 from fem_lie.lie.node_types.floating_coordinates import (
     Rows,
@@ -29,7 +30,7 @@ from fem_lie.lie.node_types.floating_coordinates import (
 from fem_lie.lie.node_types.forces import push_forward
 from fem_lie.lie.tuples import Vector, cross, load, plus, scaled
 
-PlainFloating: TypeAlias = tuple[Indices, Array]
+PlainFloating: TypeAlias = tuple[Integers1, Numbers1]
 """A :class:`Floating` as a plain tuple, which is faster to pass from Python."""
 
 _HEAD = 3  # of the numbers: gravity

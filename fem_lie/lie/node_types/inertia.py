@@ -17,6 +17,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined, uncounted
+from fem_lie._jit.fixed_arrays import Integers1, Numbers3
 from fem_lie._jit.stack import matrix_at, stack
 from fem_lie.lie import directors
 from fem_lie.lie.node_types.all_nodes import push_all_forward
@@ -27,7 +28,7 @@ from fem_lie.lie.tuples import dot
 Invariants: TypeAlias = tuple[float, float, float, float, float, float, float]
 """Kinetic energy, momentum and angular momentum about the origin."""
 
-PlainInertia: TypeAlias = tuple[Indices, Indices, Array]
+PlainInertia: TypeAlias = tuple[Integers1, Integers1, Numbers3]
 """An :class:`Inertia` as a plain tuple, faster to pass from Python to compiled functions."""
 
 
@@ -284,9 +285,9 @@ class Inertia(NamedTuple):
         blocks: Shape (nnz, 4, 4), kg for positions, kg m and kg m² with directors.
     """
 
-    indptr: Indices
-    indices: Indices
-    blocks: Array
+    indptr: Integers1
+    indices: Integers1
+    blocks: Numbers3
 
     @classmethod
     def none(cls) -> Inertia:

@@ -13,9 +13,9 @@ from functools import cached_property
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._jit.fixed_arrays import FixedArrays
 from fem_lie._state import attributes
 from fem_lie.contact.impact.records import FRICTION, IMPACT
-from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Solution
 from fem_lie.results import Result
@@ -109,7 +109,7 @@ class Run(Newton):
             self.progress,
             self.decisions.known,
         )
-        return FixedArrays(packed.arrays)
+        return FixedArrays(packed)
 
     @property
     def _ends(self) -> bool:

@@ -15,12 +15,11 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, linked
 from fem_lie._jit.records import Record, record_type
 from fem_lie._state import attributes, put_back, saved
-from fem_lie.forms.fixed_arrays import records
 from fem_lie.linear.factors import PlainFactors
 from fem_lie.results import Result
 from fem_lie.solve.conserving.step import loop
-from fem_lie.solve.conserving.step.corrections import PROGRESS
-from fem_lie.solve.conserving.step.packing import PackedModel, state_of
+from fem_lie.solve.conserving.step.corrections import progress_of
+from fem_lie.solve.conserving.step.packing import state_of
 from fem_lie.solve.convergence import failure
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.recording.checkpoints import Checkpoints
@@ -47,7 +46,7 @@ def resize(last_residual: Array, before: float, h: float) -> None:
 
 @linked
 def run(
-    models: tuple[PackedModel, PackedModel],
+    models: tuple[Indices, Indices],
     starts: Indices,
     steps: Indices,
     factors: tuple[PlainFactors, PlainFactors],
@@ -79,7 +78,7 @@ def run(
             if position.chosen != k:
                 resize(state_of(starts).last_residual, h[position.chosen], h[k])
                 position.chosen = k
-            to = records(progresses[k], 0, PROGRESS)[0].steps + 1
+            to = progress_of(progresses[k]).progress[0].steps + 1
             given = starts, steps, factors[k], options
             code = loop.run(models[k], *given, progresses[k], to)
             if code != loop.DONE:

@@ -28,7 +28,6 @@ from fem_lie.linear.factors import Factors, PlainFactors
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import Options
 from fem_lie.solve.conserving.step import loop
-from fem_lie.solve.conserving.step.packing import PackedModel
 from fem_lie.system.equations import Equations
 
 _TRIPLE = 1.0 / (2.0 - 2.0 ** (1.0 / 3.0))
@@ -135,7 +134,7 @@ class Part(Run):
         return None if self._factors is None else self._factors.plain
 
     @property
-    def compiled_model(self) -> PackedModel:
+    def compiled_model(self) -> Indices:
         """Packed model of the scene with this size, for compiled code."""
         return self._packed.model
 

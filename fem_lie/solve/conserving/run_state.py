@@ -11,11 +11,11 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
+from fem_lie._jit.fixed_arrays import FixedArrays
 from fem_lie._jit.records import new_record
 from fem_lie._state import arrays_of, attributes, put_back, saved
 from fem_lie.bodies.balances import WORK
 from fem_lie.forms.cells import Cells, evaluate
-from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.lie.node_types import POSITION_GRADIENT, push_all_forward, retract_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise

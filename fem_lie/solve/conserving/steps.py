@@ -17,15 +17,14 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, linked
 from fem_lie._jit.records import Record
-from fem_lie.forms.fixed_arrays import records
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import PlainFactors
 from fem_lie.solve.conserving.midpoint.any_node import twists
 from fem_lie.solve.conserving.midpoint.end_forces import at_end, rates_at_end
 from fem_lie.solve.conserving.run_state import RunState
 from fem_lie.solve.conserving.step import corrections, joints, loop
-from fem_lie.solve.conserving.step.corrections import PROGRESS
-from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of
+from fem_lie.solve.conserving.step.corrections import progress_of
+from fem_lie.solve.conserving.step.packing import model_of, state_of
 from fem_lie.solve.recording.result_row import close_row, fill_by_both
 from fem_lie.solve.secants import Secants
 from fem_lie.system.nodes.fixed_axes import wrenches
@@ -59,7 +58,7 @@ class Supports(NamedTuple):
 
 @linked
 def run(
-    model: PackedModel,
+    model: Indices,
     starts: Indices,
     steps: Indices,
     factors: PlainFactors,
@@ -83,7 +82,7 @@ def run(
         supports: Supports whose reactions are recorded, see :class:`Supports`.
         last: Last step; the loop returns earlier if an element exceeds its rotation limit.
     """
-    wanted, progress = results[2], records(progress_at, 0, PROGRESS)[0]
+    wanted, progress = results[2], progress_of(progress_at).progress[0]
     while progress.steps < last:
         at = progress.wanted
         to = wanted[at] if at < wanted.shape[0] else last
@@ -103,7 +102,7 @@ def run(
 
 @compiled
 def _fill(
-    packed: PackedModel,
+    packed: Indices,
     starts: Indices,
     results: tuple[Indices, Indices],
     turning: Array,
@@ -113,8 +112,8 @@ def _fill(
 
     Returns whether an element is near its rotation limit.
     """
-    s, (scene, rows), (_, _, (h, _, _)) = state_of(starts), results, packed
-    kinds, row = model_of(packed).kinds, progress.row
+    s, (scene, rows), model = state_of(starts), results, model_of(packed)
+    kinds, row, h = model.kinds, progress.row, model.scheme.h
     multipliers, n = s.multipliers, kinds.shape[0]
     room = np.zeros((3, n, 6))
     v, unused, still = room[0], room[1], room[2]
@@ -127,9 +126,7 @@ def _fill(
 
 
 @compiled
-def _fill_reactions(
-    packed: PackedModel, starts: Indices, supports: PlainSupports, row: int
-) -> None:
+def _fill_reactions(packed: Indices, starts: Indices, supports: PlainSupports, row: int) -> None:
     """Fill in the reactions of the current state, from the equations of motion."""
     (table, turning, held, nodes, rows, ones), s = supports, state_of(starts)
     kinds, n = model_of(packed).kinds, s.rates.shape[1]

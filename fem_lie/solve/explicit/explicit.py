@@ -27,10 +27,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._jit.fixed_arrays import FixedArrays
 from fem_lie._jit.records import new_record
 from fem_lie._state import attributes
 from fem_lie.forms.cell_forms import NO_ROWS
-from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.joints.equations.table import joint_table
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import MIXED_DERIVATIVE, SURFACE_GRADIENT
@@ -131,7 +131,7 @@ class ExplicitRun(Integration[Recorder]):
             NO_ROWS,
             NO_ROWS[:, 0].copy(),
         )
-        self._packed = FixedArrays(packed.arrays)
+        self._packed = FixedArrays(packed)
         if table is not None:
             self._packed.table[-2:] = table[_CELLS]
 

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, TypeAlias
+from typing import Annotated, NamedTuple, TypeAlias
 
 import numba
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
+from fem_lie._jit.fixed_arrays import (
+    Integers1,
+    Integers2,
+    Numbers1,
+    Numbers2,
+    Numbers3,
+    one,
+    unpacking,
+)
 from fem_lie._jit.records import Records, record_type
 from fem_lie._jit.stack import stack
 from fem_lie.bodies.balances import BY_REACTIONS
 from fem_lie.forms.cell_forms import CELLS, EXTENT, FIRST, GATHERED, KERNEL, NODES, WIDTH, C, W, X
-from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3, records
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
 from fem_lie.lie.node_types import wrench
 from fem_lie.lie.tuples import add_wrench, load_row
-from fem_lie.solve.explicit.nodes import Masses, PlainMasses, decay, drift, kick, twists
+from fem_lie.solve.explicit.nodes import PlainMasses, decay, drift, kick, twists
 from fem_lie.system.nodes.sums import residual
 from fem_lie.system.outer_forces import look_and_sum_up
 
@@ -127,7 +135,7 @@ class Steps(NamedTuple):
 
 
 class Packed(NamedTuple):
-    """Arrays of a run, in the order of :func:`_packed`.
+    """Arrays of a run.
 
     Attributes:
         masses: See :class:`~fem_lie.solve.explicit.nodes.Masses`.
@@ -149,66 +157,26 @@ class Packed(NamedTuple):
         nodes: Nodes of these cells.
     """
 
-    masses: Masses
-    H: Array
-    p: Array
-    v: Array
-    rest: Array
-    none: Array
-    r: Array
-    held: Indices
-    supports: tuple[Indices, Indices]
-    reaction: Array
-    forces: Indices
-    balance_table: Indices
-    balance: Array
-    progress: Records
-    decay: Array
-    rows: Indices
-    nodes: Indices
-
-    @property
-    def arrays(self) -> list[Any]:
-        """The arrays, in order."""
-        masses, H, p, v, rest, none, r, held, supports, *others = self
-        return [*masses, H, p, v, rest, none, r, held, *supports, *others]
+    masses: PlainMasses
+    H: Numbers3
+    p: Numbers2
+    v: Numbers2
+    rest: Numbers2
+    none: Numbers1
+    r: Numbers1
+    held: Integers1
+    supports: tuple[Integers1, Integers2]
+    reaction: Numbers1
+    forces: Integers2
+    balance_table: Integers2
+    balance: Numbers1
+    progress: Annotated[Records, one(PROGRESS)]
+    decay: Numbers2
+    rows: Integers2
+    nodes: Integers1
 
 
-@inlined
-def _masses(table: Indices) -> PlainMasses:
-    return (
-        integers1(table, 0),
-        integers1(table, 1),
-        numbers2(table, 2),
-        numbers2(table, 3),
-        numbers3(table, 4),
-        numbers3(table, 5),
-        integers2(table, 6),
-        numbers2(table, 7),
-    )
-
-
-@inlined
-def _packed(table: Indices) -> Packed:
-    return Packed(
-        Masses(*_masses(table)),
-        numbers3(table, 8),
-        numbers2(table, 9),
-        numbers2(table, 10),
-        numbers2(table, 11),
-        numbers1(table, 12),
-        numbers1(table, 13),
-        integers1(table, 14),
-        (integers1(table, 15), integers2(table, 16)),
-        numbers1(table, 17),
-        integers2(table, 18),
-        integers2(table, 19),
-        numbers1(table, 20),
-        records(table, 21, PROGRESS),
-        numbers2(table, 22),
-        integers2(table, 23),
-        integers1(table, 24),
-    )
+_packed = unpacking(Packed)
 
 
 @compiled
@@ -235,7 +203,7 @@ def weigh(table: Indices, held: bool) -> None:
     add_all(this.H, this.rows, this.nodes, this.r)
     if held:
         nodes, unknowns = this.supports
-        reactions(this.masses.kinds, this.H, this.r, nodes, unknowns, this.reaction)
+        reactions(this.masses[0], this.H, this.r, nodes, unknowns, this.reaction)
     for row in this.held:
         this.r[row] = 0.0
 
@@ -251,7 +219,7 @@ def _add_reaction(balance: Array, reaction: Array, h: float) -> None:
 def look(table: Indices, steps: PlainSteps, h: float) -> None:
     """Account for loads and springs over the last time ``h``."""
     this, how = _packed(table), Steps(*steps)
-    twists(_masses(table), this.H, this.p, this.v)
+    twists(this.masses, this.H, this.p, this.v)
     end = this.H, this.v, this.none, this.none
     look_and_sum_up(h, end, how.loads, how.joints, this.balance_table)
 
@@ -260,8 +228,7 @@ def look(table: Indices, steps: PlainSteps, h: float) -> None:
 def _close(table: Indices, steps: PlainSteps) -> None:
     """Apply the forces of the second half of a step."""
     this, how = _packed(table), Steps(*steps)
-    masses = _masses(table)
-    kick(masses, this.H, this.r, 0.5 * how.h, this.p)
+    kick(this.masses, this.H, this.r, 0.5 * how.h, this.p)
     if how.accounts and (how.loads or how.joints):
         look(table, steps, how.h)
 
@@ -276,7 +243,7 @@ def run(table: Indices, steps: PlainSteps, last: int) -> int:
         last: Last step.
     """
     this, how = _packed(table), Steps(*steps)
-    progress, masses = this.progress[0], _masses(table)
+    progress, masses = this.progress[0], this.masses
     while True:
         if progress.phase == BETWEEN:
             if progress.step >= last:

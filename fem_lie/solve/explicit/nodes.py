@@ -19,6 +19,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
+from fem_lie._jit.fixed_arrays import Integers1, Integers2, Numbers2, Numbers3
 from fem_lie.lie.directors import rotate_onto
 from fem_lie.lie.node_types import (
     POSITION,
@@ -68,17 +69,19 @@ class Masses(NamedTuple):
         ends: Positions of these other nodes in the frames of their masters, (k, 3).
     """
 
-    kinds: Indices
-    ways: Indices
-    masses: Array
-    centre: Array
-    turning: Array
-    inverse: Array
-    edges: Indices
-    ends: Array
+    kinds: Integers1
+    ways: Integers1
+    masses: Numbers2
+    centre: Numbers2
+    turning: Numbers3
+    inverse: Numbers3
+    edges: Integers2
+    ends: Numbers2
 
 
-PlainMasses: TypeAlias = tuple[Indices, Indices, Array, Array, Array, Array, Indices, Array]
+PlainMasses: TypeAlias = tuple[
+    Integers1, Integers1, Numbers2, Numbers2, Numbers3, Numbers3, Integers2, Numbers2
+]
 
 
 @inlined

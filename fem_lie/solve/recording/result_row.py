@@ -12,17 +12,18 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
 from fem_lie._jit.copies import copy_blocks, copy_vector
+from fem_lie._jit.fixed_arrays import (
+    FixedArrays,
+    Integers1,
+    Integers2,
+    Numbers1,
+    Numbers2,
+    Numbers3,
+    Numbers4,
+    unpacking,
+)
 from fem_lie.bodies.balances import COLUMNS
 from fem_lie.forms.cell_forms import add_cells
-from fem_lie.forms.fixed_arrays import (
-    FixedArrays,
-    integers1,
-    integers2,
-    numbers1,
-    numbers2,
-    numbers3,
-    numbers4,
-)
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.lie.node_types import all_result_twists, inertia, push_all_forward
@@ -60,22 +61,22 @@ class SceneArrays(NamedTuple):
         floating: Reduced-order bodies.
     """
 
-    kinds: Indices
-    master: Indices
-    offset: Array
+    kinds: Integers1
+    master: Integers1
+    offset: Numbers3
     inertia: inertia.Inertia
-    dead: Array
+    dead: Numbers3
     joints: PackedJoints
     probes: PackedJoints
-    pairs: Indices
-    sides: Indices
-    owner: Indices
-    limits: Array
-    ends: Indices
-    whole: Indices
-    lengths: Array
-    chords: Array
-    turning: Array
+    pairs: Integers1
+    sides: Integers1
+    owner: Integers1
+    limits: Numbers1
+    ends: Integers2
+    whole: Integers1
+    lengths: Numbers1
+    chords: Numbers2
+    turning: Numbers4
     floating: PlainFloating
 
 
@@ -97,62 +98,26 @@ class ResultColumns(NamedTuple):
         impulses: Impulses of loads and of reactions, (rows, 2, 6).
         potential: Potential energy of loads, (rows,).
         elastic: Strain energy, (rows,).
+        times: Time of each row, (rows,).
+        iterations: Number of iterations so far, (rows,).
     """
 
-    frames: Array
-    velocities: Array
-    joint_forces: Array
-    joint_coordinates: Array
-    joint_violations: Array
-    invariants: Array
-    balance: Array
-    impulses: Array
-    potential: Array
-    elastic: Array
+    frames: Numbers4
+    velocities: Numbers3
+    joint_forces: Numbers3
+    joint_coordinates: Numbers2
+    joint_violations: Numbers2
+    invariants: Numbers2
+    balance: Numbers2
+    impulses: Numbers3
+    potential: Numbers1
+    elastic: Numbers1
+    times: Numbers1
+    iterations: Integers1
 
 
-@inlined
-def scene_arrays_of(table: Indices) -> SceneArrays:
-    """Unpack the arrays of :class:`SceneArrays`, in the order of :attr:`ResultRow.scene`."""
-    return SceneArrays(
-        integers1(table, 0),
-        integers1(table, 1),
-        numbers3(table, 2),
-        inertia.Inertia(integers1(table, 3), integers1(table, 4), numbers3(table, 5)),
-        numbers3(table, 6),
-        (numbers1(table, 7), integers1(table, 8)),
-        (numbers1(table, 9), integers1(table, 10)),
-        integers1(table, 11),
-        integers1(table, 12),
-        integers1(table, 13),
-        numbers1(table, 14),
-        integers2(table, 15),
-        integers1(table, 16),
-        numbers1(table, 17),
-        numbers2(table, 18),
-        numbers4(table, 19),
-        (integers1(table, 20), numbers1(table, 21)),
-    )
-
-
-@inlined
-def columns_of(table: Indices) -> ResultColumns:
-    """Unpack the recorded arrays.
-
-    Their order is that of :attr:`~fem_lie.solve.recording.window.Window.arrays`.
-    """
-    return ResultColumns(
-        numbers4(table, 0),
-        numbers3(table, 1),
-        numbers3(table, 2),
-        numbers2(table, 3),
-        numbers2(table, 4),
-        numbers2(table, 5),
-        numbers2(table, 6),
-        numbers3(table, 7),
-        numbers1(table, 8),
-        numbers1(table, 9),
-    )
+scene_arrays_of = unpacking(SceneArrays)
+columns_of = unpacking(ResultColumns)
 
 
 class ResultRow:
@@ -313,7 +278,7 @@ def close_row(
     kept = columns_of(rows)
     if _any(kept.elastic):
         kept.potential[row], kept.elastic[row] = potential, elastic
-    numbers1(rows, 10)[row], integers1(rows, 11)[row] = time, iterations
+    kept.times[row], kept.iterations[row] = time, iterations
 
 
 @compiled

@@ -12,9 +12,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._jit.fixed_arrays import FixedArrays
 from fem_lie.bodies import balances
 from fem_lie.bodies.catalogue import SceneInfo
-from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.results.record import INVARIANTS, WITH_BALANCE, Record, is_kept, row_shapes
 from fem_lie.results.resampling import between
 from fem_lie.solve.recording.checkpoints import Checkpoints

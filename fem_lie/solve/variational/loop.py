@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined, linked
+from fem_lie._jit import compiled, linked
+from fem_lie._jit.fixed_arrays import (
+    Integers1,
+    Integers2,
+    Numbers1,
+    Numbers2,
+    Numbers3,
+    one,
+    unpacking,
+)
 from fem_lie._jit.records import Records, record_type
-from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3, records
+from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.lie.node_types import inertia
 from fem_lie.linear.factors import PlainFactors, solve
 from fem_lie.solve.conserving.midpoint.cayley import advance
@@ -33,7 +42,7 @@ largest motion of the step, previous increment, ratio of increments, current inc
 
 
 class Packed(NamedTuple):
-    """Arrays of a run, in the order of :func:`packed`.
+    """Arrays of a run.
 
     Attributes:
         H: Nodal coordinates of all nodes, (N, 4, 3).
@@ -78,105 +87,49 @@ class Packed(NamedTuple):
         within: Reduced-order bodies, see :class:`~.momenta.Within`.
     """
 
-    H: Array
-    rest: Array
-    last: Array
-    earlier_step: Array
-    step: Array
-    before: Array
-    after: Array
-    multipliers: Array
-    earlier: Array
-    gap: Array
-    delta: Array
-    mean: Array
-    end: Array
-    middle: Array
-    twists: Array
-    still: Array
-    none: Array
-    driven: Array
-    change: Array
-    forces: Array
-    constraints: Array
-    r: Array
-    x: Array
-    y: Array
-    work: Array
-    scale: Array
-    measure: Array
-    held: Indices
+    H: Numbers3
+    rest: Numbers3
+    last: Numbers2
+    earlier_step: Numbers2
+    step: Numbers2
+    before: Numbers2
+    after: Numbers2
+    multipliers: Numbers1
+    earlier: Numbers1
+    gap: Numbers1
+    delta: Numbers3
+    mean: Numbers3
+    end: Numbers3
+    middle: Numbers3
+    twists: Numbers2
+    still: Numbers2
+    none: Numbers1
+    driven: Numbers1
+    change: Numbers1
+    forces: Numbers2
+    constraints: Numbers2
+    r: Numbers1
+    x: Numbers1
+    y: Numbers1
+    work: Numbers1
+    scale: Numbers1
+    measure: Numbers1
+    held: Integers2
     mass: inertia.PlainInertia
-    joints: tuple[Array, Indices]
-    known: Records
-    progress: Records
-    table: Indices
-    balance_table: Indices
-    reported: Array
-    local: Array
-    ahead: Array
-    targets: Array
-    kinds: Indices
+    joints: PackedJoints
+    known: Annotated[Records, one(KNOWN)]
+    progress: Annotated[Records, one(PROGRESS)]
+    table: Integers2
+    balance_table: Integers2
+    reported: Numbers2
+    local: Numbers2
+    ahead: Numbers1
+    targets: Numbers1
+    kinds: Integers1
     within: momenta.PlainWithin
 
-    @property
-    def arrays(self) -> list[Any]:
-        """The arrays, in order."""
-        bodies, *within = self.within
-        return [*self[:28], *self.mass, *self.joints, *self[30:-1], *bodies, *within]
 
-
-@inlined
-def packed(t: Indices) -> Packed:
-    """The arrays whose addresses are in a table."""
-    return Packed(
-        numbers3(t, 0),
-        numbers3(t, 1),
-        numbers2(t, 2),
-        numbers2(t, 3),
-        numbers2(t, 4),
-        numbers2(t, 5),
-        numbers2(t, 6),
-        numbers1(t, 7),
-        numbers1(t, 8),
-        numbers1(t, 9),
-        numbers3(t, 10),
-        numbers3(t, 11),
-        numbers3(t, 12),
-        numbers3(t, 13),
-        numbers2(t, 14),
-        numbers2(t, 15),
-        numbers1(t, 16),
-        numbers1(t, 17),
-        numbers1(t, 18),
-        numbers2(t, 19),
-        numbers2(t, 20),
-        numbers1(t, 21),
-        numbers1(t, 22),
-        numbers1(t, 23),
-        numbers1(t, 24),
-        numbers1(t, 25),
-        numbers1(t, 26),
-        integers2(t, 27),
-        (integers1(t, 28), integers1(t, 29), numbers3(t, 30)),
-        (numbers1(t, 31), integers1(t, 32)),
-        records(t, 33, KNOWN),
-        records(t, 34, PROGRESS),
-        integers2(t, 35),
-        integers2(t, 36),
-        numbers2(t, 37),
-        numbers2(t, 38),
-        numbers1(t, 39),
-        numbers1(t, 40),
-        integers1(t, 41),
-        (
-            (integers1(t, 42), numbers1(t, 43)),
-            numbers3(t, 44),
-            numbers2(t, 45),
-            numbers3(t, 46),
-            numbers3(t, 47),
-        ),
-    )
+packed = unpacking(Packed)
 
 
 DONE, MATRIX, FAILED = range(3)

@@ -14,6 +14,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
+from fem_lie._jit.fixed_arrays import Numbers2, Numbers3
 from fem_lie.forms.fixed_arrays import put
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.lie.node_types import inertia
@@ -50,7 +51,7 @@ from fem_lie.solve.conserving.midpoint.reduced_bodies import (
 )
 from fem_lie.solve.conserving.step.joints import add_joints
 
-PlainWithin: TypeAlias = tuple[PackedBodies, Array, Array, Array, Array]
+PlainWithin: TypeAlias = tuple[PackedBodies, Numbers3, Numbers2, Numbers3, Numbers3]
 """Plain tuple of a :class:`Within`, with which compiled functions are called faster."""
 
 

@@ -9,10 +9,10 @@ from functools import cached_property
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._jit.fixed_arrays import FixedArrays
 from fem_lie._jit.records import new_record
 from fem_lie._state import put_back, saved
 from fem_lie.contact.impact.records import FRICTION, IMPACT
-from fem_lie.forms.fixed_arrays import FixedArrays
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Factors
 from fem_lie.results import Result
@@ -259,7 +259,7 @@ class VariationalRun(Newton):
 
     @cached_property
     def _fixed(self) -> FixedArrays:
-        return FixedArrays(self._packed.arrays)
+        return FixedArrays(self._packed)
 
     def _accept(self, time: float) -> bool:
         """Make the end of the step, at ``time``, the start of the next.

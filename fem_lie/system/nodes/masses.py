@@ -8,6 +8,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._jit.fixed_arrays import Frames, Numbers2, Sixes
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
 from fem_lie.forms.term import add_at
@@ -16,7 +17,7 @@ from fem_lie.lie.node_types.floating import Floating, WithinFrame
 from fem_lie.lie.node_types.inertia import Inertia, multiply
 from fem_lie.system.nodes.numbering import Numbering
 
-PlainLoads: TypeAlias = tuple[Array, Array, Array]
+PlainLoads: TypeAlias = tuple[Frames, Numbers2, Sixes]
 """:class:`Loads` as a plain tuple, which makes calls of compiled functions faster."""
 
 
@@ -29,9 +30,9 @@ class Loads(NamedTuple):
         following: Force and moment in the nodal frames, shape (n, 6).
     """
 
-    dead: Array
-    moment: Array
-    following: Array
+    dead: Frames
+    moment: Numbers2
+    following: Sixes
 
     @property
     def plain(self) -> PlainLoads:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -10,9 +10,9 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked, uncounted
 from fem_lie._jit.copies import copy_vector
+from fem_lie._jit.fixed_arrays import Integers1, Integers2, Numbers2, Numbers3, Numbers4, unpacking
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.cell_forms import add_cells
-from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3, numbers4
 from fem_lie.forms.kernels.addresses import pointer
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.table import PackedJoints, joint_table
@@ -30,7 +30,7 @@ from fem_lie.lie.node_types.inertia import PlainInertia, PlainMotion
 from fem_lie.system.nodes.masses import PlainLoads
 from fem_lie.system.nodes.numbering import expand
 
-PlainAttached: TypeAlias = tuple[Indices, Array, Array, Array, Indices, Indices]
+PlainAttached: TypeAlias = tuple[Integers1, Numbers3, Numbers3, Numbers2, Integers2, Integers1]
 """Master node and offset of each node of some cells, workspace for their frames and forces, and the
 table of the cells, see :class:`~fem_lie.forms.cell_forms.FormTable`.
 """
@@ -142,6 +142,33 @@ def add_attached(H: Array, following: PlainAttached, r: Array) -> None:
             r[6 * master[i] + k] += moved[k]
 
 
+class _Forces(NamedTuple):
+    """Constant arrays of :func:`residual`.
+
+    Attributes:
+        kinds: Types of the nodes, (n,).
+        mass: Mass matrix.
+        loads: Nodal loads.
+        joints: Packed arrays of the joints.
+        work: Workspace, (2, n, 4, 3).
+        cells: Cells of master nodes, see :class:`~fem_lie.forms.cell_forms.FormTable`.
+        attached: Arrays of :func:`add_attached`.
+        bodies: Floating bodies.
+    """
+
+    kinds: Integers1
+    mass: PlainInertia
+    loads: PlainLoads
+    joints: PackedJoints
+    work: Numbers4
+    cells: tuple[Integers2, Integers1]
+    attached: PlainAttached
+    bodies: PlainFloating
+
+
+_forces = unpacking(_Forces)
+
+
 @linked
 def residual(
     H: Array, v: Array, a: Array, multipliers: Array, scale: Array, r: Array, table: Indices
@@ -155,23 +182,14 @@ def residual(
         multipliers: Lagrange multipliers, shape (m,).
         scale: Scale factor of each constraint, shape (m,).
         r: Residual, shape (6 n + m,), overwritten.
-        table: Table of fixed arrays: types of the nodes, inertia, loads, joints, workspace, the
-            :class:`~fem_lie.forms.cell_forms.FormTable` of cells of master nodes, the arrays of
-            :func:`add_attached`, and floating bodies.
+        table: Constant arrays, see :class:`_Forces`.
     """
-    kinds = integers1(table, 0)
-    mass = integers1(table, 1), integers1(table, 2), numbers3(table, 3)
-    loads = numbers3(table, 4), numbers2(table, 5), numbers2(table, 6)
-    joints = numbers1(table, 7), integers1(table, 8)
-    work = numbers4(table, 9)
-    bodies = integers1(table, 18), numbers1(table, 19)
-    nodal_residual(kinds, (H, v, a), mass, bodies, loads, work, r)
-    terms.evaluate(H, v, joint_table(joints), multipliers, scale, work.shape[1], r)
-    add_cells(H, (integers2(table, 10), integers1(table, 11)), 6, r)
-    master, offset, frames = integers1(table, 12), numbers3(table, 13), numbers3(table, 14)
-    cells = integers2(table, 16), integers1(table, 17)
-    if master.shape[0] > 0:
-        add_attached(H, (master, offset, frames, numbers2(table, 15), *cells), r)
+    this = _forces(table)
+    nodal_residual(this.kinds, (H, v, a), this.mass, this.bodies, this.loads, this.work, r)
+    terms.evaluate(H, v, joint_table(this.joints), multipliers, scale, this.work.shape[1], r)
+    add_cells(H, this.cells, 6, r)
+    if this.attached[0].shape[0] > 0:
+        add_attached(H, this.attached, r)
 
 
 @compiled

@@ -7,15 +7,23 @@ and after the last requested step. The next call continues where it returned.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, TypeAlias
+from typing import Annotated, NamedTuple, TypeAlias
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Indices
 from fem_lie._jit import inlined, linked
 from fem_lie._jit.copies import copy_vector
+from fem_lie._jit.fixed_arrays import (
+    Integers1,
+    Integers2,
+    Numbers1,
+    Numbers2,
+    Numbers3,
+    one,
+    unpacking,
+)
 from fem_lie._jit.records import Records, record_type
-from fem_lie.forms.fixed_arrays import integers1, integers2, numbers1, numbers2, numbers3, records
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.joints.equations.terms import unwrap_both
 from fem_lie.lie.polar import PlainSurroundings, convect_axes
@@ -55,7 +63,7 @@ increment and the current one, and the largest motion in a step."""
 
 
 class Packed(NamedTuple):
-    """Arrays of a run at fixed addresses, in the order of their packed table.
+    """Arrays of a run at fixed addresses.
 
     Attributes:
         H: Frames at the start of a step, see :class:`~fem_lie.solve.alpha.step.nodes.State`.
@@ -83,75 +91,31 @@ class Packed(NamedTuple):
         known: Iteration counts recorded by the policy.
     """
 
-    H: Array
-    H1: Array
-    motion: Array
-    kinds: Indices
-    scaling: Array
-    multipliers: Array
-    first: Array
-    scale: Array
-    spread: Array
-    joined: Indices
-    held: Indices
-    r: Array
-    dx: Array
-    forces: Indices
-    balance_table: Indices
-    balance: Array
-    targets: Array
+    H: Numbers3
+    H1: Numbers3
+    motion: Numbers3
+    kinds: Integers1
+    scaling: Numbers2
+    multipliers: Numbers1
+    first: Numbers1
+    scale: Numbers1
+    spread: Numbers2
+    joined: Integers1
+    held: Integers1
+    r: Numbers1
+    dx: Numbers1
+    forces: Integers2
+    balance_table: Integers2
+    balance: Numbers1
+    targets: Numbers1
     joints: tuple[PackedJoints, PackedJoints]
-    cells: tuple[Indices, Indices]
+    cells: tuple[Integers2, Integers1]
     around: PlainSurroundings
-    progress: Records
-    known: Records
-
-    @property
-    def arrays(self) -> list[Any]:
-        """The arrays, in order."""
-        found: list[Any] = []
-        for part in self:
-            for inner in part if isinstance(part, tuple) else (part,):
-                found.extend(inner if isinstance(inner, tuple) else (inner,))
-        return found
+    progress: Annotated[Records, one(PROGRESS)]
+    known: Annotated[Records, one(KNOWN)]
 
 
-@inlined
-def packed(table: Indices) -> Packed:
-    """Unpack the arrays."""
-    return Packed(
-        numbers3(table, 0),
-        numbers3(table, 1),
-        numbers3(table, 2),
-        integers1(table, 3),
-        numbers2(table, 4),
-        numbers1(table, 5),
-        numbers1(table, 6),
-        numbers1(table, 7),
-        numbers2(table, 8),
-        integers1(table, 9),
-        integers1(table, 10),
-        numbers1(table, 11),
-        numbers1(table, 12),
-        integers2(table, 13),
-        integers2(table, 14),
-        numbers1(table, 15),
-        numbers1(table, 16),
-        (
-            (numbers1(table, 17), integers1(table, 18)),
-            (numbers1(table, 19), integers1(table, 20)),
-        ),
-        (integers2(table, 21), integers1(table, 22)),
-        (
-            integers1(table, 23),
-            integers1(table, 24),
-            integers1(table, 25),
-            numbers2(table, 26),
-            numbers3(table, 27),
-        ),
-        records(table, 28, PROGRESS),
-        records(table, 29, KNOWN),
-    )
+packed = unpacking(Packed)
 
 
 class Steps(NamedTuple):

@@ -35,6 +35,7 @@ from numba import types
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, inlined, uncounted
 from fem_lie._jit.by_address import call_with_arrays
+from fem_lie._jit.fixed_arrays import Integers1, Numbers1
 from fem_lie._jit.stack import blocks_at, matrix_at, stack, vector_at
 from fem_lie.lie.node_types.floating import Floating, elastic_of, nodes_of, parts_of
 from fem_lie.lie.node_types.floating_coordinates import (
@@ -48,7 +49,7 @@ from fem_lie.lie.node_types.floating_coordinates import (
 from fem_lie.lie.node_types.forces import add_along_increments
 from fem_lie.lie.tuples import Vector, combined, cross, dot, load, load_row, plus, store
 
-PackedBodies: TypeAlias = tuple[Indices, Array]
+PackedBodies: TypeAlias = tuple[Integers1, Numbers1]
 """Integers and numbers of :class:`~fem_lie.lie.node_types.floating.Floating`; the last integers are
 the addresses of the functions of this module."""
 

@@ -41,19 +41,19 @@ from fem_lie.solve.conserving.midpoint.any_node import (
 from fem_lie.solve.conserving.midpoint.cayley import advance, left_moment, spin
 from fem_lie.solve.conserving.midpoint.reduced_bodies import STRESS
 from fem_lie.solve.conserving.step.dissipation import remember
-from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
+from fem_lie.solve.conserving.step.packing import model_of, state_of, step_of
 from fem_lie.solve.conserving.step.records import Model, State, Step, solution_of, span_of
 from fem_lie.system.nodes.masses import Loads
 
 
 @linked
-def packed_accept(model: PackedModel, state: Indices, step: Indices) -> None:
+def packed_accept(model: Indices, state: Indices, step: Indices) -> None:
     """:func:`accept`, from Python."""
     accept(model, state, step)
 
 
 @uncounted
-def accept(packed: PackedModel, starts: Indices, steps: Indices) -> None:
+def accept(packed: Indices, starts: Indices, steps: Indices) -> None:
     """Make the end of the step the start of the next one."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     H, V, filter_state, balance, account = (
@@ -136,7 +136,7 @@ def _set_massless_rates(light: Array, H: Array, step: Array, h: float, V: Array)
 
 
 @uncounted
-def _go_along_edges(packed: PackedModel, starts: Indices, steps: Indices) -> None:
+def _go_along_edges(packed: Indices, starts: Indices, steps: Indices) -> None:
     """Rotate frames onto their edges, together with vectors along their axes."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     edges, master, before = model.masters.edges, model.masters.master, span_of(this.rows).end

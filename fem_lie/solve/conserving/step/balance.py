@@ -36,7 +36,7 @@ from fem_lie.solve.conserving.step.dissipation import (
     velocity_loss,
 )
 from fem_lie.solve.conserving.step.joints import add_joints
-from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
+from fem_lie.solve.conserving.step.packing import model_of, state_of, step_of
 from fem_lie.solve.conserving.step.products import set_products
 from fem_lie.solve.conserving.step.records import (
     FORCES,
@@ -49,13 +49,13 @@ from fem_lie.system.nodes.masses import Loads
 
 
 @linked
-def packed_residual(model: PackedModel, state: Indices, step: Indices) -> None:
+def packed_residual(model: Indices, state: Indices, step: Indices) -> None:
     """:func:`residual` with evaluation of all forces, from Python."""
     residual(model, state, step, True)
 
 
 @uncounted
-def residual(packed: PackedModel, starts: Indices, steps: Indices, reevaluate: bool) -> None:
+def residual(packed: Indices, starts: Indices, steps: Indices, reevaluate: bool) -> None:
     """Balance of momenta over the step, times 2/(1 + χ), along midpoint frames; constraints.
 
     Without ``reevaluate`` cells keep their last forces and energies.
@@ -101,7 +101,7 @@ def residual(packed: PackedModel, starts: Indices, steps: Indices, reevaluate: b
 
 
 @uncounted
-def _span_products(packed: PackedModel, starts: Indices, steps: Indices) -> None:
+def _span_products(packed: Indices, starts: Indices, steps: Indices) -> None:
     """Modal coordinates and products of reduced-order bodies, and increments with inertia."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     along, moved = span_of(this.rows), this.moved
@@ -153,7 +153,7 @@ def _add_reactions(
 
 
 @uncounted
-def _choose_filter_gain(packed: PackedModel, starts: Indices, steps: Indices) -> None:
+def _choose_filter_gain(packed: Indices, starts: Indices, steps: Indices) -> None:
     """Choose β, and velocities with it."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     V, w, filter_state, products, χ = (
@@ -169,7 +169,7 @@ def _choose_filter_gain(packed: PackedModel, starts: Indices, steps: Indices) ->
 
 
 @uncounted
-def _add_momenta(packed: PackedModel, starts: Indices, steps: Indices) -> None:
+def _add_momenta(packed: Indices, starts: Indices, steps: Indices) -> None:
     """Add rates of momenta, and mass-proportional damping."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     mass, damping, dead, scheme = model.inertia, model.damping, model.loads.dead, model.scheme

@@ -33,7 +33,7 @@ from fem_lie.solve.conserving.midpoint.cayley import follow
 from fem_lie.solve.conserving.midpoint.discrete_gradient import Energies, Filtered, add_elastic
 from fem_lie.solve.conserving.midpoint.mean_forces import Ends, Path
 from fem_lie.solve.conserving.midpoint.reduced_bodies import add_elastic as add_of_bodies
-from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
+from fem_lie.solve.conserving.step.packing import model_of, state_of, step_of
 from fem_lie.solve.conserving.step.records import Masters, Segments, Step, span_of
 from fem_lie.solve.conserving.vector_cells.cells import Energies as RowEnergies
 from fem_lie.solve.conserving.vector_cells.cells import Nodes
@@ -65,7 +65,7 @@ class Motion(NamedTuple):
 
 
 @uncounted
-def add_from_nodes(packed: PackedModel, starts: Indices, steps: Indices, reevaluate: bool) -> None:
+def add_from_nodes(packed: Indices, starts: Indices, steps: Indices, reevaluate: bool) -> None:
     """Add the forces of all cells and of pressure.
 
     Without ``reevaluate``: the last forces, and energies by their work.
@@ -94,7 +94,7 @@ def add_from_nodes(packed: PackedModel, starts: Indices, steps: Indices, reevalu
 
 
 @uncounted
-def _add_from_bodies(packed: PackedModel, starts: Indices, steps: Indices) -> None:
+def _add_from_bodies(packed: Indices, starts: Indices, steps: Indices) -> None:
     """Add elastic forces of reduced-order bodies."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     along, first = span_of(this.rows), state.W.shape[0] - model.bodies[0][0]
@@ -109,7 +109,7 @@ def _add_from_bodies(packed: PackedModel, starts: Indices, steps: Indices) -> No
 
 @uncounted
 def _add_from_rows(
-    packed: PackedModel, starts: Indices, steps: Indices, known: tuple[float, float]
+    packed: Indices, starts: Indices, steps: Indices, known: tuple[float, float]
 ) -> None:
     """Add the forces of cells of nodes other than frames.
 
@@ -147,7 +147,7 @@ def _add_from_rows(
 
 @uncounted
 def _add_from_frames(
-    packed: PackedModel,
+    packed: Indices,
     starts: Indices,
     steps_of: Indices,
     reevaluate: bool,
@@ -206,7 +206,7 @@ def _add_from_frames(
 
 @uncounted
 def _move_cells(
-    packed: PackedModel, starts: Indices, steps: Indices, end: Array, further: Array
+    packed: Indices, starts: Indices, steps: Indices, end: Array, further: Array
 ) -> None:
     """Energies and works after a motion (N, 6) that is too small to change forces.
 
@@ -248,7 +248,7 @@ ULP = float(np.finfo(np.float64).eps)
 
 @uncounted
 def _add_cells(
-    packed: PackedModel,
+    packed: Indices,
     starts: Indices,
     steps: Indices,
     motion: Motion,
@@ -288,7 +288,7 @@ def _add_cells(
 
 
 @uncounted
-def add_filtered_forces(packed: PackedModel, starts: Indices, steps: Indices) -> None:
+def add_filtered_forces(packed: Indices, starts: Indices, steps: Indices) -> None:
     """Add forces of the changes of elastic forces minus their filter state, to the master nodes."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     masters, scheme = model.masters, model.scheme

@@ -9,12 +9,14 @@ round-off; one that no longer decreases and is larger may be, which the loop the
 from __future__ import annotations
 
 from math import log, sqrt
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie._jit.records import Record, record_type
+from fem_lie._jit.fixed_arrays import one, unpacking
+from fem_lie._jit.records import Record, Records, record_type
 from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
 from fem_lie.solve.convergence import DIVERGED, contraction, to_come
 
@@ -81,6 +83,15 @@ _STAGNANT = 6
 """Iterations of a step without progress."""
 STALLED = 0.8
 """Ratio of increments above which there is no progress."""
+
+
+class _One(NamedTuple):
+    """The progress alone."""
+
+    progress: Annotated[Records, one(PROGRESS)]
+
+
+progress_of = unpacking(_One)
 
 
 @inlined

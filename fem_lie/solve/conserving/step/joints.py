@@ -40,7 +40,7 @@ from fem_lie.lie.tuples import (
 )
 from fem_lie.solve.conserving.midpoint.any_node import rates_of
 from fem_lie.solve.conserving.step.dissipation import set_turnings
-from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
+from fem_lie.solve.conserving.step.packing import model_of, state_of, step_of
 from fem_lie.solve.conserving.step.products import begin_products
 from fem_lie.solve.conserving.step.records import Incidences, products_of, solution_of, span_of
 
@@ -211,13 +211,13 @@ def border_at(
 
 
 @linked
-def packed_begin(model: PackedModel, state: Indices, step: Indices) -> float:
+def packed_begin(model: Indices, state: Indices, step: Indices) -> float:
     """:func:`begin`, from Python."""
     return begin(model, state, step)
 
 
 @uncounted
-def begin(packed: PackedModel, starts: Indices, steps: Indices) -> float:
+def begin(packed: Indices, starts: Indices, steps: Indices) -> float:
     """Predict the step; returns the size of its largest motion.
 
     Records are :class:`~fem_lie.solve.conserving.step.packing.Packed`, here and below: only the
@@ -258,7 +258,7 @@ def hold(kind: int, H: Array, held: Indices, u: Vector, ψ: Vector, step: Array)
 
 
 @uncounted
-def compare(packed: PackedModel, starts: Indices, steps: Indices) -> None:
+def compare(packed: Indices, starts: Indices, steps: Indices) -> None:
     """Differences of the current step from the matrix: constraint Jacobian, and rotations of Π."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     along, change, incidences, scheme = (
@@ -284,13 +284,13 @@ def compare(packed: PackedModel, starts: Indices, steps: Indices) -> None:
 
 
 @linked
-def packed_correct(model: PackedModel, state: Indices, step: Indices) -> None:
+def packed_correct(model: Indices, state: Indices, step: Indices) -> None:
     """:func:`correct`, from Python."""
     correct(model, state, step)
 
 
 @uncounted
-def correct(packed: PackedModel, starts: Indices, steps: Indices) -> None:
+def correct(packed: Indices, starts: Indices, steps: Indices) -> None:
     """Apply the correction."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     χ = model.scheme.dissipation * state.filter_state[0].active

@@ -13,7 +13,7 @@ import numpy as np
 from fem_lie._arrays import Indices
 from fem_lie._jit import linked
 from fem_lie._jit.call_back import call_back
-from fem_lie.forms.fixed_arrays import put, records
+from fem_lie.forms.fixed_arrays import put
 from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
 from fem_lie.lie.tuples import dot, load, load_row
 from fem_lie.linear.factors import PlainFactors
@@ -22,7 +22,6 @@ from fem_lie.solve.conserving.step.balance import residual
 from fem_lie.solve.conserving.step.corrections import (
     FINE,
     LEARNING,
-    PROGRESS,
     ULPS,
     WINDOW,
     accelerate,
@@ -33,6 +32,7 @@ from fem_lie.solve.conserving.step.corrections import (
     is_round_off,
     lags,
     larger,
+    progress_of,
     shorten,
     size,
     size_of_vectors,
@@ -40,7 +40,7 @@ from fem_lie.solve.conserving.step.corrections import (
     stalls,
 )
 from fem_lie.solve.conserving.step.joints import begin, compare, correct, hold
-from fem_lie.solve.conserving.step.packing import PackedModel, model_of, state_of, step_of
+from fem_lie.solve.conserving.step.packing import model_of, state_of, step_of
 from fem_lie.solve.conserving.step.records import ERROR, LEARN, TOUCHES, solution_of
 from fem_lie.solve.conserving.step.series import (
     CLOSE,
@@ -71,7 +71,7 @@ iterations."""
 
 @linked
 def run(
-    packed: PackedModel,
+    packed: Indices,
     starts: Indices,
     steps: Indices,
     factors: PlainFactors,
@@ -96,7 +96,7 @@ def run(
         last: Last step.
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
-    progress = records(progress_at, 0, PROGRESS)[0]
+    progress = progress_of(progress_at).progress[0]
     recent = progress.recent
     tolerance, limit, patience, cost, spare = options
     measure, scale, addresses, supported = model.measure, model.scale, model.addresses, False
@@ -223,7 +223,7 @@ def run(
 
 
 @linked
-def _round_off_level(packed: PackedModel, starts: Indices) -> float:
+def _round_off_level(packed: Indices, starts: Indices) -> float:
     """Largest increment that may be round-off: far from the origin positions are less exact."""
     model, H, far, vectors = model_of(packed), state_of(starts).H, 0.0, False
     for i in range(model.kinds.shape[0]):
@@ -237,9 +237,7 @@ def _round_off_level(packed: PackedModel, starts: Indices) -> float:
 
 
 @linked
-def _round_off(
-    packed: PackedModel, starts: Indices, steps: Indices, factors: PlainFactors
-) -> float:
+def _round_off(packed: Indices, starts: Indices, steps: Indices, factors: PlainFactors) -> float:
     """Change of the correction with the last digits of the unknowns.
 
     This is the effect of round-off in this scene and configuration. It is large if stiffness is

@@ -6,10 +6,24 @@ Python and compiled code use the same records;
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array
 from fem_lie._jit import inlined
+from fem_lie._jit.fixed_arrays import (
+    Frames,
+    Integers1,
+    Integers2,
+    IntegerSixes,
+    ManyFrames,
+    ManySixes,
+    Numbers1,
+    Numbers2,
+    Numbers3,
+    Numbers4,
+    Sixes,
+    one,
+)
 from fem_lie._jit.records import Records, record_type
 from fem_lie.forms.cells import CellTable
 from fem_lie.joints.equations.table import PackedJoints
@@ -72,10 +86,10 @@ class Masters(NamedTuple):
             :mod:`fem_lie.solve.conserving.midpoint.any_node`.
     """
 
-    master: Indices
-    offset: Array
+    master: Integers1
+    offset: Frames
     trivial: bool
-    edges: Indices
+    edges: Integers2
 
 
 class Segments(NamedTuple):
@@ -86,8 +100,8 @@ class Segments(NamedTuple):
         across: Axes across them times the pressure, (s, 3); may change in time.
     """
 
-    pairs: Indices
-    across: Array
+    pairs: Integers2
+    across: Numbers2
 
 
 class Incidences(NamedTuple):
@@ -98,8 +112,8 @@ class Incidences(NamedTuple):
         constraints: Constraint of each incidence.
     """
 
-    nodes: Indices
-    constraints: Indices
+    nodes: Integers1
+    constraints: Integers1
 
 
 class IncidencePositions(NamedTuple):
@@ -115,10 +129,10 @@ class IncidencePositions(NamedTuple):
             complete system is solved for the sum of terms.
     """
 
-    unknowns: Indices
-    at: Indices
-    inverse: Array
-    columns: Array
+    unknowns: Integers1
+    at: Integers2
+    inverse: Numbers2
+    columns: Numbers2
 
 
 class Model(NamedTuple):
@@ -160,26 +174,26 @@ class Model(NamedTuple):
     inertia: Inertia
     damping: Inertia
     masters: Masters
-    held: Indices
-    measure: Array
-    scale: Array
+    held: IntegerSixes
+    measure: Numbers1
+    scale: Numbers1
     loads: Loads
-    conservative: Array
+    conservative: Frames
     pressure: Segments
     viscous: bool
     scheme: Scheme
     probes: PackedJoints
-    driven: Array
-    supported: Indices
+    driven: Numbers1
+    supported: IntegerSixes
     incidences: Incidences
     ends: IncidencePositions
-    kinds: Indices
-    arms: Array
+    kinds: Integers1
+    arms: Numbers2
     rows: RowCells
-    of_frames: Array
-    addresses: Indices
+    of_frames: Numbers1
+    addresses: Integers1
     bodies: PackedBodies
-    light: Array
+    light: Numbers3
 
 
 class State(NamedTuple):
@@ -217,29 +231,29 @@ class State(NamedTuple):
             dissipation (0,).
     """
 
-    H: Array
-    rest: Array
-    V: Array
-    multipliers: Array
-    gap: Array
-    F: Array
-    W: Array
-    account: Array
-    w: Array
-    w_F: Array
-    filter_state: Records
-    last_residual: Array
-    balance: Array
-    trend: Array
-    earlier: Array
-    sizes: Array
-    border: Array
-    slow: Array
-    share: Array
-    probe: Array
-    cell_forces: Array
-    rates: Array
-    within: Array
+    H: Frames
+    rest: Frames
+    V: Frames
+    multipliers: Numbers1
+    gap: Numbers1
+    F: Sixes
+    W: Numbers1
+    account: Numbers1
+    w: Frames
+    w_F: Sixes
+    filter_state: Annotated[Records, one(FILTER)]
+    last_residual: Sixes
+    balance: Numbers1
+    trend: Sixes
+    earlier: Numbers2
+    sizes: Numbers1
+    border: ManySixes
+    slow: Numbers2
+    share: Numbers1
+    probe: Numbers1
+    cell_forces: Numbers4
+    rates: ManySixes
+    within: Numbers1
 
 
 class Products(NamedTuple):
@@ -303,37 +317,37 @@ class Step(NamedTuple):
             :data:`~fem_lie.solve.conserving.midpoint.reduced_bodies.START`, (3, coordinates).
     """
 
-    step: Array
-    rows: Array
-    V1: Array
-    F1: Array
-    W1: Array
-    work: Array
-    change: Array
-    losses: Array
-    start: Array
-    nodes: Array
-    exact: Array
-    steps: Array
-    twists: Array
-    on_nodes: Array
-    forces: Array
-    q: Array
-    F_viscous: Array
-    r: Array
-    multipliers: Array
-    filtered: Array
-    border: Array
-    sums: Array
-    own: Array
-    turnings: Array
-    gains: Array
-    cell_forces: Array
-    changes: Array
-    outer: Array
-    moved: Array
-    products: Array
-    within: Array
+    step: Sixes
+    rows: ManyFrames
+    V1: Frames
+    F1: Sixes
+    W1: Numbers1
+    work: Numbers1
+    change: Numbers1
+    losses: Numbers1
+    start: Frames
+    nodes: ManyFrames
+    exact: Frames
+    steps: Sixes
+    twists: Sixes
+    on_nodes: Sixes
+    forces: Sixes
+    q: ManyFrames
+    F_viscous: Sixes
+    r: Numbers2
+    multipliers: Numbers1
+    filtered: ManySixes
+    border: ManySixes
+    sums: Numbers4
+    own: ManyFrames
+    turnings: Numbers3
+    gains: Numbers1
+    cell_forces: Numbers4
+    changes: ManySixes
+    outer: Sixes
+    moved: Frames
+    products: Frames
+    within: Numbers2
 
 
 class Span(NamedTuple):

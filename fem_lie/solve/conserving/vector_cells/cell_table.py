@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, inlined_uncounted, uncounted
+from fem_lie._jit.fixed_arrays import Integers1, Integers3, Numbers1, Numbers2
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.cell_forms import coefficients
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
@@ -55,13 +56,13 @@ class CellTable(NamedTuple):
             the round-off of positions, else zero, shape (M,).
     """
 
-    calls: Indices
-    first: Indices
-    nodes: Indices
-    kinds: Indices
-    weights: Array
-    sees: Indices
-    cancels: Array
+    calls: Integers3
+    first: Integers1
+    nodes: Integers1
+    kinds: Integers1
+    weights: Numbers2
+    sees: Integers1
+    cancels: Numbers1
 
 
 @inlined
