@@ -373,29 +373,53 @@ def test_pictures_show_forces_as_arrows(tmp_path):
 
 
 def test_a_stiffness_is_chosen_by_what_is_behind(caplog):
-    """A fifth of that of an element, per length and area where forces are."""
+    """A fifth of EA/ℓ, or E ℓ of a shell, per length and area where forces are."""
     E, r, t, cells = 1e9, 0.01, 0.02, 4
     steel, floor = fl.Material(E, 0.0, 1e3), fl.contact.Plane(fl.ground(), (0, 0, 1))
     beam = fl.Beam.straight((0, 0, 1), (2, 0, 1), fl.Section.circle(r, steel), cells=cells)
     mesh = fl.mesh.parametric_surface(lambda a, b: np.array([2 * a, 2 * b, 1]), (cells, cells))
     sheet = fl.Shell(mesh, fl.ShellSection.layer(t, steel))
+    patch = fl.mesh.smooth_patch(lambda a, b: (2 * a, 2 * b, 1), (cells, cells))
+    thin = fl.ThinShell(patch, fl.ShellSection.layer(t, steel))
     ball = fl.RigidBody(1.0, np.eye(3), (0, 0, 3))
     EA, length = E * np.pi * r**2, 2 / cells
     for surface, other, wanted in (
-        (fl.contact.Vertices([beam.point("start"), beam.point("end")], r), floor, EA / length),
-        (fl.contact.Line(beam, r), floor, EA / length**2),
-        (fl.contact.ShellSurface(sheet), floor, E * t / length**2),
-        (fl.contact.Sphere(ball.point("centre"), 0.1), fl.contact.ShellSurface(sheet), E * t),
+        (fl.contact.Vertices([beam.point("start"), beam.point("end")], r), floor, 0.2 * EA / length),
+        (fl.contact.Line(beam, r), floor, 0.2 * EA / length**2),
+        (fl.contact.ShellSurface(sheet), floor, E / length),
+        (fl.contact.Facets(thin), floor, E / length),
+        (fl.contact.Sphere(ball.point("centre"), 0.1), fl.contact.ShellSurface(sheet), E * length),
     ):
         with caplog.at_level("INFO"):
             law = fl.contact.Contact(surface, other, fl.contact.Penalty(friction=0.1)).law
-        assert law.stiffness == pytest.approx(0.2 * wanted, rel=1e-6)
+        assert law.stiffness == pytest.approx(wanted, rel=1e-6)
         assert law.coulomb.holding == law.stiffness
         assert f"stiffness {law.stiffness:g} was chosen" in caplog.messages[-1]
     with pytest.raises(ValueError, match="Penalty needs a stiffness, for neither surface belongs"):
         fl.contact.Contact(
             fl.contact.Sphere(ball.point("centre"), 0.1), floor, fl.contact.Penalty()
         )
+
+
+@pytest.mark.parametrize("cells", [4, 8])
+def test_a_chosen_stiffness_keeps_the_overlap_small_where_a_shell_is_soft(cells):
+    """A ball presses a clamped plate of rubber until that is strained by some per cent."""
+    E, t, radius = 1e6, 0.02, 0.1
+    mesh = fl.mesh.parametric_surface(lambda a, b: np.array([a - 0.5, b - 0.5, 0]), (cells, cells))
+    sheet = fl.Shell(mesh, fl.ShellSection.layer(t, fl.Material(E, 0.3, 1e3)), drilling=False)
+    for edge in ("a=0", "a=1", "b=0", "b=1"):
+        sheet.clamp(edge)
+    body = fl.RigidBody(1.0, np.eye(3), (0.01, 0.02, radius + t / 2))
+    scene = scene_with(sheet, body, gravity=(0, 0, 0))
+    surface = fl.contact.ShellSurface(sheet, smooth=False)
+    sphere = fl.contact.Sphere(body.point("centre"), radius)
+    touch = scene.add(fl.contact.Contact(surface, sphere, fl.contact.Penalty()))
+    force = 0.4 * 0.05 * E * t**2
+    scene.add(fl.PointLoad(body.point("centre"), (0, 0, -force)))
+    result = fl.EnergyMomentum().run(scene, duration=0.4, step=2e-3, progress=False)
+    found = fl.post.contact_forces(result, touch)
+    assert np.abs(found.total[:, 2]).max() > force
+    assert found.penetration.max() < 0.1 * (t / 2)
 
 
 def test_a_free_surface_with_a_gap_function_conserves_all():

@@ -79,7 +79,7 @@ MAY_IMPORT = {
     "contact.convex": {"contact.sides"},
     "contact.laws": {"contact.friction"},
     "contact.rings": {"contact.laws"},
-    "contact.pairs": {"contact.rings", "contact.convex", "bodies.shells"},
+    "contact.pairs": {"contact.rings", "contact.convex", "bodies.shells", "bodies.thin_shells"},
     "contact": {"contact.pairs"},
     "contact.impact": {"contact"},
     "pictures": {"bodies.beams"},

@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import singledispatch
 
+import numpy as np
+
+from fem_lie._arrays import Array
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.shells.shell import Shell
+from fem_lie.bodies.thin_shells.smooth_surface import SmoothSurface
 
 _FRACTION = 0.2
-"""Penalty stiffness over the stiffness of an element. Impacts of bars are least oscillatory with
-this value (benchmarks/elastic_bar)."""
+"""Penalty stiffness of a beam over EA/ℓ. Impacts of bars are least oscillatory with this value
+(benchmarks/elastic_bar)."""
 
 
 def chosen_stiffness(bodies: Iterable[Body], power: int, what: str) -> float:
-    """Penalty stiffness: a fifth of the stiffness of the softest element of the bodies.
+    """Penalty stiffness by the softest element of the bodies.
 
-    The stiffness of an element is EA/ℓ of a beam and the membrane stiffness of a shell. It is
-    divided by ℓ where contact forces are per length, and by ℓ² where they are per area.
+    For a beam it is a fifth of EA/ℓ. A shell is touched across its thickness, and is soft against
+    that load: its stiffness is E ℓ, with the membrane stiffness E t and the size ℓ of an element.
+    A force that strains it by ε in bending is about 0.4 ε E t², so that it overlaps by a part
+    0.8 ε t/ℓ of half the thickness. Where contact forces are per length both are divided by ℓ, and
+    where they are per area by ℓ².
 
     Args:
         bodies: Bodies that both surfaces belong to.
@@ -34,14 +42,32 @@ def chosen_stiffness(bodies: Iterable[Body], power: int, what: str) -> float:
             f"{what}: Penalty needs a stiffness, for neither surface belongs to a beam or a shell; "
             "give m v²/δ², for a mass m that comes with a speed v and is to go in by δ"
         )
-    return _FRACTION * min(known)
+    return min(known)
 
 
+@singledispatch
 def _softest(body: Body, power: int) -> float | None:
-    """Least stiffness of the elements of a body; ``None`` for a rigid body."""
-    if isinstance(body, Beam):
-        return float((body.model.stiffness[:, 0, 0] / body.model.lengths ** (1 + power)).min())
-    if isinstance(body, Shell):
-        areas = body.model.areas().sum(axis=1)
-        return float((body.model.stiffness[:, 0, 0] / areas ** (0.5 * power)).min())
+    """Least stiffness of the elements of a body; ``None`` for other bodies."""
     return None
+
+
+@_softest.register
+def _(body: Beam, power: int) -> float:
+    of = body.model
+    return float(_FRACTION * (of.stiffness[:, 0, 0] / of.lengths ** (1 + power)).min())
+
+
+@_softest.register
+def _(body: Shell, power: int) -> float:
+    of = body.model
+    return _of_sheet(of.stiffness, of.thickness, of.areas().sum(axis=1), power)
+
+
+@_softest.register
+def _(body: SmoothSurface, power: int) -> float:
+    of = body.model
+    return _of_sheet(of.stiffness, of.thickness, of.sizes[:, :2].prod(axis=1), power)
+
+
+def _of_sheet(stiffness: Array, thickness: Array, areas: Array, power: int) -> float:
+    return float((stiffness[:, 0, 0] / thickness * np.sqrt(areas) ** (1 - power)).min())

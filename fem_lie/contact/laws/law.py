@@ -50,8 +50,8 @@ class Penalty:
     line.
 
     Attributes:
-        stiffness: k, force per length. Default: a fifth of the stiffness of the softest beam or
-            shell element of both bodies; the contact then has this value and logs it.
+        stiffness: k, force per length. Default: by the softest beam or shell element of both
+            bodies, a fifth of EA/ℓ or E ℓ; the contact then has this value and logs it.
         damping: c, force per velocity; ``2 √(k m)`` is critical for a mass m.
         ramp: Overlap over which the damping grows from zero to c. Without it the force is
             discontinuous where surfaces meet, and Newton's method fails if c is large.

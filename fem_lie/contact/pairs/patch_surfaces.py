@@ -130,8 +130,8 @@ class Facets(PatchSurface):
             same order.
 
     Example:
-        >>> rubber = fl.NeoHookean(E=1e6, nu=0.45, density=1100.0)
-        >>> block = fl.Solid.brick((0, 0, 0), (1, 1, 1), rubber, cells=(1, 1, 1))
+        >>> rubber = fl.sections.NeoHooke(1e6, 0.45, 1100.0)
+        >>> block = fl.Solid.brick((1, 1, 1), rubber, cells=(1, 1, 1))
         >>> surface = fl.contact.Facets(block, thickness=0.02)
         >>> surface.label
         'Facets on Solid'

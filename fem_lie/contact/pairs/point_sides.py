@@ -104,6 +104,11 @@ class PointSides(Sides):
             self.near.cover(start, end)
         return [copied(self._meet(H)) for H in (start, end)]
 
+    @property
+    def near_balls(self) -> Side:
+        """Balls that enclose the parts of the second side."""
+        return self._middles
+
     def keep_stretches(self) -> None:
         """Do nothing."""
 

@@ -11,6 +11,7 @@ from abc import abstractmethod
 
 import numpy as np
 
+from fem_lie.contact.pairs.line_patches import LinePatchSides
 from fem_lie.contact.pairs.lines import piece_arrays
 from fem_lie.contact.pairs.pair import PenaltyPair
 from fem_lie.contact.pairs.patch_surfaces import (
@@ -249,7 +250,15 @@ class PointPatchPair(_OfPoints, _OnSurfaces):
     """Balls on a surface of patches."""
 
 
-class LinePatchPair(_OfLines, _OnSurfaces):
+class _LinesOnPatches(_OfLines, _OnPatches):
+    """Lines on patches; the parts that overlap are integrated over."""
+
+    def meeting(self, nodes: Nodes) -> Sides:
+        """Both sides, for the evaluation of contact points."""
+        return LinePatchSides(self.a.pieces(), self.patches(nodes), nodes)
+
+
+class LinePatchPair(_LinesOnPatches, _OnSurfaces):
     """Lines on a surface of patches."""
 
 
@@ -265,7 +274,7 @@ class BallOnPolyhedronPair(_OfPoints, _OnPolyhedra):
         super().check()
 
 
-class LineOnPolyhedronPair(_OfLines, _OnPolyhedra):
+class LineOnPolyhedronPair(_LinesOnPatches, _OnPolyhedra):
     """Lines on a polyhedron."""
 
 

@@ -29,7 +29,8 @@ from fem_lie.lie.motions import local_components
 from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, plus, scaled, store_row
 
 GAUSS = 3
-_AT, _WEIGHT = np.polynomial.legendre.leggauss(GAUSS)
+GAUSS_AT, GAUSS_WEIGHT = np.polynomial.legendre.leggauss(GAUSS)
+"""Positions in [−1, 1] and weights of the integration points."""
 
 _BULGE = 1.1
 """Reach of segments from their midpoints over the initial reach: allows for stretching."""
@@ -155,7 +156,7 @@ def line_samples(pieces: Sequence[Piece], nodes: Nodes) -> Samples:
     strands = strands_of(pieces, nodes)
     m, found = len(pieces), empty_side(GAUSS * len(pieces))
     for q in range(GAUSS):
-        w = weights(0.5 + 0.5 * _AT[q])
+        w = weights(0.5 + 0.5 * GAUSS_AT[q])
         for k in range(2):
             found.weights[q::GAUSS, k] = w[k]
             tangents = w[2 + k] * strands.tangents[:, k]
@@ -163,12 +164,12 @@ def line_samples(pieces: Sequence[Piece], nodes: Nodes) -> Samples:
     found.nodes[:, :2] = np.repeat(strands.nodes, GAUSS, axis=0)
     found.radii[:] = np.repeat(strands.radii, GAUSS)
     found.owners[:] = found.nodes[:, 0]
-    measures = np.tile(0.5 * _WEIGHT, m) * np.repeat(strands.lengths, GAUSS)
+    measures = np.tile(0.5 * GAUSS_WEIGHT, m) * np.repeat(strands.lengths, GAUSS)
     return Samples(found, found, measures)
 
 
 @uncounted
-def _set_position(strands: Strands, i: int, s: float, out: Side, q: int) -> None:
+def set_position(strands: Strands, i: int, s: float, out: Side, q: int) -> None:
     """Store a point of a segment as a ball."""
     w = weights(s)
     out.nodes[q, 0], out.nodes[q, 1] = strands.nodes[i, 0], strands.nodes[i, 1]
@@ -224,19 +225,19 @@ def set_points(
         for part in range(2):
             low, high = (from_, to) if part == 0 else (later, end)
             for p in range(GAUSS if high > low else 0):
-                s = 0.5 * (low + high) + 0.5 * (high - low) * _AT[p]
+                s = 0.5 * (low + high) + 0.5 * (high - low) * GAUSS_AT[p]
                 if out.flat:
                     out.pairs[count, 1], out.first[count] = first, blocks[e]
                 else:
                     square, j, σ = nearest(b, other, position_at(C, s))
                     if square == np.inf:
                         continue
-                    _set_position(b, j, σ, out.b, count)
+                    set_position(b, j, σ, out.b, count)
                     out.pairs[count, 1], out.first[count] = count, blocks[e + j - first]
                     _set_sliding(b, j, σ, position_at(C, s), out.sliding, count)
-                _set_position(a, i, s, out.a, count)
+                set_position(a, i, s, out.a, count)
                 out.pairs[count, 0] = count
-                out.weight[count] = 0.5 * (high - low) * _WEIGHT[p] * a.lengths[i]
+                out.weight[count] = 0.5 * (high - low) * GAUSS_WEIGHT[p] * a.lengths[i]
                 count += 1
     return count
 
@@ -271,7 +272,7 @@ def set_nearest_of_lines(
         square, j, σ = nearest(b, Opposite(first, last, nowhere, nowhere, reach), P)
         if not square < (beyond * reach) ** 2:
             continue
-        _set_position(b, j, σ, out.b, count)
+        set_position(b, j, σ, out.b, count)
         _set_sliding(b, j, σ, P, out.sliding, count)
         out.pairs[count, 0], out.pairs[count, 1] = i, count
         out.weight[count], out.first[count] = samples.measures[i], blocks[e + j - first]
@@ -305,7 +306,7 @@ def set_separations(
         square, j, σ = nearest(b, Opposite(first, last, nowhere, nowhere, 0.0), P)
         out[:, run] = np.inf
         if square < np.inf:
-            _set_position(b, j, σ, feet, run)
+            set_position(b, j, σ, feet, run)
             store_row(out[0], run, minus(P, position(start, feet, run)))
             store_row(out[1], run, minus(position(end, a, i), position(end, feet, run)))
 
@@ -347,7 +348,7 @@ def set_stations(
         i, first, last, e = runs[run, 0], runs[run, 1], runs[run, 2], runs[run, 3]
         nowhere = (0.0, 0.0, 0.0)
         for p in range(GAUSS):
-            s = 0.5 + 0.5 * _AT[p]
+            s = 0.5 + 0.5 * GAUSS_AT[p]
             if out.flat:
                 out.pairs[count, 1], out.first[count] = first, blocks[e]
             else:
@@ -355,11 +356,11 @@ def set_stations(
                 square, j, σ = nearest(b, other, position_at(a.curves[i], s))
                 if square == np.inf:
                     continue
-                _set_position(b, j, σ, out.b, count)
+                set_position(b, j, σ, out.b, count)
                 out.pairs[count, 1], out.first[count] = count, blocks[e + j - first]
-            _set_position(a, i, s, out.a, count)
+            set_position(a, i, s, out.a, count)
             out.pairs[count, 0] = count
-            out.weight[count] = 0.5 * _WEIGHT[p] * a.lengths[i]
+            out.weight[count] = 0.5 * GAUSS_WEIGHT[p] * a.lengths[i]
             keys[count, 0], keys[count, 1] = GAUSS * i + p, first
             count += 1
     return count

@@ -7,6 +7,8 @@ itself where it has folded back, and not in the neighbourhood of a point.
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
@@ -37,11 +39,15 @@ _EQUAL = 1.0 - 1e-12
 """Ratio of squared distances that count as equal, for the same point on two patches."""
 
 _SQUARE, _U, _V, _EDGE, _END, _TAKEN = range(6)
-_FOUND = 6
+FOUND = 6
+"""Columns of what is found of a point and a patch."""
+
+Workspace: TypeAlias = tuple[Array, Array, Array]
+"""Arrays of shapes (9, 12), (4, 3) and (pairs, :data:`FOUND`)."""
 
 
 @inlined_uncounted
-def _far(net: Array, triangle: bool, P: Vector, reach: float) -> bool:
+def far(net: Array, triangle: bool, P: Vector, reach: float) -> bool:
     """Whether a patch is farther than ``reach``, by the box of its control points."""
     count = 3 if triangle else 4
     for r in range(3):
@@ -196,6 +202,76 @@ def _face_of(H: Array, a: Side, i: int, separation: Vector) -> int:
 
 
 @uncounted
+def add_contacts_of(
+    H: Array,
+    a: Side,
+    i: int,
+    measure: float,
+    b: Patches,
+    near: Indices,
+    blocks: Indices,
+    ends: tuple[int, int],
+    workspace: Workspace,
+    out: ContactPoints,
+    fixed: Side,
+    keys: Indices,
+    key: int,
+    count: int,
+) -> int:
+    """Add the contact points of one point and the patches near it; the number of all.
+
+    Args:
+        H: Frames.
+        a: First points.
+        i: The point.
+        measure: Its integration weight.
+        b: Patches, with nets at these frames.
+        near: Pairs that are near each other, sorted.
+        blocks: First matrix block of each pair.
+        ends: First pair of the point, and the one after the last.
+        workspace: Overwritten.
+        out: Contact points.
+        fixed: Material points on patches, see :func:`set_patch_contacts`.
+        keys: Identifiers, see :func:`set_patch_contacts`.
+        key: Identifier of the point.
+        count: Number of contact points before.
+    """
+    (first, last), (W, C, found), stations = ends, workspace, keys.shape[0] > 0
+    P, reach = position(H, a, i), a.radii[i] + b.radii[near[first, 1]]
+    if stations:
+        reach *= 2.0
+    for q in range(last - first):
+        j = near[first + q, 1]
+        found[q, _SQUARE], found[q, _TAKEN] = np.inf, 0.0
+        if not far(b.nets[j], is_triangle(b, j), P, reach):
+            at = nearest_on(is_triangle(b, j), b.straight, b.nets[j], P, W, C)
+            found[q, _SQUARE], found[q, _U], found[q, _V] = at.square, at.u, at.v
+            found[q, _EDGE], found[q, _END] = at.edge, at.end
+    seen = (False, False)
+    while True:
+        q = _next(b, near, first, last, found)
+        if q < 0 or found[q, _SQUARE] >= reach * reach or count == out.weight.shape[0]:
+            return count
+        j = near[first + q, 1]
+        set_shapes(is_triangle(b, j), b.straight, found[q, _U], found[q, _V], W)
+        if stations:
+            face = _face_of(H, a, i, minus(P, combination(b.nets[j], W, VALUE)))
+            if seen[face]:
+                continue
+            seen = (True, seen[1]) if face == 0 else (seen[0], True)
+            keys[count, 0], keys[count, 1] = key, face
+            _set_fixed(b, j, found[q, _U], found[q, _V], fixed, count)
+        _reset(b, j, out.b, count)
+        _set_position(b, j, W, VALUE, 1.0, out.b.weights[count], out.b.arms[count])
+        out.b.radii[count], out.b.owners[count] = b.radii[j], b.nodes[j, 0]
+        edge, end = int(found[q, _EDGE]), int(found[q, _END])
+        _set_sliding(b, j, edge, end, P, W, out.sliding, count)
+        out.pairs[count, 0], out.pairs[count, 1] = i, count
+        out.weight[count], out.first[count] = measure, blocks[first + q]
+        count += 1
+
+
+@uncounted
 def _set_patch_contacts(
     H: Array,
     a: Side,
@@ -203,50 +279,18 @@ def _set_patch_contacts(
     b: Patches,
     near: Indices,
     blocks: Indices,
-    W: Array,
-    C: Array,
-    found: Array,
+    workspace: Workspace,
     out: ContactPoints,
     fixed: Side,
     keys: Indices,
 ) -> int:
-    count, last, stations = 0, 0, keys.shape[0] > 0
+    count, last = 0, 0
     while last < near.shape[0]:
         first, i = last, near[last, 0]
         while last < near.shape[0] and near[last, 0] == i:
             last += 1
-        P, reach = position(H, a, i), a.radii[i] + b.radii[near[first, 1]]
-        if stations:
-            reach *= 2.0
-        for q in range(last - first):
-            j = near[first + q, 1]
-            found[q, _SQUARE], found[q, _TAKEN] = np.inf, 0.0
-            if not _far(b.nets[j], is_triangle(b, j), P, reach):
-                at = nearest_on(is_triangle(b, j), b.straight, b.nets[j], P, W, C)
-                found[q, _SQUARE], found[q, _U], found[q, _V] = at.square, at.u, at.v
-                found[q, _EDGE], found[q, _END] = at.edge, at.end
-        seen = (False, False)
-        while True:
-            q = _next(b, near, first, last, found)
-            if q < 0 or found[q, _SQUARE] >= reach * reach:
-                break
-            j = near[first + q, 1]
-            set_shapes(is_triangle(b, j), b.straight, found[q, _U], found[q, _V], W)
-            if stations:
-                face = _face_of(H, a, i, minus(P, combination(b.nets[j], W, VALUE)))
-                if seen[face]:
-                    continue
-                seen = (True, seen[1]) if face == 0 else (seen[0], True)
-                keys[count, 0], keys[count, 1] = i, face
-                _set_fixed(b, j, found[q, _U], found[q, _V], fixed, count)
-            _reset(b, j, out.b, count)
-            _set_position(b, j, W, VALUE, 1.0, out.b.weights[count], out.b.arms[count])
-            out.b.radii[count], out.b.owners[count] = b.radii[j], b.nodes[j, 0]
-            edge, end = int(found[q, _EDGE]), int(found[q, _END])
-            _set_sliding(b, j, edge, end, P, W, out.sliding, count)
-            out.pairs[count, 0], out.pairs[count, 1] = i, count
-            out.weight[count], out.first[count] = areas[i], blocks[first + q]
-            count += 1
+        given = H, a, i, areas[i], b, near, blocks, (first, last), workspace
+        count = add_contacts_of(*given, out, fixed, keys, i, count)
     return count
 
 
@@ -276,5 +320,5 @@ def set_patch_contacts(
         keys: Identifiers of pairs with friction springs, overwritten, (≥ m, 2); none: (0, 2). Such
             pairs are within twice the radii, one for each face.
     """
-    W, C, found = np.empty((ROWS, NET)), np.empty((4, 3)), np.empty((near.shape[0], _FOUND))
-    return _set_patch_contacts(H, a, areas, b, near, blocks, W, C, found, out, fixed, keys)
+    space = np.empty((ROWS, NET)), np.empty((4, 3)), np.empty((near.shape[0], FOUND))
+    return _set_patch_contacts(H, a, areas, b, near, blocks, space, out, fixed, keys)
