@@ -350,3 +350,25 @@ def test_surfaces_that_cannot_touch_say_why(names):
     one, two = (sorted(names) * 2)[:2]
     with pytest.raises(ValueError, match=REFUSED[names]):
         meeting(one, two, 1e-5)
+
+
+def test_a_cantilever_on_the_edge_of_a_prism_has_the_reaction_of_beam_theory():
+    """``R = P (3 L − a)/(2 a) − 3 EI δ/a³``: a load at the end, an edge at ``a``, an overlap δ."""
+    L, a, r, load = 1.0, 0.45, 0.005, 0.05
+    section = fl.Section.circle(r, fl.Material(2e9, 0.3, 1e3))
+    beam = fl.Beam.straight((0, 0, 0), (L, 0, 0), section, cells=7)
+    ridge = [(a, y, -r) for y in (-0.1, 0.15)]
+    foot = [(a + x, y, -r - 0.1) for x in (-0.1, 0.1) for y in (-0.1, 0.15)]
+    prism = fl.contact.ConvexPolyhedron(fl.ground(), [*ridge, *foot])
+    touch = fl.contact.Contact(fl.contact.Line(beam, r), prism, fl.contact.Penalty(1e7))
+    scene = fl.Scene()
+    for item in (
+        beam,
+        fl.Clamp(beam.point("start")),
+        fl.PointLoad(beam.point("end"), (0, 0, -load)),
+        touch,
+    ):
+        scene.add(item)
+    found = fl.post.contact_forces(fl.statics(scene), touch)
+    sinks = 3.0 * section.stiffness[4, 4] * found.penetration[-1] / a**3
+    assert found.total[-1, 2] == pytest.approx(load * (3 * L - a) / (2 * a) - sinks, rel=2e-3)
