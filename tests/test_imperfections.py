@@ -178,7 +178,7 @@ def test_a_mode_that_only_turns_is_one_of_its_own(unit):
     modes = fl.buckling(scene, 1)
     assert modes.factors[0] == pytest.approx(1.0, rel=2e-3)
     assert modes.rotation_only.tolist() == [True]
-    assert "turns only" in str(modes)
+    assert "rotations only" in str(modes)
     assert np.linalg.norm(modes.shape(1)[:, 3:], axis=1).max() == pytest.approx(1.0)
     with pytest.raises(ValueError, match="only turns: give angle="):
         fl.stability.ModeImperfection(modes, 1, 1e-3)

@@ -166,7 +166,7 @@ def write_series(
     """
     import pyvista
 
-    carried = _forces_in_cells(info, times, forces)
+    in_cells = _forces_in_cells(info, times, forces)
     target, names = _series(path, len(times), ".vtp")
     lines, vertices, faces, bodies = _cells(info)
     for k, name in enumerate(names):
@@ -179,7 +179,7 @@ def write_series(
                 spatial = np.einsum("ni,nij->nj", velocities[k, :, part], frames[k, :, 1:])
                 data.point_data[what] = spatial
         data.cell_data["body"] = bodies
-        for what, values in carried.items():
+        for what, values in in_cells.items():
             data.cell_data[what] = values[k]
         data.save(target.parent / name)
     _write_collection(target, names, times)

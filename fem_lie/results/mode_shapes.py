@@ -215,7 +215,7 @@ class BucklingModes(ModeDisplacements[np.float64], ModeShapes):
 
     def __str__(self) -> str:
         """One line for each mode."""
-        marks = ["  turns only" if turns else "" for turns in self.rotation_only]
+        marks = ["  rotations only" if only else "" for only in self.rotation_only]
         rows = enumerate(zip(self.factors, marks, strict=True), start=1)
         lines = [f"{number:4}  {factor:.8g}{mark}" for number, (factor, mark) in rows]
         return "\n".join(["mode  load factor", *lines])

@@ -41,7 +41,7 @@ from fem_lie.results.stresses.shell_stress import (
     StressPoints,
     between,
     integration,
-    turned,
+    rotated,
 )
 from fem_lie.scene import Scene
 
@@ -388,7 +388,7 @@ def _turns(shell: Shell, ends: Indices) -> Array:
     along[first > second] *= -1.0
     section = axes_along(normals, shell.model.axes[:, np.newaxis])
     cosine, sine = between(section, axes_along(normals, along))
-    basis = turned(np.eye(8), cosine[..., np.newaxis], sine[..., np.newaxis])
+    basis = rotated(np.eye(8), cosine[..., np.newaxis], sine[..., np.newaxis])
     return np.asarray(np.swapaxes(basis, 2, 3), dtype=np.float64)
 
 

@@ -102,11 +102,11 @@ def in_the_middle(elements: Indices, frames: Array, ends: Array) -> Array:
     """
     a, b = frames[:, elements[:, 0]], frames[:, elements[:, 1]]
     middle = frames[:, elements[:, 2]] if elements.shape[1] == 3 else middle_frames(a, b)
-    carried = np.zeros_like(ends[:, :, 0])
+    middles = np.zeros_like(ends[:, :, 0])
     for i, end in enumerate((a, b)):
-        turn = lie.se3_adjoint(lie.se3_compose(lie.se3_inverse(end), middle))
-        carried += 0.5 * np.einsum("tmji,tmj->tmi", turn, ends[:, :, i])
-    return carried
+        transport = lie.se3_adjoint(lie.se3_compose(lie.se3_inverse(end), middle))
+        middles += 0.5 * np.einsum("tmji,tmj->tmi", transport, ends[:, :, i])
+    return middles
 
 
 def single_forces(scene: Scene, beam: Beam) -> Indices:

@@ -216,10 +216,10 @@ class Resultants(ResultantValues):
         from fem_lie.pictures.vtk import write_surface
 
         node = self.stress_points.patches.node
-        turning = self.stress_points.jump <= LARGEST_JUMP
+        comparable = self.stress_points.jump <= LARGEST_JUMP
         names = self.names
         x = self.frames[node, 0]
-        points = {n: self.smooth(n) for n in names if turning or not QUANTITIES[n].turns}
+        points = {n: self.smooth(n) for n in names if comparable or not QUANTITIES[n].directional}
         points |= {
             "displacement": x - self.shell.model.own_mesh.points[node],
             "director": self.frames[node, 3],

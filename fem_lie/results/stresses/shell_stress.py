@@ -36,14 +36,14 @@ class Quantity:
         name: Name of the quantity.
         of: Function from components (..., 8) and thickness (...) to values (...).
         unit: Its unit in the user's units.
-        turns: Whether it depends on the axes.
+        directional: Whether it depends on the axes.
         layer: Whether it assumes a homogeneous layer.
     """
 
     name: str
     of: Callable[[Array, Array], Array]
     unit: Callable[[Units], str]
-    turns: bool = False
+    directional: bool = False
     layer: bool = False
 
 
@@ -61,7 +61,7 @@ def _per_area(units: Units) -> str:
 
 def _component(i: int) -> Quantity:
     unit = _moment_per_length if 3 <= i < 6 else _per_length
-    return Quantity(COMPONENTS[i], lambda values, t: values[..., i], unit, turns=True)
+    return Quantity(COMPONENTS[i], lambda values, t: values[..., i], unit, directional=True)
 
 
 def _principal(name: str, start: int, which: int) -> Quantity:
@@ -130,7 +130,7 @@ def _homogeneous(stiffness: Array, thickness: Array) -> bool:
     return bool((error <= 1e-9 * np.abs(A).max(axis=(1, 2))).all())
 
 
-def turned(values: Array, cosine: Array, sine: Array) -> Array:
+def rotated(values: Array, cosine: Array, sine: Array) -> Array:
     """Components along ``e₁' = c e₁ + s e₂`` and ``e₂' = −s e₁ + c e₂``.
 
     Args:
@@ -322,7 +322,7 @@ def between(old: Array, new: Array) -> tuple[Array, Array]:
 
 def in_axes(values: Array, old: Array, new: Array) -> Array:
     """Components (..., 8) along the triads ``new`` from those along ``old``, (..., 3, 3)."""
-    return values if old is new else turned(values, *between(old, new))
+    return values if old is new else rotated(values, *between(old, new))
 
 
 def _directions(along: Along, positions: Array) -> Array:

@@ -127,7 +127,7 @@ class ResultantValues(Fields):
                 f"by up to {np.degrees(self.stress_points.jump):.0f}°: give resultants(..., "
                 "along=...), a direction or a function of the position, or ask for what does not "
                 "depend on axes: "
-                + ", ".join(name for name, each in QUANTITIES.items() if not each.turns)
+                + ", ".join(name for name, each in QUANTITIES.items() if not each.directional)
             )
         return self.averaged
 
@@ -255,7 +255,7 @@ class ResultantValues(Fields):
         patches = self.stress_points.patches
         thickness = np.repeat(self.shell.model.thickness, patches.number.shape[1])
         mean = patches.mean(thickness.reshape(patches.number.shape))
-        return known.of(self.nodal if known.turns else self.averaged, mean)
+        return known.of(self.nodal if known.directional else self.averaged, mean)
 
     def _of(self, name: str | None, values: Array) -> Array:
         """A quantity of components (m, q, 8), or all eight."""
