@@ -174,7 +174,7 @@ def with_energy(term: Any, H: Any) -> Callable[[], Any]:
     if not isinstance(term, Assembly):
         return lambda: (term.add_forces(H, out, None), term.energy(H))
     cells = Cells([(slice(0, len(H)), term)])
-    F, W = np.empty((cells.places, 6)), np.empty(cells.count)
+    F, W = np.empty((cells.incidences, 6)), np.empty(cells.count)
     return lambda: evaluate(cells.table, H, still, F, W)
 
 

@@ -73,7 +73,7 @@ def model(cells: int, elements: int) -> tuple[fl.Scene, fl.Solid, list[fl.joints
 
 def origin_of(body: fl.Solid) -> float:
     """Height of its lower face."""
-    return float(body.model.places[:, 2].min())
+    return float(body.model.positions[:, 2].min())
 
 
 def main(

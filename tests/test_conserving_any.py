@@ -165,7 +165,7 @@ def clamped() -> fl.Scene:
     """A discrete cable whose end keeps its direction."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     cable = scene.add(line(fl.elements.DiscreteCable()))
-    cable.model.clamp(cable.point("start"))
+    cable.clamp(cable.point("start"))
     return scene
 
 
@@ -173,7 +173,7 @@ def standing() -> fl.Scene:
     """A brick on its foot."""
     scene = fl.Scene(gravity=(0, 3.0, -9.81))
     body = scene.add(brick(SAINT_VENANT))
-    body.model.clamp("a=0")
+    body.clamp("a=0")
     return scene
 
 

@@ -81,7 +81,7 @@ def test_a_mesh_may_have_any_name(tmp_path, name):
 @pytest.mark.parametrize("ending", ["step", "brep"])
 def test_cad_is_known_by_its_content(tmp_path, ending, name):
     file = line_in(tmp_path / f"line.{ending}").rename(tmp_path / name)
-    assert fl.mesh.read_curve(file, 4).places[-1] == pytest.approx([1, 0, 0])
+    assert fl.mesh.read_curve(file, 4).positions[-1] == pytest.approx([1, 0, 0])
     assert np.ptp(fl.mesh.read_gmsh_lines(file).points[:, 0]) == pytest.approx(1)
 
 

@@ -113,7 +113,7 @@ def test_tangent_of_a_shell_is_symmetric_and_the_derivative_of_the_residual():
     """In equilibrium; supports along fixed axes included."""
     scene = loaded()
     shell = scene.bodies[0]
-    shell.model.roller("10", (1.0, 0.0, 1.0))
+    shell.roller("10", (1.0, 0.0, 1.0))
     model = SceneEquilibrium(scene, "")
     fl.stability.ArcLength().follow(model)
     model.factorise(1.0)

@@ -167,7 +167,7 @@ def test_guide_holds_a_direction_in_space_as_a_joint_does():
         scene = loaded()
         shell = scene.bodies[0]
         if guided:
-            shell.model.roller("11", (1, 0, 1))
+            shell.roller("11", (1, 0, 1))
         else:
             scene.add(fl.joints.InPlane(fl.ground(), shell.point("11"), axis=(1, 0, 1)))
         return places(fl.follow_loads(scene))

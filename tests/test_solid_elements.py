@@ -239,7 +239,7 @@ def bulged_error(element, n):
 
     for face in ("a=0", "a=1", "b=0", "b=1", "c=0", "c=1"):
         body.clamp(face)
-    exact = bulge(body.model.places)
+    exact = bulge(body.model.positions)
     body.frames[:, 0] = exact
     scene = fl.Scene()
     scene.add(body)

@@ -114,7 +114,7 @@ def test_a_face_carries_a_force_per_area():
     body = brick((3, 2, 2), lengths=(1.0, 2.0, 3.0), cell="tetrahedron", degree=2)
     forces = fl.loads.FaceLoad(body, "a=1", lambda x: (x[1], 0.0, x[2])).nodal()
     np.testing.assert_allclose(forces.sum(axis=0)[:3], (6.0, 0, 9.0), atol=1e-12)
-    moment = np.cross(body.model.places, forces[:, :3]).sum(axis=0)
+    moment = np.cross(body.model.positions, forces[:, :3]).sum(axis=0)
     # ∫ (y z, z y − x z, −y²) dA with x = 1
     np.testing.assert_allclose(moment, (4.5 * 2, 4.5 * 2 - 9.0, -8.0), atol=1e-12)
     bulk = fl.loads.BulkLoad(body, lambda x: (x[0], 1.0, 0.0)).nodal().sum(axis=0)

@@ -66,8 +66,8 @@ def test_circle():
     for cells in (4, 8, 16):
         ring = fl.SplineCable.circle((1, 2, 3), 2.0, (0, 1, 1), SECTION, cells=cells)
         assert len(ring.frames) == cells and len(ring.model.elements) == cells
-        places = [cubic(ring, k, 0.3) - (1, 2, 3) for k in range(cells)]
-        errors.append(np.abs(np.linalg.norm(places, axis=1) / 2.0 - 1).max())
+        positions = [cubic(ring, k, 0.3) - (1, 2, 3) for k in range(cells)]
+        errors.append(np.abs(np.linalg.norm(positions, axis=1) / 2.0 - 1).max())
         energies.append(energy(ring) / (np.pi * 2.0 / 2.0) - 1)
     assert errors[0] / errors[1] > 55 and errors[1] / errors[2] > 60 and errors[2] < 1e-7
     assert abs(energies[2]) < 1e-4 < abs(energies[0])
@@ -107,10 +107,10 @@ def test_straight_cable_of_uneven_speed_sags_as_an_even_one():
     for power in (1.0, 1.3):
         u = np.linspace(1.0, 2.0, 17)
         x = (u**power - 1) / (2**power - 1)
-        places = np.outer(10 * x, (1, 0, 0))
+        positions = np.outer(10 * x, (1, 0, 0))
         rates = np.outer(10 * power * u ** (power - 1) / (2**power - 1), (1, 0, 0))
         stiff = fl.Section.from_stiffness([1e4, 1e4, 1e4, 200.0, 200.0, 200.0], mass=0.5)
-        cable = fl.SplineCable(u, places, rates, stiff)
+        cable = fl.SplineCable(u, positions, rates, stiff)
         scene = fl.Scene(gravity=(0, 0, -9.81))
         scene.add(cable)
         scene.add(fl.Clamp(cable.point("start")))
@@ -175,13 +175,13 @@ def half_circles(folder, ending, count=1):
 def test_a_rational_curve_from_a_file_is_followed_to_fourth_order(tmp_path, ending, digits):
     file, gaps, lengths = half_circles(tmp_path, ending), [], []
     for cells in (8, 16, 32):
-        u, places, slopes = fl.mesh.read_curve(file, cells)
-        np.testing.assert_allclose(np.linalg.norm(places, axis=1), 1.0, atol=digits)
-        np.testing.assert_allclose(np.einsum("ij,ij->i", places, slopes), 0.0, atol=10 * digits)
+        u, positions, slopes = fl.mesh.read_curve(file, cells)
+        np.testing.assert_allclose(np.linalg.norm(positions, axis=1), 1.0, atol=digits)
+        np.testing.assert_allclose(np.einsum("ij,ij->i", positions, slopes), 0.0, atol=10 * digits)
         h = np.diff(u)[:, np.newaxis]
-        middle = 0.5 * (places[:-1] + places[1:]) + h * (slopes[:-1] - slopes[1:]) / 8
+        middle = 0.5 * (positions[:-1] + positions[1:]) + h * (slopes[:-1] - slopes[1:]) / 8
         gaps.append(np.abs(np.linalg.norm(middle, axis=1) - 1).max())
-        cable = fl.SplineCable(u, places, slopes, SECTION)
+        cable = fl.SplineCable(u, positions, slopes, SECTION)
         lengths.append(abs(cable.model.consistent_lengths()[1].sum() - np.pi))
     assert (np.log2(np.array(gaps[:-1]) / gaps[1:]) > 3.6).all()
     assert lengths[-1] < 2e-6
@@ -193,7 +193,7 @@ def test_which_curve_of_a_file_must_be_said(tmp_path):
         fl.mesh.read_curve(file, 4)
     with pytest.raises(ValueError, match=r"got curve = 7"):
         fl.mesh.read_curve(file, 4, curve=7)
-    assert fl.mesh.read_curve(file, 4, curve=2).places[0] == pytest.approx([1, 0, 1])
+    assert fl.mesh.read_curve(file, 4, curve=2).positions[0] == pytest.approx([1, 0, 1])
     with pytest.raises(ValueError, match="at least 1, got 0"):
         fl.mesh.read_curve(file, 0, curve=1)
     with pytest.raises(FileNotFoundError, match="no mesh file"):

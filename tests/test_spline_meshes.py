@@ -100,7 +100,7 @@ def test_functions_are_truncated():
     mesh = fl.adaptivity.refine(fl.mesh.spline_mesh(fl.mesh.smooth_patch(flat, (2, 2))), [0])
     N, _ = basis(mesh)
     body = fl.ThinShell(mesh, LAYER)
-    places = np.einsum(
+    positions = np.einsum(
         "ga,maj->mgj",
         bicubic(gauss_points(4)[0]),
         body.model.vectors(),
@@ -108,7 +108,7 @@ def test_functions_are_truncated():
     (corner,) = np.flatnonzero(
         (body.frames[: body.model.points_count, 0] == [1.5, 1.0, 0]).all(axis=1)
     )
-    in_corner = (places[:, 0] < 0.75) & (places[:, 1] < 0.5)
+    in_corner = (positions[:, 0] < 0.75) & (positions[:, 1] < 0.5)
     assert np.abs(N[in_corner, 4 * corner]).max() == 0.0
     assert np.abs(N[~in_corner, 4 * corner]).max() > 0.9
 
@@ -131,8 +131,8 @@ def test_bicubics_are_in_the_space_exactly():
     at = rng.random((5, 2))
     table = bicubic(at)
     found = np.einsum("ga,ma->mg", table, body.model.vectors(frames)[..., 0])
-    places = np.einsum("ga,maj->mgj", table, body.model.vectors())
-    wanted = polynomial.polyval2d(places[..., 0] / 3.0, places[..., 1] / 2.0, c)
+    positions = np.einsum("ga,maj->mgj", table, body.model.vectors())
+    wanted = polynomial.polyval2d(positions[..., 0] / 3.0, positions[..., 1] / 2.0, c)
     np.testing.assert_allclose(found, wanted, atol=1e-12 * np.abs(wanted).max())
 
 
@@ -281,7 +281,7 @@ def strip(cells):
 
 
 def test_all_cells_cut_are_the_grid_that_is_twice_as_fine():
-    bodies, places = [], []
+    bodies, positions = [], []
     for mesh in (
         fl.adaptivity.refine(fl.mesh.spline_mesh(strip((4, 1))), np.arange(4)),
         strip((8, 2)),
@@ -290,10 +290,10 @@ def test_all_cells_cut_are_the_grid_that_is_twice_as_fine():
         lying = shell.frames[: shell.model.points_count, 0].round(6)
         order = np.lexsort(lying.T)
         bodies.append(lying[order])
-        places.append(fl.statics(scene).frames[-1][order, 0])
+        positions.append(fl.statics(scene).frames[-1][order, 0])
     np.testing.assert_array_equal(*bodies)
-    assert np.ptp(places[0][:, 2]) > 5.0
-    np.testing.assert_allclose(*places, atol=1e-7)
+    assert np.ptp(positions[0][:, 2]) > 5.0
+    np.testing.assert_allclose(*positions, atol=1e-7)
 
 
 def test_a_strip_of_cells_of_three_sizes_bends_as_one_of_equal_ones():
@@ -372,13 +372,13 @@ def test_names_stay_and_patches_are_cut_across_their_edge():
     shell = fl.ThinShell(finer, {"left": LAYER, "right": UNSYMMETRIC})
     np.testing.assert_allclose(finer.sizes[finer.groups["left"]].prod(axis=1).sum(), 1.0)
     for name, at in (("left.a=0", 0.0), ("left.a=1", 1.0), ("right.a=0", 1.0), ("right.a=1", 2.0)):
-        places = np.array([p.body.frames[p.node, 0] for p in shell.points(name)])
-        np.testing.assert_allclose(places[:, 0], at)
-        assert (np.diff(places[:, 1]) > 0).all()
+        positions = np.array([p.body.frames[p.node, 0] for p in shell.points(name)])
+        np.testing.assert_allclose(positions[:, 0], at)
+        assert (np.diff(positions[:, 1]) > 0).all()
         edge = shell.model.on_edge(name)
         assert edge.weights.sum() == pytest.approx(1.0, rel=1e-13)
-        np.testing.assert_allclose(edge.places[..., 0], at, atol=1e-13)
-        assert (edge.weights * edge.places[..., 1] ** 2).sum() == pytest.approx(1 / 3, rel=1e-12)
+        np.testing.assert_allclose(edge.positions[..., 0], at, atol=1e-13)
+        assert (edge.weights * edge.positions[..., 1] ** 2).sum() == pytest.approx(1 / 3, rel=1e-12)
     one, other = ([p.node for p in shell.points(name)] for name in ("left.a=1", "right.a=0"))
     assert one == other
     assert (finer.surface().hanging > 0).any()

@@ -402,10 +402,10 @@ def test_statics_without_gravity_needs_no_density(name):
         scene = fl.Scene()
         scene.add(body)
         if name == "ancf":
-            body.model.clamp(body.point("start"))
+            body.clamp(body.point("start"))
             tip = body.point("end")
         elif name in ("shell", "solid"):
-            body.model.clamp("a=0")
+            body.clamp("a=0")
             tip = body.point("11") if name == "shell" else body.point("111")
         else:
             scene.add(fl.Clamp(body.point("start")))

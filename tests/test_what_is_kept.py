@@ -21,7 +21,7 @@ def scene_of(scheme: str, name: str, held: bool) -> tuple[fl.Scene, float]:
     scene, step = fl.Scene(gravity=(0, 0, -9.81)), STEPS.get(scheme, 2e-3)
     body = scene.add(BODIES[name](METRES))
     if held:
-        body.model.clamp("a=0")
+        body.clamp("a=0")
     else:
         body.add_velocity(omega=(1.0, 2.0, 3.0), about=(0.5, 0.1, 0))
     return scene, step

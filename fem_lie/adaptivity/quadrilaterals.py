@@ -72,7 +72,7 @@ class CutCells:
         cells: Nodes of the cells, old nodes first, shape (m, 4).
         parents: Parent of each cell, shape (m,).
         weights: Weights of the parent's corners at each node, shape (m, 4, 4).
-        places: Positions of the new points, shape (k, 3).
+        positions: Positions of the new points, shape (k, 3).
         on_edges: Number of the new point on an edge, by (its end with the lower number, the other
             end, thirds from the first).
     """
@@ -80,7 +80,7 @@ class CutCells:
     cells: Indices
     parents: Indices
     weights: Array
-    places: Array
+    positions: Array
     on_edges: dict[tuple[int, int, int], int]
 
     def pieces(self, edges: Indices) -> Indices:
@@ -173,9 +173,9 @@ def _numbered(points: Array, cells: Indices, owner: Indices, at: Indices, key: I
     numbers[old], numbers[~old] = flat[old, 0], len(points) + number.ravel()
     source = np.flatnonzero(~old)[first]
     corners = points[cells[owner[source // 4]]]
-    places = np.einsum("rk,rkj->rj", weights.reshape(-1, 4)[source], corners)
+    positions = np.einsum("rk,rkj->rj", weights.reshape(-1, 4)[source], corners)
     on_edges = {
         (int(rows[i, 0]), int(rows[i, 1]), int(rows[i, 2])): len(points) + int(i)
         for i in np.flatnonzero(rows[:, 0] >= 0)
     }
-    return CutCells(numbers.reshape(-1, 4), owner, weights, places, on_edges)
+    return CutCells(numbers.reshape(-1, 4), owner, weights, positions, on_edges)

@@ -204,7 +204,7 @@ def _cut_edges(edges: Indices, cut: Indices, old: int) -> Indices:
 def _refined_quadrilaterals(mesh: SurfaceMesh, marked: Indices, onto: Onto | None) -> SurfaceMesh:
     cut = cut_quadrilaterals(mesh.points, mesh.cells, marked)
     return SurfaceMesh(
-        np.concatenate([mesh.points, _moved(cut.places, onto)]),
+        np.concatenate([mesh.points, _moved(cut.positions, onto)]),
         cut.cells,
         mesh.cell,
         _between(cut.weights, mesh.normals[cut.parents]),

@@ -93,7 +93,7 @@ class Cells:
     Attributes:
         table: Table of all cells.
         count: Number of cells.
-        places: Number of pairs of a cell and one of its nodes.
+        incidences: Number of pairs of a cell and one of its nodes.
     """
 
     def __init__(self, assemblies: Sequence[tuple[slice, BodyTerm]]) -> None:
@@ -119,7 +119,7 @@ class Cells:
             first=np.cumsum(sizes).astype(np.int64),
             nodes=np.concatenate([np.empty(0), *(n.ravel() for n in nodes)]).astype(np.int64),
         )
-        self.count, self.places = len(self.table.x), len(self.table.nodes)
+        self.count, self.incidences = len(self.table.x), len(self.table.nodes)
 
     def _rows(self, start: int, assembly: BodyTerm) -> dict[str, Indices]:
         """Columns of the table for one assembly."""

@@ -35,7 +35,7 @@ class Spline(NamedTuple):
 
     Attributes:
         knots: Parameter ``u`` of the knots, increasing, shape (n,).
-        places: Positions at the knots, shape (n, 3).
+        positions: Positions at the knots, shape (n, 3).
         slopes: Derivatives ``dr/du`` at the knots, shape (n, 3).
 
     Example:
@@ -45,22 +45,24 @@ class Spline(NamedTuple):
     """
 
     knots: Array
-    places: Array
+    positions: Array
     slopes: Array
 
     @classmethod
-    def checked(cls, knots: npt.ArrayLike, places: npt.ArrayLike, slopes: npt.ArrayLike) -> Spline:
+    def checked(
+        cls, knots: npt.ArrayLike, positions: npt.ArrayLike, slopes: npt.ArrayLike
+    ) -> Spline:
         """Spline from array-like arguments, checked.
 
         Args:
             knots: Parameters of the knots, shape (n,).
-            places: Positions, shape (n, 3).
+            positions: Positions, shape (n, 3).
             slopes: Derivatives with respect to the parameter, shape (n, 3).
 
         Raises:
             ValueError: Shapes do not agree, knots do not increase, or a derivative is zero.
         """
-        x, u = points_of(places), numbers(knots, "knots of a spline")
+        x, u = points_of(positions), numbers(knots, "knots of a spline")
         rates = numbers(slopes, "slopes of a spline")
         if u.shape != (len(x),) or rates.shape != x.shape or len(x) < 2:
             raise ValueError(
@@ -126,10 +128,10 @@ class Spline(NamedTuple):
         knots = np.concatenate([[0.0], np.cumsum(steps)])
         curve = CubicSpline(knots, x, bc_type="periodic" if closed else "not-a-knot")
         u = _divided(knots, whole_number(cells))
-        places = curve(u)
+        positions = curve(u)
         if closed:
-            places[-1] = places[0]
-        return cls.checked(u, places, curve(u, 1))
+            positions[-1] = positions[0]
+        return cls.checked(u, positions, curve(u, 1))
 
     @classmethod
     def circle(
@@ -156,18 +158,20 @@ class Spline(NamedTuple):
         angle[-1] = 0.0
         c, s = np.cos(angle[:, np.newaxis]), np.sin(angle[:, np.newaxis])
         speed = 4 * r * np.tan(np.pi / (2 * cells))
-        places, slopes = middle + r * (c * e1 + s * e2), speed * (c * e2 - s * e1)
-        return cls.checked(range(cells + 1), places, slopes)
+        positions, slopes = middle + r * (c * e1 + s * e2), speed * (c * e2 - s * e1)
+        return cls.checked(range(cells + 1), positions, slopes)
 
     def mesh(self) -> LineMesh:
         """Line mesh with a cell between two knots and points "start" and "end".
 
         It is closed if the end has the position and derivative of the start.
         """
-        u, places, rates = self
-        n, speeds = len(places), np.linalg.norm(rates, axis=1)
-        gaps = np.abs(places[-1] - places[0]).max(), np.abs(rates[-1] - rates[0]).max()
-        near = gaps[0] <= _SAME * np.ptp(places, axis=0).max() and gaps[1] <= _SAME * speeds.max()
+        u, positions, rates = self
+        n, speeds = len(positions), np.linalg.norm(rates, axis=1)
+        gaps = np.abs(positions[-1] - positions[0]).max(), np.abs(rates[-1] - rates[0]).max()
+        near = (
+            gaps[0] <= _SAME * np.ptp(positions, axis=0).max() and gaps[1] <= _SAME * speeds.max()
+        )
         closed = n > 3 and bool(near)
         kept = n - 1 if closed else n
         number = np.arange(n) % kept
@@ -176,7 +180,7 @@ class Spline(NamedTuple):
         along = np.stack([tangents[:-1], tangents[1:]], axis=1)
         names = {"start": np.array([0])} | ({} if closed else {"end": np.array([n - 1])})
         slopes = spans * np.column_stack([speeds[:-1], speeds[1:]])
-        return LineMesh(places[:kept], cells, along, {}, names, slopes=slopes)
+        return LineMesh(positions[:kept], cells, along, {}, names, slopes=slopes)
 
 
 def _divided(knots: Array, cells: int) -> Array:
@@ -226,8 +230,8 @@ def polyline(
     pieces = [straight_line(a, b, count) for (a, b), count in zip(pairwise(x), counts, strict=True)]
     closed = len(x) > 3 and bool(np.array_equal(x[0], x[-1]))
     last = x[:0] if closed else x[-1:]
-    places = np.concatenate([*(piece.points[:-1] for piece in pieces), last])
-    number = np.arange(sum(counts) + 1) % len(places)
+    positions = np.concatenate([*(piece.points[:-1] for piece in pieces), last])
+    number = np.arange(sum(counts) + 1) % len(positions)
     first = np.cumsum([0, *counts])
     names = {f"corner {k}": number[first[k : k + 1]] for k in range(1, len(counts))}
     ends = {"start": number[:1]} | ({} if closed else {"end": number[-1:]})
@@ -236,7 +240,7 @@ def polyline(
     }
     tangents = np.concatenate([piece.tangents for piece in pieces])
     ends_of_cells = np.column_stack([number[:-1], number[1:]])
-    return LineMesh(places, ends_of_cells, tangents, groups, ends | names)
+    return LineMesh(positions, ends_of_cells, tangents, groups, ends | names)
 
 
 def _cells_of_pieces(cells: int | Sequence[int], pieces: int) -> list[int]:

@@ -94,9 +94,9 @@ def read_curve(
             )
         (begin,), (end,) = gmsh.model.getParametrizationBounds(1, chosen)
         u = np.linspace(begin, end, count)
-        places = np.reshape(gmsh.model.getValue(1, chosen, u), (-1, 3))
+        positions = np.reshape(gmsh.model.getValue(1, chosen, u), (-1, 3))
         slopes = np.reshape(gmsh.model.getDerivative(1, chosen, u), (-1, 3))
-    return Spline(u, places, slopes)
+    return Spline(u, positions, slopes)
 
 
 def model_lines(what: str, kink_angle: float) -> RawLines:

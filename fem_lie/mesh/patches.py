@@ -26,18 +26,18 @@ class Patches:
 
     Attributes:
         cells: Nodes of each cell, shape (m, k).
-        places: Point of each node, shape (N,), which is also the first node of that point.
+        masters: Point of each node, shape (N,), which is also the first node of that point.
         directors: Mean of the cells' normals at each node, shape (N, 3).
     """
 
     cells: Indices
-    places: Indices
+    masters: Indices
     directors: Array
 
     @property
     def split(self) -> Indices:
         """Points that have several nodes."""
-        return np.unique(self.places[self.places != np.arange(len(self.places))])
+        return np.unique(self.masters[self.masters != np.arange(len(self.masters))])
 
 
 class Edges:
@@ -180,9 +180,9 @@ def smooth_patches(
     place = cells.ravel()[first]
     number = _numbered(place, len(points))
     nodes = number[label.ravel()].reshape(cells.shape)
-    places = np.empty(len(place), dtype=np.int64)
-    places[number] = place
-    return Patches(nodes, places, _means(points, places, nodes, normals, kink_angle))
+    masters = np.empty(len(place), dtype=np.int64)
+    masters[number] = place
+    return Patches(nodes, masters, _means(points, masters, nodes, normals, kink_angle))
 
 
 def _numbered(place: Indices, count: int) -> Indices:
@@ -196,15 +196,15 @@ def _numbered(place: Indices, count: int) -> Indices:
 
 
 def _means(
-    points: Array, places: Indices, nodes: Indices, normals: Array, kink_angle: float
+    points: Array, masters: Indices, nodes: Indices, normals: Array, kink_angle: float
 ) -> Array:
-    total = np.zeros((len(places), 3))
+    total = np.zeros((len(masters), 3))
     np.add.at(total, nodes, normals)
     size = np.linalg.norm(total, axis=1, keepdims=True)
     mean = np.divide(total, size, out=np.zeros_like(total), where=size > 0)
     cosine = np.einsum("mkj,mkj->mk", normals, mean[nodes])
     if cosine.min() < min(cos(kink_angle), 0.99) - 1e-12:
-        place = points[places[nodes.ravel()[cosine.argmin()]]]
+        place = points[masters[nodes.ravel()[cosine.argmin()]]]
         raise ValueError(
             f"the surface has a tip at {place}, where normals are "
             f"{degrees(np.arccos(cosine.min())):.0f}° away from their mean though neighbours "

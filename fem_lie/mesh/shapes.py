@@ -120,7 +120,7 @@ class FaceRule:
         parts = table[0], table[1:], weights
         return cls(*(np.ascontiguousarray(part) for part in parts))
 
-    def places(self, x: Array, cells: Indices) -> Array:
+    def positions(self, x: Array, cells: Indices) -> Array:
         """Quadrature points of cells with nodes at ``x`` (n, 3), shape (m, g, 3)."""
         return np.einsum("gk,mkj->mgj", self.values, x[cells])
 
@@ -168,9 +168,9 @@ def _places(cell: str, degree: int) -> tuple[Array, Array]:
     return nodes_of(cell, degree), rule(cell, 2 * degree)[0]
 
 
-def _normals(points: Array, cells: Indices, cell: str, places: Array) -> tuple[Array, Array]:
+def _normals(points: Array, cells: Indices, cell: str, positions: Array) -> tuple[Array, Array]:
     """``x,₁ × x,₂`` at points of the reference cell, (m, p, 3), and the sine of the two, (m, p)."""
-    slopes = tabulated(cell, DEGREES[cell][cells.shape[1]], places)[1:]
+    slopes = tabulated(cell, DEGREES[cell][cells.shape[1]], positions)[1:]
     # about a point of the cell: far from the origin differences of places are small
     x = points[cells] - points[cells[:, :1]]
     g1, g2 = np.einsum("apk,mkj->ampj", slopes, x)

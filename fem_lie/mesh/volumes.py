@@ -27,14 +27,14 @@ class VolumeRule:
         values: Shape functions of the nodes, shape (g, k).
         jacobian: Jacobian determinant of the cell's map, of one sign unless it is inverted, (m, g).
         volumes: Weight times volume, shape (m, g).
-        places: Unloaded positions of the points, shape (m, g, 3).
+        positions: Unloaded positions of the points, shape (m, g, 3).
         mean_slopes: Integrals of the shape functions' gradients, shape (m, k, 3).
     """
 
     values: Array
     jacobian: Array
     volumes: Array
-    places: Array
+    positions: Array
     mean_slopes: Array
 
     @classmethod

@@ -53,11 +53,11 @@ class FaceLoad(NodalLoad):
 
     def nodal(self) -> Array:
         """Consistent nodal forces, shape (n, 6)."""
-        faces, x = self.solid.model.facets(self.face), self.solid.model.places
+        faces, x = self.solid.model.facets(self.face), self.solid.model.positions
         rule = faces.rule
         areas = np.linalg.norm(rule.normals(x, faces.nodes), axis=2)
         what = f"FaceLoad on {self.solid.label}"
-        density = at_points(self.force, rule.places(x, faces.nodes), what)
+        density = at_points(self.force, rule.positions(x, faces.nodes), what)
         values = np.zeros((len(x), 6))
         shares = np.einsum("gk,fg,fgj->fkj", rule.values, areas, density)
         np.add.at(values[:, :3], faces.nodes, shares)
@@ -161,7 +161,7 @@ class BulkLoad(NodalLoad):
     def nodal(self) -> Array:
         """Consistent nodal forces, shape (n, 6)."""
         rule, chosen = self.solid.model.rule, self.solid.model.cells_of(self.cells)
-        density = at_points(self.force, rule.places[chosen], f"BulkLoad on {self.solid.label}")
+        density = at_points(self.force, rule.positions[chosen], f"BulkLoad on {self.solid.label}")
         shares = np.einsum("gk,mg,mgj->mkj", rule.values, rule.volumes[chosen], density)
         values = np.zeros((len(self.solid.frames), 6))
         np.add.at(values[:, :3], self.solid.model.connectivity[chosen], shares)

@@ -89,7 +89,7 @@ class EdgeLoad(NodalLoad):
     def _on_rows(self, shell: SmoothSurface) -> Array:
         at = shell.model.on_edge(self.curve)
         force = np.asarray(self.force, dtype=np.float64)
-        return shell.model.consistent(at, np.broadcast_to(force, at.places.shape))
+        return shell.model.consistent(at, np.broadcast_to(force, at.positions.shape))
 
     def _axes(self, shell: Shell, edges: Indices) -> Array:
         """Tangent, outward normal and director at the nodes of each edge, (e, 3, 2 or 3, 3)."""
@@ -151,11 +151,11 @@ class SurfaceLoad(NodalLoad):
         """Consistent forces on the nodal coordinates (position and gradients), shape (n, 4, 3)."""
         at = shell.model.on_cells(self.cells)
         factors = self._factors()[at.cells, np.newaxis, np.newaxis]
-        return shell.model.consistent(at, factors * self._density(at.places))
+        return shell.model.consistent(at, factors * self._density(at.positions))
 
-    def _density(self, places: Array) -> Array:
+    def _density(self, positions: Array) -> Array:
         """Load at points of the unloaded surface (c, g, 3), same shape."""
-        return at_points(self.force, places, f"{type(self).__name__} on {self.shell.label}")
+        return at_points(self.force, positions, f"{type(self).__name__} on {self.shell.label}")
 
     def _scaled(self, shell: Shell, factors: Array) -> Array:
         """Consistent nodal forces of the loaded cells times a factor of each cell, (c, k, 3)."""
@@ -168,7 +168,9 @@ class SurfaceLoad(NodalLoad):
         rule = FaceRule.of(shell.model.mesh.cell, shell.model.mesh.degree)
         cells, x = nodes_of(shell)[shell.model.cells_of(self.cells)], shell.frames[:, 0]
         areas = np.linalg.norm(rule.normals(x, cells), axis=2)
-        return np.einsum("gk,mg,mgj->mkj", rule.values, areas, self._density(rule.places(x, cells)))
+        return np.einsum(
+            "gk,mg,mgj->mkj", rule.values, areas, self._density(rule.positions(x, cells))
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -121,8 +121,8 @@ def _polynomial(values: Array, at: Array) -> Array:
     """Values (m, g, 6) at Gauss points, interpolated to points ``at`` (q,) from 0 to 1."""
     x, _ = np.polynomial.legendre.leggauss(values.shape[1])
     points = np.vander(0.5 * (1.0 + x), increasing=True)
-    places = np.vander(at, values.shape[1], increasing=True)
-    return np.asarray(np.einsum("qg,mgi->mqi", places @ np.linalg.inv(points), values))
+    positions = np.vander(at, values.shape[1], increasing=True)
+    return np.asarray(np.einsum("qg,mgi->mqi", positions @ np.linalg.inv(points), values))
 
 
 def shell_fields(
@@ -147,9 +147,9 @@ def shell_fields(
 
 
 def _shell_fields(found: Resultants, shapes: Array, compliance: Array) -> StressFields:
-    places, number = found.stress_points, found.stress_points.patches.number
-    nodal = in_axes(found.averaged[number], places.shared[number], places.section_at_nodes)
-    own = in_axes(found.at_points, places.asked, places.section)
+    positions, number = found.stress_points, found.stress_points.patches.number
+    nodal = in_axes(found.averaged[number], positions.shared[number], positions.section_at_nodes)
+    own = in_axes(found.at_points, positions.asked, positions.section)
     return StressFields(own, shapes @ nodal, found.areas, compliance)
 
 
@@ -166,12 +166,12 @@ class _Points(NamedTuple):
     """The same reference points in all cells.
 
     Attributes:
-        places: Undeformed positions, shape (m, g, 3).
+        positions: Undeformed positions, shape (m, g, 3).
         first: e₁ of the section, shape (m, g, 3).
         normals: Normals, shape (m, g, 3).
     """
 
-    places: Array
+    positions: Array
     first: Array
     normals: Array
 
@@ -213,9 +213,9 @@ def _recovered(shell: ThinShell, stresses: list[Array]) -> list[Array]:
         basis / (1.0 + _NEAR * (basis[..., 1:3] ** 2).sum(-1, keepdims=True)) ** 4
     ).swapaxes(1, 2)
     turned = _turning(middle, cells, samples, others)
-    normal = np.zeros((len(own.places), len(_POWERS), len(_POWERS)))
+    normal = np.zeros((len(own.positions), len(_POWERS), len(_POWERS)))
     np.add.at(normal, cells, weighted @ basis)
-    every = np.arange(len(own.places))
+    every = np.arange(len(own.positions))
     here, back = _basis(shell, middle, every, own, every), _turning(middle, every, own, every)
     found = []
     for σ in stresses:
@@ -231,10 +231,10 @@ def _recovered(shell: ThinShell, stresses: list[Array]) -> list[Array]:
 
 def _points(shell: ThinShell, at: Array) -> _Points:
     table = hermite.table(at)[:, : hermite.ACROSS + 1]
-    places, r1, r2 = np.einsum("gka,maj->kmgj", table, shell.model.vectors())
+    positions, r1, r2 = np.einsum("gka,maj->kmgj", table, shell.model.vectors())
     n = np.cross(r1, r2)
     n /= np.linalg.norm(n, axis=-1, keepdims=True)
-    return _Points(places, _in_plane(shell.model.axes[:, np.newaxis], n), n)
+    return _Points(positions, _in_plane(shell.model.axes[:, np.newaxis], n), n)
 
 
 def _in_plane(vectors: Array, normals: Array) -> Array:
@@ -270,7 +270,7 @@ def _basis(
     first, normal = middle.first[cells, 0], middle.normals[cells, 0]
     axes = np.stack([first, np.cross(normal, first)], axis=-1)
     size = np.sqrt(shell.model.sizes[cells, :2].prod(axis=1))
-    away = points.places[others] - middle.places[cells]
+    away = points.positions[others] - middle.positions[cells]
     x, y = np.moveaxis(away @ axes / size[:, np.newaxis, np.newaxis], -1, 0)
     return np.stack([x**i * y**j for i, j in _POWERS], axis=-1)
 

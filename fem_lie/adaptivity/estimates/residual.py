@@ -67,13 +67,13 @@ class EdgeLayers:
 
     @classmethod
     def of(
-        cls, shell: Shell, places: StressPoints, ends: Indices, edges: Indices, turns: Array
+        cls, shell: Shell, positions: StressPoints, ends: Indices, edges: Indices, turns: Array
     ) -> EdgeLayers:
         """Boundary layers of a shell.
 
         Args:
             shell: The shell.
-            places: Points at which its stress is evaluated.
+            positions: Points at which its stress is evaluated.
             ends: Both ends of the c edges of a cell, as local nodes, shape (c, 2).
             edges: Numbers (m c) of the edges without a neighbour.
             turns: Rotation of stress from axes of the sections to axes of the edges, shape (m, c,
@@ -90,11 +90,13 @@ class EdgeLayers:
         outward = x[pair].mean(axis=1) - x[nodes].mean(axis=1)
         second = np.cross(mesh.normals[cell].mean(axis=1), along)
         sides = np.sign(np.einsum("bj,bj->b", second, outward))
-        number = np.take_along_axis(places.patches.number[cell], ends[side], axis=1)
+        number = np.take_along_axis(positions.patches.number[cell], ends[side], axis=1)
         share, straight = border_shares(number, along, length)
         weight = np.divide(straight, share, out=np.zeros_like(share), where=straight > 0)
         weight /= np.maximum(straight.sum(axis=1, keepdims=True), 1.0)
-        couples = sum(_couples(shell, places, number[:, k], along, weight[:, k]) for k in range(2))
+        couples = sum(
+            _couples(shell, positions, number[:, k], along, weight[:, k]) for k in range(2)
+        )
         turn = turns[cell, side]
         D = turn @ shell.model.stiffness[cell] @ np.swapaxes(turn, 1, 2)
         twist, shear = D[:, _TWIST, _TWIST], D[:, _SHEAR, _SHEAR]
@@ -119,28 +121,28 @@ class EdgeLayers:
 
 
 def _couples(
-    shell: Shell, places: StressPoints, number: Indices, along: Array, weight: Array
+    shell: Shell, positions: StressPoints, number: Indices, along: Array, weight: Array
 ) -> csr_matrix:
     """``∫ M_ij N,i τ_j + Q_i τ_i N`` with the shape function N of one end of an edge, weighted."""
-    m, k = places.patches.number.shape
-    g = places.areas.shape[1]
-    corner = np.argsort(places.patches.number.ravel(), kind="stable")
-    sorted_ = places.patches.number.ravel()[corner]
+    m, k = positions.patches.number.shape
+    g = positions.areas.shape[1]
+    corner = np.argsort(positions.patches.number.ravel(), kind="stable")
+    sorted_ = positions.patches.number.ravel()[corner]
     first, last = np.searchsorted(sorted_, number), np.searchsorted(sorted_, number, "right")
     row = np.repeat(np.arange(len(number)), last - first)
     offset = np.arange(len(row)) - np.repeat(np.cumsum(last - first) - (last - first), last - first)
     cell, node = np.divmod(corner[first[row] + offset], k)
     mesh = shell.model.own_mesh
-    tangents = places.points.tangents(mesh.points[mesh.cells])[cell]
+    tangents = positions.points.tangents(mesh.points[mesh.cells])[cell]
     slopes = np.broadcast_to(
-        np.moveaxis(places.points.slopes[:, :, node], 2, 0).swapaxes(1, 2)[..., np.newaxis],
+        np.moveaxis(positions.points.slopes[:, :, node], 2, 0).swapaxes(1, 2)[..., np.newaxis],
         (len(row), g, 2, 1),
     )
-    N1, N2 = np.moveaxis(slopes_along(places.section[cell], tangents, slopes)[..., 0], -1, 0)
-    N = places.points.shapes[:, node].T
-    t1, t2 = np.einsum("pgij,pj->ipg", places.section[cell][:, :, :2], along[row])
+    N1, N2 = np.moveaxis(slopes_along(positions.section[cell], tangents, slopes)[..., 0], -1, 0)
+    N = positions.points.shapes[:, node].T
+    t1, t2 = np.einsum("pgij,pj->ipg", positions.section[cell][:, :, :2], along[row])
     found = np.stack([N1 * t1, N2 * t2, N1 * t2 + N2 * t1, N * t1, N * t2], axis=-1)
-    found *= (places.areas[cell] * weight[row][:, np.newaxis])[..., np.newaxis]
+    found *= (positions.areas[cell] * weight[row][:, np.newaxis])[..., np.newaxis]
     columns = (cell[:, np.newaxis] * g + np.arange(g))[..., np.newaxis] * 8 + np.arange(3, 8)
     rows = np.broadcast_to(row[:, np.newaxis, np.newaxis], columns.shape)
     shape = (len(number), m * g * 8)
@@ -319,8 +321,8 @@ class ShellEdges:
                 f"{mesh.degree}: use RecoveryEstimate()"
             )
         ends = np.array(basix.topology(basix.CellType[mesh.cell])[1], dtype=np.int64)
-        places = StressPoints.in_sections(shell, KINK_ANGLE)
-        a, b = _common(places.patches.number, ends)
+        positions = StressPoints.in_sections(shell, KINK_ANGLE)
+        a, b = _common(positions.patches.number, ends)
         m, c = len(mesh.cells), len(ends)
         known = np.isin(np.arange(m * c), [a, b])
         shares = _shares(mesh.cell, known.reshape(m, c))
@@ -335,8 +337,8 @@ class ShellEdges:
         compliance = np.einsum("mcki,mkl,mclj->mcij", inverse, plain, inverse)
         rule, _ = integration(shell)
         to_edges = extrapolation(mesh, rule)[ends].mean(axis=1)
-        layers = EdgeLayers.of(shell, places, ends, np.flatnonzero(~known), turns)
-        return cls(to_edges, turns, compliance, a, b, places.areas, shares, plain, layers)
+        layers = EdgeLayers.of(shell, positions, ends, np.flatnonzero(~known), turns)
+        return cls(to_edges, turns, compliance, a, b, positions.areas, shares, plain, layers)
 
     def errors(self, stress: Array) -> ElementErrors:
         """Errors from stress at the integration points, in the axes of the sections, (m, g, 8)."""

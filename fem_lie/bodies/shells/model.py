@@ -78,11 +78,11 @@ class ShellModel(BodyModel):
         self.axes, self.drilling, self.convected_axes = axes, drilling, convected_axes
         self.connectivity = patches.cells
         super().__init__(
-            frames_with(mesh.points[patches.places], directors),
+            frames_with(mesh.points[patches.masters], directors),
             class_name=class_name,
             size=float(np.linalg.norm(np.ptp(mesh.points, axis=0))),
             points={key: int(p[0]) for key, p in mesh.named_points.items() if len(p) == 1},
-            masters=patches.places,
+            masters=patches.masters,
             name=name,
         )
         self.own_mesh = own_mesh(mesh, patches)

@@ -62,7 +62,7 @@ def own_mesh(mesh: SurfaceMesh, patches: Patches) -> SurfaceMesh:
     if not len(patches.split):
         return mesh
     return SurfaceMesh(
-        mesh.points[patches.places], patches.cells, mesh.cell, mesh.normals, groups=mesh.groups
+        mesh.points[patches.masters], patches.cells, mesh.cell, mesh.normals, groups=mesh.groups
     )
 
 

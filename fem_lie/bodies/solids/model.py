@@ -37,7 +37,7 @@ class SolidModel(BodyModel):
         mesh: Unloaded mesh.
         degree: Degree of the interpolation of positions.
         connectivity: Nodes of each cell, shape (m, k).
-        places: Unloaded positions of the nodes, shape (n, 3).
+        positions: Unloaded positions of the nodes, shape (n, 3).
         material: Constitutive law of all cells.
         parameters: Parameters of the law in each cell, shape (m, p).
         density: Mass density of each cell, shape (m,).
@@ -83,17 +83,19 @@ class SolidModel(BodyModel):
         self.space = fem.functionspace(mesh.mesh, ("P", degree))
         self.connectivity: Indices = self.space.dofmap.list.astype(np.int64)
         self.rule = VolumeRule.of(mesh.mesh, degree)
-        places: Array = self.space.tabulate_dof_coordinates()
-        self.places = places
-        frames = np.concatenate([places[:, np.newaxis], np.tile(np.eye(3), (len(places), 1, 1))], 1)
+        positions: Array = self.space.tabulate_dof_coordinates()
+        self.positions = positions
+        frames = np.concatenate(
+            [positions[:, np.newaxis], np.tile(np.eye(3), (len(positions), 1, 1))], 1
+        )
         super().__init__(
             frames,
             class_name=class_name,
-            size=diameter(places),
+            size=diameter(positions),
             points=self._points_by_name(),
             name=name,
         )
-        log_coincident(self.label, places)
+        log_coincident(self.label, positions)
         self.faces = self.skin.drawn()
         self.thickness = np.zeros(len(self.faces))
 
@@ -187,7 +189,7 @@ class SolidModel(BodyModel):
         weights: Array = np.ones(len(nodes))
         if name in self.mesh.faces:
             faces, total = self.facets(name), np.zeros(len(self.frames))
-            np.add.at(total, faces.nodes, faces.consistent_areas(self.places))
+            np.add.at(total, faces.nodes, faces.consistent_areas(self.positions))
             weights = total[nodes]
         chosen = numbers(axes, f"axes of {self.label}.{name}")
         if chosen.shape != (3, 3) or not _is_rotation(chosen):
@@ -195,7 +197,7 @@ class SolidModel(BodyModel):
                 f"axes of {self.label}.{name}: expected three orthonormal, right-handed rows, "
                 f"got\n{chosen}"
             )
-        return in_the_mean([int(node) for node in nodes], self.places[nodes], weights, chosen)
+        return in_the_mean([int(node) for node in nodes], self.positions[nodes], weights, chosen)
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Cells of a named group (default: all).

@@ -21,13 +21,13 @@ class Quadrature(NamedTuple):
     Attributes:
         cells: Indices of the cells, shape (c,).
         values: Shape functions at the points, shape (c, g, 16).
-        places: Positions of the points, shape (c, g, 3).
+        positions: Positions of the points, shape (c, g, 3).
         weights: Areas or lengths, shape (c, g).
     """
 
     cells: Indices
     values: Array
-    places: Array
+    positions: Array
     weights: Array
 
 

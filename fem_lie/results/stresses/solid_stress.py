@@ -81,7 +81,7 @@ class SolidStresses(Fields):
     @property
     def displacements(self) -> Array:
         """Displacements of the nodes, shape (n, 3)."""
-        return np.asarray(self.frames[:, 0] - self.solid.model.places)
+        return np.asarray(self.frames[:, 0] - self.solid.model.positions)
 
     def function(self, name: str) -> fem.Function:
         """A quantity as a continuous DOLFINx function on the undeformed mesh, for VTX files.
@@ -150,7 +150,7 @@ class SolidStresses(Fields):
         skin = self.solid.model.skin
         draw_values(
             path,
-            DrawnSurface(skin, skin.nodes, self.solid.model.places),
+            DrawnSurface(skin, skin.nodes, self.solid.model.positions),
             self.frames[:, 0],
             self.smooth(name),
             f"{name} [{units.force}/{units.length}²]",
