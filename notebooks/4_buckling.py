@@ -76,7 +76,7 @@ def compressed() -> fl.Scene:
     section = fl.ShellSection.layer(T, METAL)
     wall = fl.Shell(mesh, section, director=outward, name="wall")
     for point in wall.symmetry("top", (0, 0, 1)):
-        wall.held[point.node, 0] = False  # along the axis, its e1, the plate moves it
+        wall.model.held[point.node, 0] = False  # along the axis, its e1, the plate moves it
     wall.symmetry("bottom", (0, 0, 1))
     wall.symmetry("left", (0, 1, 0))
     wall.symmetry("right", (-np.sin(SIZE), np.cos(SIZE), 0))
