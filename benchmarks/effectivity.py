@@ -112,7 +112,7 @@ def all_shell_rows(
 def _own(coarse: Solved, fine: Solved, ratio: int) -> np.ndarray:
     """Stress of the coarse cells at the points of the fine ones, shape (m, q, 8)."""
     rule, _ = integration(fine.shell)
-    points = CellPoints.of(fine.shell.model.own_mesh, rule)
+    points = CellPoints.of(fine.shell.model.cut_mesh, rule)
     low = np.rint(coarse.corners.min(axis=1)).astype(int)
     number = {tuple(corner): i for i, corner in enumerate(low.tolist())}
     inside = np.floor(fine.corners.min(axis=1) / ratio + 1e-9).astype(int)

@@ -122,7 +122,7 @@ def term_of(name: str, body: Any, derived: bool) -> Any:
         if name in TERMS:
             return TERMS[name](body.model)
     if name == "drilling":
-        body.model.drills([])
+        body.model.has_drilling([])
     term = body.model.assemble([body.model])
     beside = name.startswith(BESIDE) or name == "drilling"
     return term.further_terms[0] if beside else term

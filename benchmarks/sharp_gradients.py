@@ -101,7 +101,7 @@ class Layer(NamedTuple):
         (shell,) = scene.bodies
         x, w = hermite.gauss(POINTS)
         table = hermite.table(hermite.products(x, x))
-        lying, moved = shell.model.vectors(), shell.model.vectors(result.frames[-1])
+        lying, moved = shell.model.hermite_vectors(), shell.model.hermite_vectors(result.frames[-1])
         places = np.einsum("ga,maj->mgj", table[:, hermite.VALUE], lying)
         a, b = shell.model.sizes[:, 0], shell.model.sizes[:, 1]
         spans = np.stack([a * a, b * b, a * b])[:, :, np.newaxis]

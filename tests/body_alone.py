@@ -43,5 +43,5 @@ class BodyAlone:
         moved = H @ motion[1:]
         moved[:, 0] += motion[0]
         # row 3 of the second nodes of plates is no vector: the body sets it
-        self.body.model.follower()(moved)
+        self.body.model.axes_update()(moved)
         return moved

@@ -56,7 +56,7 @@ def tangent(body, rows) -> np.ndarray:
 def test_matrix_does_not_feel_a_rigid_motion(make):
     """Bent otherwise than at the start, then moved far and turned, about tangents, too."""
     body, rng = make(), np.random.default_rng(5)
-    follow = body.follow().model.follower()
+    follow = body.follow().model.axes_update()
     assert follow is not None
     rows = body.frames.copy()
     rows[:, 0] += 0.05 * rng.normal(size=rows[:, 0].shape)

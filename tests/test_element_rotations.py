@@ -167,7 +167,7 @@ def test_shells_have_a_limit_too(degree):
     scene = fl.Scene()
     scene.add(shell)
     scene.add(fl.loads.EdgeLoad(shell, "a=1", moment=(0, -CIRCLE / WIDTH, 0)))
-    turning = shell.model.turning()
+    turning = shell.model.rotation_limit()
     assert turning.limit == (np.pi / 2 if degree == 1 else 3.0)
     assert turning.nodes.shape == (8, degree + 1)
     wanted = [0.8 / np.pi, 0.93 / np.pi] if degree == 1 else [1.5 / np.pi, 1.0]

@@ -36,7 +36,7 @@ def test_a_shell_has_five_parameters_in_one_scene_and_six_in_another():
     jointed.add(fl.joints.Revolute(shell.point("00"), fl.ground()))
     again = Assembled(plain, dynamics=True)
     other = Assembled(jointed, dynamics=True)
-    assert not plain.drills(shell) and jointed.drills(shell)
+    assert not plain.has_drilling(shell) and jointed.has_drilling(shell)
     np.testing.assert_array_equal(again.held, first.held)
     assert not other.held[:, 5].any() and first.held[:, 5].all()
 

@@ -66,14 +66,14 @@ def machine(*, clamped: bool, links: bool = True, loaded: bool = False) -> fl.Sc
 
 def test_both_sides_of_a_kink_have_directors_of_their_own():
     shell = folded()
-    assert shell.model.drills()
+    assert shell.model.has_drilling()
     assert len(shell.frames) == len(shell.model.mesh.points) + 3
     at = np.flatnonzero(np.abs(shell.frames[:, 0, 0] - 1) + shell.frames[:, 0, 2] < 1e-12)
     directors = np.unique(np.round(shell.frames[at, 3], 12), axis=0)
     np.testing.assert_allclose(directors, [[-1, 0, 0], [0, 0, 1]], atol=1e-12)
     # a fold of less than the angle is smooth
     smooth = folded(kink_angle=np.pi / 1.9)
-    assert len(smooth.frames) == len(smooth.model.mesh.points) and not smooth.model.drills()
+    assert len(smooth.frames) == len(smooth.model.mesh.points) and not smooth.model.has_drilling()
 
 
 def tee(cell="quadrilateral") -> fl.mesh.SurfaceMesh:
@@ -96,7 +96,7 @@ def tee(cell="quadrilateral") -> fl.mesh.SurfaceMesh:
 @pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
 def test_a_flange_goes_on_through_the_branch(cell):
     shell = fl.Shell(tee(cell), LAYER)
-    assert shell.model.drills()
+    assert shell.model.has_drilling()
     assert len(shell.frames) == 20 + 5  # the web has nodes of its own along the branch
     joint = np.abs(shell.frames[:, 0, [0, 2]]).max(axis=1) < 1e-12
     np.testing.assert_allclose(np.abs(shell.frames[joint, 3].sum(axis=0)), [5, 0, 5], atol=1e-12)
@@ -116,7 +116,7 @@ def test_flipped_cells_are_refused_on_smooth_sides_only():
 def test_automatic_is_five_until_something_takes_hold_of_a_rotation():
     def drills(item_of_shell, **options):
         shell = fl.Shell(fl.mesh.parametric_surface(flat, (2, 1)), LAYER, **options)
-        return scene_with(shell, item_of_shell(shell)).drills(shell)
+        return scene_with(shell, item_of_shell(shell)).has_drilling(shell)
 
     assert not drills(lambda s: fl.PointLoad(s.point("00"), force=(1, 2, 3)))
     assert not drills(lambda s: fl.joints.Spherical(s.point("00"), fl.ground()))

@@ -278,8 +278,8 @@ def test_bodies_whose_parts_do_not_fit_are_refused(change, message):
         "rows": body.frames,
         "node_types": body.model.node_types,
         "cells": body.model.element_nodes,
-        "element": body.element,
-        "functions": body.functions,
+        "element": body.model.element,
+        "functions": body.model.functions,
         "data": body.model.element_data(),
     }
     with pytest.raises(ValueError, match=message):

@@ -49,13 +49,13 @@ def test_cut_cells_about_one_cell_are_solved_exactly():
         name="sheet",
     )
     cut = Cut.of(shell)
-    cells, N = cut.fine.model.own_mesh.cells, len(cut.fine.frames)
+    cells, N = cut.fine.model.cut_mesh.cells, len(cut.fine.frames)
     random = np.random.default_rng(1)
     A = random.normal(size=(len(cells), 20, 20))
     stiffness = A @ np.swapaxes(A, 1, 2)
     rest, free = random.normal(size=(N, 5)), random.random((N, 5)) < 0.8
     found = Patches.of(cut).solved(cells, stiffness, rest, free)
-    corners = shell.model.own_mesh.cells[0]
+    corners = shell.model.cut_mesh.cells[0]
     K = np.zeros((N, 5, N, 5))
     for nodes, block in zip(cells, stiffness.reshape(-1, 4, 5, 4, 5), strict=True):
         K[np.ix_(nodes, range(5), nodes, range(5))] += block

@@ -44,14 +44,14 @@ def random_function(mesh, seed=1):
     surface = mesh.surface()
     body = fl.ThinShell(mesh, LAYER)
     rows = np.random.default_rng(seed).normal(size=surface.rows.shape)
-    fourth, _ = body.model.fourth(surface._replace(rows=rows))
+    fourth, _ = body.model.fourth_vectors(surface._replace(rows=rows))
     frames = body.frames.copy()
     count = body.model.points_count
     frames[:count, :2], frames[count:, 1], frames[count:, 2] = rows[:, :2], fourth, rows[:, 2]
     a, b = mesh.sizes.T
     scales = np.stack([np.ones_like(a), a, b, a * b], axis=1)[:, np.newaxis, :, np.newaxis]
     filled = mesh.rows.copy()
-    filled[mesh.cells] = body.model.vectors(frames).reshape(-1, 4, 4, 3) / scales
+    filled[mesh.cells] = body.model.hermite_vectors(frames).reshape(-1, 4, 4, 3) / scales
     return replace(mesh, rows=filled)
 
 
@@ -103,7 +103,7 @@ def test_functions_are_truncated():
     positions = np.einsum(
         "ga,maj->mgj",
         bicubic(gauss_points(4)[0]),
-        body.model.vectors(),
+        body.model.hermite_vectors(),
     ).reshape(-1, 3)
     (corner,) = np.flatnonzero(
         (body.frames[: body.model.points_count, 0] == [1.5, 1.0, 0]).all(axis=1)
@@ -125,13 +125,13 @@ def test_bicubics_are_in_the_space_exactly():
         for i, j in ((0, 0), (1, 0), (0, 1), (1, 1))
     ]
     rows = np.repeat(np.stack(derivative, axis=1)[:, :, np.newaxis], 3, axis=2)
-    fourth, _ = body.model.fourth(surface._replace(rows=rows))
+    fourth, _ = body.model.fourth_vectors(surface._replace(rows=rows))
     frames, n = body.frames.copy(), body.model.points_count
     frames[:n, :2], frames[n:, 1], frames[n:, 2] = rows[:, :2], fourth, rows[:, 2]
     at = rng.random((5, 2))
     table = bicubic(at)
-    found = np.einsum("ga,ma->mg", table, body.model.vectors(frames)[..., 0])
-    positions = np.einsum("ga,maj->mgj", table, body.model.vectors())
+    found = np.einsum("ga,ma->mg", table, body.model.hermite_vectors(frames)[..., 0])
+    positions = np.einsum("ga,maj->mgj", table, body.model.hermite_vectors())
     wanted = polynomial.polyval2d(positions[..., 0] / 3.0, positions[..., 1] / 2.0, c)
     np.testing.assert_allclose(found, wanted, atol=1e-12 * np.abs(wanted).max())
 
@@ -148,7 +148,9 @@ def test_spaces_are_nested():
     a, b = finer.sizes.T
     scales = np.stack([np.ones_like(a), a, b, a * b], axis=1)[:, np.newaxis, :, np.newaxis]
     whole = (finer.rows[finer.cells] * scales).reshape(-1, 16, 3)
-    np.testing.assert_allclose(body.model.vectors(), whole, atol=1e-13 * np.abs(whole).max())
+    np.testing.assert_allclose(
+        body.model.hermite_vectors(), whole, atol=1e-13 * np.abs(whole).max()
+    )
     assert again.rows.shape == finer.rows.shape and len(surface.hanging) == len(finer.cells)
 
 
@@ -249,7 +251,7 @@ def test_patch_test_across_levels(exact):
         field = [zero, zero, x * x + 0.4 * x * y], [zero, zero, 2 * x + 0.4 * y]
         field += [zero, zero, 0.4 * x], [zero, zero, 0.4 * one]
     rows = np.array(field).transpose(2, 0, 1)
-    fourth, _ = body.model.fourth(body_surface(body)._replace(rows=rows))
+    fourth, _ = body.model.fourth_vectors(body_surface(body)._replace(rows=rows))
     d = np.zeros((2 * n, 2, 3))
     # axes are those of space: the plate is flat, along x and y
     d[:n, 0], d[:n, 1], d[n:, 1], d[n:, 0] = rows[:, 0], rows[:, 1], rows[:, 2], fourth
@@ -375,7 +377,7 @@ def test_names_stay_and_patches_are_cut_across_their_edge():
         positions = np.array([p.body.frames[p.node, 0] for p in shell.points(name)])
         np.testing.assert_allclose(positions[:, 0], at)
         assert (np.diff(positions[:, 1]) > 0).all()
-        edge = shell.model.on_edge(name)
+        edge = shell.model.edge_quadrature(name)
         assert edge.weights.sum() == pytest.approx(1.0, rel=1e-13)
         np.testing.assert_allclose(edge.positions[..., 0], at, atol=1e-13)
         assert (edge.weights * edge.positions[..., 1] ** 2).sum() == pytest.approx(1 / 3, rel=1e-12)

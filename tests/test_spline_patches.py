@@ -41,7 +41,7 @@ def test_a_spline_is_exactly_the_surface_of_the_shell(pieces):
     sizes = [np.diff(np.append(c, k[-1])) for c, k in zip(cut, (A, B), strict=True)]
     ξ, η = 0.3, 0.7
     values = bicubic([[ξ, η]])[0]
-    found = np.einsum("a,maj->mj", values, shell.model.vectors())
+    found = np.einsum("a,maj->mj", values, shell.model.hermite_vectors())
     wanted = surface(cut[0] + ξ * sizes[0], cut[1] + η * sizes[1]).reshape(-1, 3)
     np.testing.assert_allclose(found, wanted, atol=1e-14)
 
@@ -75,7 +75,9 @@ def test_a_spline_through_a_surface_converges_with_order_four():
         shell = fl.ThinShell(fl.mesh.spline_patch(place, (n, n)), SECTION)
         middles = (np.arange(n) + 0.5) / n
         wanted = np.array([place(a, b) for a in middles for b in middles])
-        errors.append(np.abs(np.einsum("a,maj->mj", values, shell.model.vectors()) - wanted).max())
+        errors.append(
+            np.abs(np.einsum("a,maj->mj", values, shell.model.hermite_vectors()) - wanted).max()
+        )
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert orders.min() > 3.7
     assert errors[-1] < 1e-6

@@ -114,7 +114,7 @@ def test_a_moment_makes_a_shell_drill_in_its_own_scene_only():
     base, plate = shells()
     turned = base.with_loads(fl.PointLoad(plate.point(-1), moment=(0, 0, 1e-4)))
     pushed = base.with_loads(fl.PointLoad(plate.point(-1), (0, 0, 1e-3)))
-    assert turned.drills(plate) and not pushed.drills(plate)
+    assert turned.has_drilling(plate) and not pushed.has_drilling(plate)
     results = [fl.statics(scene) for scene in (turned, pushed, turned)]
     assert base.family.setup.made == 3
     same(results[2], results[0])

@@ -180,7 +180,7 @@ def adapt(
             scene = build(mesh)
             require_scene(scene)
             chosen = named_body(scene, body, mesh)
-            count = sum(_unknowns(b, drilling=scene.drills(b)) for b in scene.bodies)
+            count = sum(_unknowns(b, drilling=scene.has_drilling(b)) for b in scene.bodies)
             if count > most:
                 raise ConvergenceError(
                     f"an error of {tolerance:g} needs more than {most} unknowns"
@@ -221,7 +221,7 @@ def adapt(
 def _unknowns(body: Body, *, drilling: bool) -> int:
     """Number of unknowns of the nodes of a body in a scene, including fixed ones."""
     count = np.array([TRAITS[NodeType(kind)].unknowns for kind in body.model.node_types])
-    there = (np.arange(6) < count[:, np.newaxis]) & ~body.model.absent
+    there = (np.arange(6) < count[:, np.newaxis]) & ~body.model.missing_unknowns
     there[:, 5] &= drilling
     leads = body.model.masters == np.arange(len(body.frames))
     return int(there[leads].sum())

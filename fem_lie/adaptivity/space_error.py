@@ -97,11 +97,11 @@ def _in_colours(
     # disconnected, so that each cell has one colour and visible edges
     if isinstance(shell, ThinShell):
         kind: CellKind = _Quadrilateral()
-        areas = shell.model.on_cells().weights.sum(axis=1)
+        areas = shell.model.cell_quadrature().weights.sum(axis=1)
         places, pieces = _curved(shell, frames)
     else:
-        kind, areas = shell.model.own_mesh, shell.model.areas().sum(axis=1)
-        places = frames[shell.model.own_mesh.cells, 0]
+        kind, areas = shell.model.cut_mesh, shell.model.areas().sum(axis=1)
+        places = frames[shell.model.cut_mesh.cells, 0]
         pieces = np.arange(places.shape[1])[np.newaxis]
     m, k, _ = places.shape
     density = np.sqrt(squares / areas)
@@ -119,7 +119,7 @@ def _curved(shell: ThinShell, frames: Array) -> tuple[Array, Indices]:
     """Positions in each cell (m, p, 3), so that edges of cells of several sizes match; pieces."""
     x: Array = np.arange(_PIECES + 1.0) / _PIECES
     table = hermite.table(hermite.products(x, x))[:, hermite.VALUE]
-    places = np.einsum("ga,maj->mgj", table, shell.model.vectors(frames))
+    places = np.einsum("ga,maj->mgj", table, shell.model.hermite_vectors(frames))
     number = np.arange(len(table)).reshape(len(x), len(x))
     corners = number[:-1, :-1], number[1:, :-1], number[:-1, 1:], number[1:, 1:]
     return places, np.stack(corners, axis=-1).reshape(-1, 4)

@@ -84,7 +84,7 @@ class BodyInfo(Summarised):
 def _recorded_kinds(model: BodyModel) -> Indices:
     """Node types, with FRAME only for nodes whose axes follow from their velocities."""
     kinds = model.node_types
-    if model.follower() is None:
+    if model.axes_update() is None:
         return kinds
     set_by_body = (kinds == NodeType.FRAME) & model.held[:, 3:].any(axis=1)
     return np.where(set_by_body, int(NodeType.POSITION), kinds)

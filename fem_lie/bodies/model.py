@@ -17,7 +17,7 @@ from fem_lie._arrays import Array, Flags, Indices, text
 from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import TRAITS, NodeType, all_axes, rigid_motions
-from fem_lie.lie.node_types.floating import WithinFrame
+from fem_lie.lie.node_types.floating import FloatingModes
 
 if TYPE_CHECKING:
     import dolfinx
@@ -49,7 +49,7 @@ class FoldedElementError(ArithmeticError):
 
 
 @dataclass(frozen=True, eq=False)
-class Turning:
+class RotationLimit:
     """Limit of the relative rotation along the elements of a body.
 
     Attributes:
@@ -99,7 +99,7 @@ def check_nodes(label: str, kinds: Indices, frames: Array, velocities: Array) ->
         )
 
 
-Follower: TypeAlias = Callable[[Array], None]
+AxesUpdate: TypeAlias = Callable[[Array], None]
 """Function that rotates the axes of a body's nodes with its deformation.
 
 It changes their coordinates (n, 4, 3) by :func:`fem_lie.lie.node_types.set_axes`, and may set
@@ -142,9 +142,9 @@ class BodyModel:
         supports: Axes fixed in space along which ``held`` translations are, nan where they are the
             node's own, shape (n, 3, 3).
         group: Group on which its nodes move in time integration.
-        uncoupled: Whether statics moves its nodes, their masters and nodes attached to them by ``x
-            + R u``, ``R exp(η₁, η₂, 0) exp(η₃)`` instead of ``H exp(h)``.
-        compound: Whether a point consists of several nodes.
+        separates_director: Whether statics moves its nodes, their masters and nodes attached to
+            them by ``x + R u``, ``R exp(η₁, η₂, 0) exp(η₃)`` instead of ``H exp(h)``.
+        has_paired_nodes: Whether a point consists of several nodes.
         size: Characteristic length of the body, for tolerances.
         point_names: Node of each named point.
         name: Name in messages and results; the scene chooses one if it is empty.
@@ -158,8 +158,8 @@ class BodyModel:
         thickness: Thickness of these cells, for drawing, shape (m,).
     """
 
-    uncoupled: ClassVar[bool] = False
-    compound: ClassVar[bool] = False
+    separates_director: ClassVar[bool] = False
+    has_paired_nodes: ClassVar[bool] = False
     group: Group = Group.SE3
     start_frames: Array | None = None
     source: dolfinx.mesh.Mesh | None = None
@@ -211,7 +211,7 @@ class BodyModel:
         return self.name or self.class_name
 
     @property
-    def kind(self) -> Hashable:
+    def assembly_key(self) -> Hashable:
         """Key of bodies that are assembled together by :meth:`assemble`."""
         return type(self).__name__
 
@@ -220,7 +220,7 @@ class BodyModel:
         """Assembly of all bodies of one kind, or ``None`` if they are rigid.
 
         Args:
-            models: Models of one :attr:`kind`; either all or none of them have drilling rotations.
+            models: Models of one :attr:`assembly_key`; all or none of them have drilling rotations.
             holds: Rotations of their nodes that joints, motions and moments act on.
         """
         return None
@@ -368,12 +368,12 @@ class BodyModel:
         return np.empty((0, 2), dtype=np.int64)
 
     @property
-    def absent(self) -> Flags:
+    def missing_unknowns(self) -> Flags:
         """Mask of unknowns that nodes do not have, beyond those absent in their type, (n, 6)."""
         return np.zeros((len(self.frames), 6), dtype=bool)
 
     @property
-    def goes_straight(self) -> bool:
+    def separates_rotation(self) -> bool:
         """Whether statics moves its frames, too, by ``x + R u``, ``R exp(η)``.
 
         Position nodes move along straight lines. A screw motion by a large rotation would move the
@@ -381,7 +381,7 @@ class BodyModel:
         """
         return False
 
-    def follower(self) -> Follower | None:
+    def axes_update(self) -> AxesUpdate | None:
         """Function that rotates nodal axes with an accepted state, or ``None`` if nodes do so."""
         return None
 
@@ -398,11 +398,11 @@ class BodyModel:
         """Whether its elements are tension-only, with an energy that is still convex."""
         return False
 
-    def within_frame(self) -> WithinFrame | None:
+    def floating_modes(self) -> FloatingModes | None:
         """Modal mass and stiffness of a body that deforms within one frame; ``None`` for others."""
         return None
 
-    def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
+    def has_drilling(self, holds: Sequence[HeldRotation] = ()) -> bool:
         """Whether its nodes have rotations about their third directors.
 
         Args:
@@ -413,13 +413,13 @@ class BodyModel:
         """
         return True
 
-    def drilling_given(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
+    def drilling_for(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
         """Whether nodes have drilling rotations for these holds, and the stiffness of each cell.
 
         Args:
             holds: Rotations of nodes that joints, motions and moments act on.
         """
-        return self.drills(holds), None
+        return self.has_drilling(holds), None
 
     def check(self) -> None:
         """Raise ``ValueError`` if a user has set invalid frames or velocities."""
@@ -457,7 +457,7 @@ class BodyModel:
         """
         return
 
-    def turning(self) -> Turning | None:
+    def rotation_limit(self) -> RotationLimit | None:
         """Limit of rotations along its elements, or ``None`` if it has no such elements."""
         return None
 

@@ -91,7 +91,7 @@ class NodeAxes:
             body: A body of the scene.
             frames: Nodal frames, shape (n, 4, 3).
         """
-        if body.model.uncoupled:
+        if body.model.separates_director:
             raise ValueError(
                 f"nodes of {body.label} have no drilling rotation, so their frames are no floating "
                 "frame: use MeanAxes()"
@@ -102,7 +102,7 @@ class NodeAxes:
 
 def directors(body: Body) -> list[int]:
     """Rows of frames that follow the rigid motion: for shells only the third director."""
-    return [3] if body.model.uncoupled else [1, 2, 3]
+    return [3] if body.model.separates_director else [1, 2, 3]
 
 
 class LocalMotion(NamedTuple):
@@ -144,7 +144,7 @@ def local_motion(body: Body, frames: Array, axes: Axes) -> LocalMotion:
     G = axes.motion(body, frames)
     back = lie.se3_compose(lie.se3_inverse(G)[:, np.newaxis], frames)
     relative = lie.se3_compose(lie.se3_inverse(body.frames), back)
-    if body.model.uncoupled:
+    if body.model.separates_director:
         relative[:, :, 1:] = _tilted(relative[:, :, 3])
     return LocalMotion(G, np.asarray(lie.se3_log(relative)))
 

@@ -146,7 +146,7 @@ class ReducedForces:
             raise ValueError(
                 f"the basis belongs to {basis.body.label}, which is not the body of the scene"
             )
-        if body.model.uncoupled:
+        if body.model.separates_director:
             raise ValueError(
                 f"nodes of {body.label} have no drilling rotation: reduced forces are implemented "
                 "for beams only"

@@ -137,7 +137,7 @@ def loads_of(scene: Scene, basis: Basis) -> ReducedLoads:
         )
     shapes = basis.shapes.transpose(1, 2, 0)
     held = unknowns.held[unknowns.bodies[body]]
-    if body.model.uncoupled:
+    if body.model.separates_director:
         held = held & ~np.eye(6, dtype=bool)[5]
     if np.abs(shapes[held]).max(initial=0.0) > _HELD * np.abs(shapes).max():
         raise ValueError(f"modes move fixed nodes of {body.label}")

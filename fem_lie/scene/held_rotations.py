@@ -66,7 +66,7 @@ def _by_connection(item: Connection) -> Iterator[tuple[Body, HeldRotation]]:
 
 
 def _asks(body: Body) -> bool:
-    return body.model.uncoupled or body.model.node_type == NodeType.POSITION
+    return body.model.separates_director or body.model.node_type == NodeType.POSITION
 
 
 def _by_each_other(what: str, a: Point, b: Point) -> Iterator[tuple[Body, HeldRotation]]:

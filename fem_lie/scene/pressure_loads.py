@@ -151,7 +151,7 @@ class SurfacePressure(Load):
         values = np.empty((len(chosen), 4))
         values[:, 1:] = self.gradient
         if isinstance(shell, SmoothSurface):
-            centres = shell.model.middles()
+            centres = shell.model.cell_centres()
         else:
             centres = shell.model.mesh.points[shell.model.mesh.corners].mean(axis=1)
         for row, cell in enumerate(chosen):

@@ -198,7 +198,7 @@ class Scene(Summarised):
         touching = [*self.contacts, *self.impacts]
         return held_in([*between, *touching, *self.loads, *self.motions])
 
-    def drills(self, body: Body) -> bool:
+    def has_drilling(self, body: Body) -> bool:
         """Whether the nodes of a body have a drilling rotation in this scene.
 
         For a shell: whether it has six parameters per node here.
@@ -209,8 +209,8 @@ class Scene(Summarised):
         Raises:
             ValueError: The body is not in the scene.
         """
-        self._check_points("drills", body)
-        return body.model.drills(self.held_rotations().get(body.model, ()))
+        self._check_points("has_drilling", body)
+        return body.model.has_drilling(self.held_rotations().get(body.model, ()))
 
     def with_loads(self, *loads: Load, gravity: npt.ArrayLike | None = None) -> Scene:
         """Copy of the scene with other loads, for parameter sweeps; it reuses the setup.
@@ -349,4 +349,4 @@ class Scene(Summarised):
 
     def _check_rotations(self, item: Holding) -> None:
         for body, hold in held_by(item):
-            body.model.drills([hold])
+            body.model.has_drilling([hold])

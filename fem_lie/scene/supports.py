@@ -43,7 +43,7 @@ class Clamp:
         if self.point.is_ground:
             raise ValueError("a clamp needs a point of a body, got ground")
         body = self.point.body
-        if body is not None and body.model.compound:
+        if body is not None and body.model.has_paired_nodes:
             raise ValueError(
                 f"a clamp holds one node, and a point of {body.label} is several: hold it by "
                 f"{type(body).__name__}.clamp"

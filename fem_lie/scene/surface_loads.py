@@ -52,7 +52,7 @@ class EdgeLoad(NodalLoad):
         """Raise ``ValueError`` if it is not finite, or there is no such curve or no outer side."""
         super().check()
         if isinstance(self.shell, SmoothSurface):
-            self.shell.model.on_edge(self.curve)
+            self.shell.model.edge_quadrature(self.curve)
             if self.following or np.any(self.moment):
                 self.shell.model.require_frames("a moment, or a follower load,")
             return
@@ -87,9 +87,9 @@ class EdgeLoad(NodalLoad):
         return super().on_directors()
 
     def _on_rows(self, shell: SmoothSurface) -> Array:
-        at = shell.model.on_edge(self.curve)
+        at = shell.model.edge_quadrature(self.curve)
         force = np.asarray(self.force, dtype=np.float64)
-        return shell.model.consistent(at, np.broadcast_to(force, at.positions.shape))
+        return shell.model.consistent_forces(at, np.broadcast_to(force, at.positions.shape))
 
     def _axes(self, shell: Shell, edges: Indices) -> Array:
         """Tangent, outward normal and director at the nodes of each edge, (e, 3, 2 or 3, 3)."""
@@ -149,9 +149,9 @@ class SurfaceLoad(NodalLoad):
 
     def _on_rows(self, shell: SmoothSurface) -> Array:
         """Consistent forces on the nodal coordinates (position and gradients), shape (n, 4, 3)."""
-        at = shell.model.on_cells(self.cells)
+        at = shell.model.cell_quadrature(self.cells)
         factors = self._factors()[at.cells, np.newaxis, np.newaxis]
-        return shell.model.consistent(at, factors * self._density(at.positions))
+        return shell.model.consistent_forces(at, factors * self._density(at.positions))
 
     def _density(self, positions: Array) -> Array:
         """Load at points of the unloaded surface (c, g, 3), same shape."""

@@ -26,7 +26,9 @@ def in_one_line(
     """
     total, n = numbering.total, numbering.count
     flat, others = int(on_r3(kinds).sum()), int((kinds >= POSITION_GRADIENT).sum())
-    shells = [(body, six) for body, six in numbering.drills.items() if body.model.uncoupled]
+    shells = [
+        (body, six) for body, six in numbering.has_drilling.items() if body.model.separates_director
+    ]
     parts = [
         f"{total} nodes, {total - n} of them rigidly attached, {m} constraints",
         f"{n - flat - others} nodes on SE(3), {flat} on R³×SO(3), all with three rotations; "

@@ -70,7 +70,7 @@ class Cut(NamedTuple):
     @classmethod
     def of(cls, shell: Shell) -> Cut:
         """Cut all cells of a shell."""
-        mesh, n = shell.model.own_mesh, len(shell.frames)
+        mesh, n = shell.model.cut_mesh, len(shell.frames)
         pairs = np.array(basix.topology(basix.CellType[mesh.cell])[1])
         sides = np.sort(mesh.cells[:, pairs], axis=2)
         ends, number, met = np.unique(
@@ -92,13 +92,13 @@ class Cut(NamedTuple):
         fine = copy(shell)
         fine.model.frames = frames_with(points, directors)
         fine.frames[:n] = shell.frames
-        fine.model.mesh = fine.model.own_mesh = SurfaceMesh(points, cells, mesh.cell, normals)
+        fine.model.mesh = fine.model.cut_mesh = SurfaceMesh(points, cells, mesh.cell, normals)
         fine.model.connectivity, fine.model.source, fine.model.has_mass = cells, None, False
         fine.model.stiffness = np.repeat(shell.model.stiffness, 4, axis=0)
         fine.model.axes = np.repeat(shell.model.axes, 4, axis=0)
         separate, own = copy(fine), np.arange(cells.size).reshape(cells.shape)
         separate.model.frames, separate.model.connectivity = fine.frames[cells.ravel()], own
-        separate.model.mesh = separate.model.own_mesh = SurfaceMesh(
+        separate.model.mesh = separate.model.cut_mesh = SurfaceMesh(
             points[cells.ravel()], own, mesh.cell, normals
         )
         clamped: Flags = np.asarray(shell.model.held[:, :_FIVE].all(axis=1))
@@ -117,7 +117,7 @@ def shapes_of_parts(cell: str) -> Array:
 
 def areas_of(shell: Shell) -> Array:
     """Integration weights (areas) of the integration points, shape (m, g)."""
-    mesh = shell.model.own_mesh
+    mesh = shell.model.cut_mesh
     rule, weights = integration(shell)
     tangents = CellPoints.of(mesh, rule).tangents(mesh.points[mesh.cells])
     return np.asarray(weights * np.linalg.norm(np.cross(*np.moveaxis(tangents, 2, 0)), axis=-1))
@@ -140,7 +140,7 @@ def on_all_nodes(cut: Cut, frames: Array) -> Array:
     coarse.add_forces(rows, forces)
     acts = _global(frames, forces[coarse.order])
     new, edges = _on_new_nodes(cut, acts), len(cut.ends)
-    corners = shell.model.own_mesh.cells
+    corners = shell.model.cut_mesh.cells
     for givers, taken in ((cut.ends, new[:edges]), (corners[: len(new) - edges], new[edges:])):
         each = np.repeat(taken / givers.shape[1], givers.shape[1], axis=0)
         np.subtract.at(acts, givers.ravel(), each)
@@ -158,7 +158,7 @@ def _on_new_nodes(cut: Cut, acts: Array) -> Array:
     rest = acts - per_area * carried[:, np.newaxis]
     density = [_least(per_area[cut.ends])]
     if len(cut.fine.frames) > count + len(cut.ends):
-        density.append(_least(per_area[shell.model.own_mesh.cells]))
+        density.append(_least(per_area[shell.model.cut_mesh.cells]))
     fine = _carried(cut.fine, len(cut.fine.frames))[count:]
     found = np.concatenate(density) * fine[:, np.newaxis]
     found[np.flatnonzero(cut.border)] += _on_borders(shell, cut.ends[cut.border], rest)
@@ -188,7 +188,7 @@ def _least(values: Array) -> Array:
 
 def _carried(shell: Shell, count: int) -> Array:
     """Tributary area of each node, shape (count,)."""
-    mesh = shell.model.own_mesh
+    mesh = shell.model.cut_mesh
     rule, _ = integration(shell)
     shares = areas_of(shell) @ tabulated(mesh.cell, 1, rule)[0]
     return np.asarray(np.bincount(mesh.cells.ravel(), shares.ravel(), minlength=count))
@@ -196,7 +196,7 @@ def _carried(shell: Shell, count: int) -> Array:
 
 def _beyond(shell: Shell, values: Array) -> Array:
     """Values (n, 6) at all nodes; unknown ones are the mean over the cells around the node."""
-    cells = shell.model.own_mesh.cells
+    cells = shell.model.cut_mesh.cells
     known = np.isfinite(values)
     filled = np.where(known, values, 0.0)
     total = np.maximum(known[cells].sum(axis=1), 1)
@@ -230,7 +230,7 @@ class Patches(NamedTuple):
     @classmethod
     def of(cls, cut: Cut) -> Patches:
         """Local problems of a refined shell."""
-        corners, (m, k) = cut.shell.model.own_mesh.cells, cut.shell.model.own_mesh.cells.shape
+        corners, (m, k) = cut.shell.model.cut_mesh.cells, cut.shell.model.cut_mesh.cells.shape
         n, N, edges = len(cut.shell.frames), len(cut.fine.frames), len(cut.ends)
         middles = np.arange(n + edges, N)
         about = [np.arange(n), cut.ends.ravel(), corners[: len(middles)].ravel()]

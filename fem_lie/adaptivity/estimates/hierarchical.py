@@ -55,7 +55,7 @@ def shell_hierarchical(
             f"hierarchical errors need cells of degree 1, those of {shell.label} are of degree "
             f"{shell.model.mesh.degree}: use RecoveryEstimate()"
         )
-    corners = shell.model.own_mesh.cells.shape[1]
+    corners = shell.model.cut_mesh.cells.shape[1]
     if len(shell.frames) < corners + 2:
         raise ValueError(
             f"hierarchical errors need {corners + 2} nodes or more, {shell.label} has "
@@ -67,7 +67,7 @@ def shell_hierarchical(
 
 
 def _cut_errors(cut: Cut, patches: Patches, frames: Array) -> ElementErrors:
-    shell, cells = cut.shell, cut.fine.model.own_mesh.cells
+    shell, cells = cut.shell, cut.fine.model.cut_mesh.cells
     stress = ShellStress.of(shell)
     own, (rule, _) = stress(frames), integration(shell)
     inside = _at_parts(shell, rule) @ own[:, np.newaxis]  # (m, 4, g, 8)
@@ -92,7 +92,7 @@ def _cut_errors(cut: Cut, patches: Patches, frames: Array) -> ElementErrors:
 
 def _slopes(cut: Cut, H: Array) -> Array:
     """Derivatives of stress in nodal twists of each fine cell, shape (4 m, g, 8, k, 5)."""
-    stress, cells = ShellStress.of(cut.separate), cut.fine.model.own_mesh.cells
+    stress, cells = ShellStress.of(cut.separate), cut.fine.model.cut_mesh.cells
     frames, found = H[cells.ravel()], []
     for place in range(cells.shape[1]):
         for unit_of, size in zip(
@@ -121,7 +121,7 @@ def _supports(cut: Cut, H: Array) -> tuple[Array, Flags]:
 
 def _at_parts(shell: Shell, rule: Array) -> Array:
     """Interpolation from integration points of a cell to those of each part, shape (4, g, g)."""
-    mesh = shell.model.own_mesh
+    mesh = shell.model.cut_mesh
     corners = extrapolation(mesh, rule)
     places = tabulated(mesh.cell, 1, rule)[0]
     return np.asarray(places @ shapes_of_parts(mesh.cell) @ corners)
@@ -148,7 +148,7 @@ def _between(cut: Cut, frames: Array) -> Array:
     )
     found = [frames, frames_with(height, up)]
     if len(cut.fine.frames) > n + edges:
-        corners = frames[shell.model.own_mesh.cells]
+        corners = frames[shell.model.cut_mesh.cells]
         ends = frames[cut.ends, 0].mean(axis=1)
         bulge = (height - ends)[cut.sides].sum(axis=1) / 2.0
         found.append(

@@ -141,7 +141,7 @@ def shell_fields(
     """
     series = resultant_series(result, shell, states=steps)
     rule, _ = integration(shell)
-    shapes = CellPoints.of(shell.model.own_mesh, rule).shapes
+    shapes = CellPoints.of(shell.model.cut_mesh, rule).shapes
     compliance = ShellStress.of(shell).compliance
     return [_shell_fields(found, shapes, compliance) for found in series]
 
@@ -192,7 +192,7 @@ def thin_fields(
     own = [e @ stiffness for e in strains]
     recovered = _recovered(shell, own)
     _, slopes, weights = shell.model.surface_rule()
-    r1, r2 = np.einsum("gka,maj->kmgj", slopes, shell.model.vectors())
+    r1, r2 = np.einsum("gka,maj->kmgj", slopes, shell.model.hermite_vectors())
     areas = np.linalg.norm(np.cross(r1, r2), axis=-1) * weights
     return [
         StressFields(σ, better, areas, compliance) for σ, better in zip(own, recovered, strict=True)
@@ -231,7 +231,7 @@ def _recovered(shell: ThinShell, stresses: list[Array]) -> list[Array]:
 
 def _points(shell: ThinShell, at: Array) -> _Points:
     table = hermite.table(at)[:, : hermite.ACROSS + 1]
-    positions, r1, r2 = np.einsum("gka,maj->kmgj", table, shell.model.vectors())
+    positions, r1, r2 = np.einsum("gka,maj->kmgj", table, shell.model.hermite_vectors())
     n = np.cross(r1, r2)
     n /= np.linalg.norm(n, axis=-1, keepdims=True)
     return _Points(positions, _in_plane(shell.model.axes[:, np.newaxis], n), n)

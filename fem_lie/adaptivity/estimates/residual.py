@@ -79,7 +79,7 @@ class EdgeLayers:
             turns: Rotation of stress from axes of the sections to axes of the edges, shape (m, c,
                 8, 8).
         """
-        mesh, c = shell.model.own_mesh, len(ends)
+        mesh, c = shell.model.cut_mesh, len(ends)
         cell, side = np.divmod(edges, c)
         nodes, x = mesh.cells[cell], mesh.points
         pair = np.take_along_axis(nodes, ends[side], axis=1)
@@ -132,7 +132,7 @@ def _couples(
     row = np.repeat(np.arange(len(number)), last - first)
     offset = np.arange(len(row)) - np.repeat(np.cumsum(last - first) - (last - first), last - first)
     cell, node = np.divmod(corner[first[row] + offset], k)
-    mesh = shell.model.own_mesh
+    mesh = shell.model.cut_mesh
     tangents = positions.points.tangents(mesh.points[mesh.cells])[cell]
     slopes = np.broadcast_to(
         np.moveaxis(positions.points.slopes[:, :, node], 2, 0).swapaxes(1, 2)[..., np.newaxis],
@@ -314,7 +314,7 @@ class ShellEdges:
 
     @classmethod
     def _found(cls, shell: Shell) -> ShellEdges:
-        mesh = shell.model.own_mesh
+        mesh = shell.model.cut_mesh
         if mesh.degree != 1:
             raise ValueError(
                 f"residual errors need cells of degree 1, those of {shell.label} are of degree "
@@ -382,7 +382,7 @@ def _shares(cell: str, known: Flags) -> Array:
 
 def _turns(shell: Shell, ends: Indices) -> Array:
     """Rotation of components from the axes of the sections to those of edges, (m, c, 8, 8)."""
-    mesh = shell.model.own_mesh
+    mesh = shell.model.cut_mesh
     normals = unit(mesh.normals[:, ends].sum(axis=2))
     along = np.diff(mesh.points[mesh.cells[:, ends]], axis=2)[:, :, 0]
     # the same direction on both sides

@@ -18,7 +18,7 @@ from fem_lie.bodies.beams.sectioned import (
     without_rotary_inertia,
 )
 from fem_lie.bodies.body import Point
-from fem_lie.bodies.model import MaterialPoint, Turning
+from fem_lie.bodies.model import MaterialPoint, RotationLimit
 from fem_lie.elements.beams.element import BeamFormulation
 from fem_lie.elements.beams.geodesic import GeodesicBeam
 from fem_lie.lie.node_types import NodeType
@@ -75,13 +75,13 @@ class BeamModel(LineModel):
         a, b = self.frames[self.elements[:, :2]].transpose(1, 0, 2, 3)
         return self.formulation.effective_stiffness(self.stiffness, lie.se3_relative(a, b))
 
-    def turning(self) -> Turning:
+    def rotation_limit(self) -> RotationLimit:
         """Limit of the relative rotation of the frames at both ends of each element."""
         along = self.elements[:, [0, *range(2, self.elements.shape[1]), 1]]
         limit, numbers = self.formulation.largest_turn, np.arange(len(along))
         # edges joined by rotational springs are inclined to the frames at their ends
         lengths = self.lengths if self.formulation.bends else None
-        return Turning(along, numbers, limit, whole=True, lengths=lengths)
+        return RotationLimit(along, numbers, limit, whole=True, lengths=lengths)
 
 
 class Beam(LineBody):

@@ -95,7 +95,7 @@ class LineModel(SectionedModel):
         return self.formulation.node_type
 
     @property
-    def kind(self) -> Hashable:
+    def assembly_key(self) -> Hashable:
         """Key of bodies that are assembled together: same class and formulation."""
         return type(self), self.formulation
 
@@ -106,7 +106,7 @@ class LineModel(SectionedModel):
 
     @classmethod
     def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
-        """Assembly of all bodies of one :attr:`kind`."""
+        """Assembly of all bodies of one :attr:`assembly_key`."""
         return BeamAssembly(models)
 
     @property

@@ -78,13 +78,13 @@ class ElementModel(BodyModel):
         return self._types
 
     @property
-    def kind(self) -> Hashable:
+    def assembly_key(self) -> Hashable:
         """Key of bodies that are assembled together: those of one element."""
         return type(self), self.functions
 
     @classmethod
     def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
-        """Assembly of all bodies of one :attr:`kind`."""
+        """Assembly of all bodies of one :attr:`assembly_key`."""
         return assemble_cells(models[0].element, models[0].functions, models)
 
     def element_data(self) -> Array:

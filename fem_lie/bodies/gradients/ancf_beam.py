@@ -100,19 +100,19 @@ class AncfBeamModel(SectionPointsModel):
         )
 
     @property
-    def kind(self) -> Hashable:
+    def assembly_key(self) -> Hashable:
         """Key of beams that are assembled together: same class and formulation."""
         return type(self), self.formulation
 
     @classmethod
     def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
-        """Assembly of all beams of one :attr:`kind`, with their warping springs."""
+        """Assembly of all beams of one :attr:`assembly_key`, with their warping springs."""
         assembly = assemble_cells(ancf.ELEMENT, ancf.FUNCTIONS, models)
         starts = np.cumsum([0, *(len(model.frames) for model in models)])
         found = [
             part._replace(nodes=part.nodes + start)
             for model, start in zip(models, starts, strict=False)
-            for part in model.restraints
+            for part in model.warping_springs
         ]
         if found:
             assembly.further_terms.append(Warping(WarpingSprings.joined(found), assembly.count))
@@ -133,11 +133,11 @@ class AncfBeamModel(SectionPointsModel):
         return self.formulation.inertia(self.density, self.lengths)
 
     @property
-    def restraints(self) -> list[WarpingSprings]:
+    def warping_springs(self) -> list[WarpingSprings]:
         """Warping springs, if there is a warping stiffness."""
         if self.warping is None:
             return []
-        held = self.unwarped()
+        held = self.clamped_sections()
         own = self.unloaded, self.elements[:, 2:], self.lengths, self.warping
         return [WarpingSprings.between(*own, held)]
 

@@ -63,7 +63,7 @@ class AncfShellModel(SmoothSurfaceModel):
         """Quadrature rule of the formulation."""
         return self.formulation.surface_rule()
 
-    def fourth(self, surface: Joined) -> tuple[Array, Array]:
+    def fourth_vectors(self, surface: Joined) -> tuple[Array, Array]:
         """Unit normals, and unit factors.
 
         Args:
@@ -89,13 +89,13 @@ class AncfShellModel(SmoothSurfaceModel):
         return lengths
 
     @property
-    def kind(self) -> Hashable:
+    def assembly_key(self) -> Hashable:
         """Key of shells that are assembled together: same class and formulation."""
         return type(self), self.formulation
 
     @classmethod
     def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
-        """Assembly of all bodies of one :attr:`kind`."""
+        """Assembly of all bodies of one :attr:`assembly_key`."""
         return assemble_cells(plate.ELEMENT, plate.FUNCTIONS, models)
 
     @property
@@ -105,13 +105,15 @@ class AncfShellModel(SmoothSurfaceModel):
 
     def element_data(self) -> Array:
         """Data of the cells, which are unloaded in their initial configuration."""
-        q = self.vectors()
+        q = self.hermite_vectors()
         C = self.formulation.stiffness(q, self.axes, self.stiffness)
         return plate.data(q, self.extraction(), C)
 
     def element_inertia(self) -> Array:
         """Mass matrix in the nodal coordinates of each cell, shape (m, 8, 4, 8, 4)."""
-        return self.on_nodes(self.formulation.inertia(self.vectors(), self.section_mass))
+        return self.nodal_matrices(
+            self.formulation.inertia(self.hermite_vectors(), self.section_mass)
+        )
 
 
 class AncfShell(SmoothSurface):

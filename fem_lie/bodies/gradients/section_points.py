@@ -12,7 +12,7 @@ from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.bodies.beams.sectioned import SectionedModel
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.gradients.axes import follow_sections
-from fem_lie.bodies.model import Follower, MaterialPoint
+from fem_lie.bodies.model import AxesUpdate, MaterialPoint
 from fem_lie.bodies.points import require_point
 from fem_lie.lie.node_types import MIXED_DERIVATIVE, NodeType
 
@@ -30,7 +30,7 @@ class SectionPointsModel(SectionedModel):
         points_count: Number of points; their second nodes come after all first nodes.
     """
 
-    compound = True
+    has_paired_nodes = True
     points_count: int
 
     @property
@@ -82,12 +82,12 @@ class SectionPointsModel(SectionedModel):
             )
         return on_section((node, node + self.points_count), _AT_A_POINT)
 
-    def unwarped(self) -> Indices:
+    def clamped_sections(self) -> Indices:
         """MIXED_DERIVATIVE nodes of clamped sections."""
         clamped = self.held[:, _TURNED].all(axis=1)
         return np.flatnonzero(clamped & (self.node_types == MIXED_DERIVATIVE))
 
-    def follower(self) -> Follower:
+    def axes_update(self) -> AxesUpdate:
         """Function that rotates the axes with the sections, except where components are held."""
         parts = self.held.reshape(2, self.points_count, 2, 3).sum(axis=-1) % 3 > 0
         moves: Flags = ~parts.any(axis=(0, 2))

@@ -14,7 +14,7 @@ from fem_lie.bodies.model import NO_HOLDS, BodyModel, Holds, MaterialPoint
 from fem_lie.bodies.reduced.assembly import ReducedAssembly
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.lie.node_types import NodeType
-from fem_lie.lie.node_types.floating import WithinFrame
+from fem_lie.lie.node_types.floating import FloatingModes
 from fem_lie.lie.node_types.floating_coordinates import all_coordinates, all_rates
 
 
@@ -119,26 +119,26 @@ class ReducedOrderModel(BodyModel):
         return kinds
 
     @property
-    def absent(self) -> Flags:
+    def missing_unknowns(self) -> Flags:
         """Mask of unused unknowns of the last modal node, shape (n, 6)."""
-        found = super().absent
+        found = super().missing_unknowns
         found.ravel()[6 + len(self.stiffness) :] = True
         return found
 
-    def within_frame(self) -> WithinFrame:
+    def floating_modes(self) -> FloatingModes:
         """Interfaces, mass matrix without that of the frame, and coefficients of the energy."""
         matrix = self.density.copy()
         matrix[:4, :4] = 0.0
-        return WithinFrame(self.within, matrix, self.stiffness, self.quadratic)
+        return FloatingModes(self.within, matrix, self.stiffness, self.quadratic)
 
     @property
-    def kind(self) -> Hashable:
+    def assembly_key(self) -> Hashable:
         """Key of bodies that are assembled together: equal numbers of interfaces and modes."""
         return type(self), len(self.stiffness), len(self.within)
 
     @classmethod
     def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
-        """Assembly of all bodies of one :attr:`kind`."""
+        """Assembly of all bodies of one :attr:`assembly_key`."""
         return ReducedAssembly(models)
 
     def coordinates(self, frames: Array) -> Array:

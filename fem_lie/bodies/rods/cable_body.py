@@ -26,7 +26,7 @@ from fem_lie._jit import compiled
 from fem_lie.bodies.beams.assembly import BeamAssembly
 from fem_lie.bodies.beams.line_body import LineBody, LineModel, Placed
 from fem_lie.bodies.body import Point
-from fem_lie.bodies.model import NO_HOLDS, Follower, HeldRotation, Holds, MaterialPoint
+from fem_lie.bodies.model import NO_HOLDS, AxesUpdate, HeldRotation, Holds, MaterialPoint
 from fem_lie.bodies.points import require_point
 from fem_lie.elements.beams.element import BeamFormulation
 from fem_lie.elements.rods.bends import BendingSprings, Bends, Successive
@@ -86,7 +86,7 @@ def _turn(
             rows[i, 1:] = new
 
 
-def following(frames: Array, edges: Indices, slopes: bool) -> Follower | None:
+def following(frames: Array, edges: Indices, slopes: bool) -> AxesUpdate | None:
     """Function that rotates the axes; ``None`` for a straight body, whose rotation is undefined.
 
     Args:
@@ -119,7 +119,7 @@ class CableModel(LineModel):
     Attributes:
         clamped: Nodes whose directions are held by rotational springs.
         follows: Whether nodal axes rotate with the body.
-        springs: Rotational springs between its elements; ``None`` if elements bend.
+        inner_springs: Rotational springs between its elements; ``None`` if elements bend.
     """
 
     def __init__(
@@ -165,10 +165,12 @@ class CableModel(LineModel):
         super().__init__(mesh, placed, sections, formulation, damping, class_name, name)
         self.clamped: list[int] = []
         self.follows = False
-        self.springs: Bends | None = None
+        self.inner_springs: Bends | None = None
         if isinstance(formulation, DiscreteCable):
             places = self.frames[:, 0]
-            self.springs = Bends.between(places, successive, self._flexibility, formulation.natural)
+            self.inner_springs = Bends.between(
+                places, successive, self._flexibility, formulation.natural
+            )
 
     @classmethod
     def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
@@ -178,16 +180,16 @@ class CableModel(LineModel):
         found = [
             part._replace(nodes=assembly.order[part.nodes + start])
             for model, start in zip(models, starts, strict=False)
-            for part in model.bends
+            for part in model.bending_springs
         ]
         if found:
             assembly.further_terms.append(BendingSprings(Bends.joined(found), assembly.count))
         return assembly
 
     @property
-    def bends(self) -> list[Bends]:
+    def bending_springs(self) -> list[Bends]:
         """Rotational springs between its elements, and at clamped ends; empty if elements bend."""
-        if self.springs is None:
+        if self.inner_springs is None:
             return []
         edges = np.array([self.edge_at(node) for node in self.clamped], dtype=np.int64)
         ends = self.elements[edges]
@@ -199,7 +201,7 @@ class CableModel(LineModel):
         signs = np.sign(np.einsum("bj,bj->b", tangents, inwards))
         fixed = tangents * (signs * np.linalg.norm(inwards, axis=1))[:, np.newaxis]
         pairs = np.column_stack([nodes, other])
-        return [self.springs, Bends.at_ends(pairs, fixed, self._flexibility[edges])]
+        return [self.inner_springs, Bends.at_ends(pairs, fixed, self._flexibility[edges])]
 
     def closest(self, position: Array) -> MaterialPoint:
         """Closest node: joints and loads act at nodes only.
@@ -209,21 +211,21 @@ class CableModel(LineModel):
         """
         return self.numbered(self.closest_node(position))
 
-    def follower(self) -> Follower | None:
+    def axes_update(self) -> AxesUpdate | None:
         """Function that rotates the axes, after a call of :meth:`follow`."""
         return self.rotating_axes() if self.follows else None
 
-    def rotating_axes(self) -> Follower | None:
+    def rotating_axes(self) -> AxesUpdate | None:
         """Function that rotates the axes; ``None`` if the body is straight."""
         return following(self.frames, self.elements, self.node_type == NodeType.POSITION_GRADIENT)
 
-    def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
+    def has_drilling(self, holds: Sequence[HeldRotation] = ()) -> bool:
         """Whether nodes rotate about their third axes: true unless they have positions only.
 
         Raises:
             ValueError: Nodes have positions only, and a joint or load acts on their rotations.
         """
-        if self.springs is not None and any(hold.needed for hold in holds):
+        if self.inner_springs is not None and any(hold.needed for hold in holds):
             self.require_direction(0)
         return True
 
@@ -233,7 +235,7 @@ class CableModel(LineModel):
         Args:
             node: Number of the node.
         """
-        if self.springs is not None:
+        if self.inner_springs is not None:
             raise ValueError(
                 f"{self.label} has positions and no directions at its nodes: clamp its ends by "
                 "clamp(point), or hold positions by pin(point) and spherical joints"
@@ -311,7 +313,7 @@ class CableBody(LineBody):
             TypeError: An argument is not a point.
         """
         model, nodes = self.model, self._own(points, "clamp")
-        if model.springs is not None:
+        if model.inner_springs is not None:
             for node in nodes:
                 model.edge_at(node)
             model.clamped += [node for node in nodes if node not in model.clamped]

@@ -13,7 +13,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.beams.assembly import BeamAssembly
 from fem_lie.bodies.beams.beam import Beam, BeamModel
 from fem_lie.bodies.beams.sectioned import Sections
-from fem_lie.bodies.model import NO_HOLDS, Follower, Holds
+from fem_lie.bodies.model import NO_HOLDS, AxesUpdate, Holds
 from fem_lie.elements.beams.centres import torsion_about_centres
 from fem_lie.elements.beams.element import BeamFormulation
 from fem_lie.elements.rods.corners import Corners, CornerSprings
@@ -47,10 +47,11 @@ class RodModel(BeamModel):
     """Model of a rod.
 
     Attributes:
-        corners: Rotational springs between its edges; ``None`` if elements have bending stiffness.
+        corner_springs: Rotational springs between its edges; ``None`` if elements have bending
+            stiffness.
     """
 
-    corners: Corners | None = None
+    corner_springs: Corners | None = None
 
     @classmethod
     def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
@@ -58,9 +59,9 @@ class RodModel(BeamModel):
         assembly = BeamAssembly(models)
         starts = np.cumsum([0, *(len(model.frames) for model in models)])
         found = [
-            model.corners._replace(nodes=assembly.order[model.corners.nodes + start])
+            model.corner_springs._replace(nodes=assembly.order[model.corner_springs.nodes + start])
             for model, start in zip(models, starts, strict=False)
-            if model.corners is not None
+            if model.corner_springs is not None
         ]
         if found:
             joined = Corners(*(np.concatenate(column) for column in zip(*found, strict=True)))
@@ -68,18 +69,18 @@ class RodModel(BeamModel):
         return assembly
 
     @property
-    def goes_straight(self) -> bool:
+    def separates_rotation(self) -> bool:
         """Whether statics moves its end frames by ``x + R u``: if it consists of edges."""
-        return self.corners is not None
+        return self.corner_springs is not None
 
     @property
     def edge_frames(self) -> Indices:
         """Nodes with a frame on an edge, and the other nodes: all edges but the first."""
-        return super().edge_frames if self.corners is None else self.elements[1:]
+        return super().edge_frames if self.corner_springs is None else self.elements[1:]
 
-    def follower(self) -> Follower | None:
+    def axes_update(self) -> AxesUpdate | None:
         """Function that rotates the frames of edges with them by the smallest rotation."""
-        if self.corners is None:
+        if self.corner_springs is None:
             return None
         inside, after = self.edge_frames.T
 
@@ -97,7 +98,7 @@ class RodModel(BeamModel):
             about: Position at rest, shape (3,).
         """
         super().add_rigid_motion(translation, spin, about)
-        if self.corners is not None:
+        if self.corner_springs is not None:
             self.velocities[self.elements[1:, 0], 4:] = 0.0
 
     def follow_cubics(self, slopes: Array | None) -> None:
@@ -206,4 +207,4 @@ class Rod(Beam):
             if isinstance(mesh, LineMesh):
                 model.follow_cubics(mesh.slopes)
         if isinstance(model.formulation, DiscreteRod):
-            model.corners = model.made_of_edges(model.formulation)
+            model.corner_springs = model.made_of_edges(model.formulation)

@@ -9,9 +9,9 @@ import basix
 import numpy as np
 
 from fem_lie._arrays import Array, Indices, log_coincident
-from fem_lie.bodies.model import NO_HOLDS, BodyModel, HeldRotation, Holds, Turning
+from fem_lie.bodies.model import NO_HOLDS, BodyModel, HeldRotation, Holds, RotationLimit
 from fem_lie.bodies.shells.assembly import ShellAssembly, weighted_surface_cells
-from fem_lie.bodies.shells.placing import frames_with, own_mesh
+from fem_lie.bodies.shells.placing import cut_mesh, frames_with
 from fem_lie.elements.shells.drilling import drilling_stiffness
 from fem_lie.elements.shells.element import ShellFormulation
 from fem_lie.lie.motions import Group
@@ -27,7 +27,7 @@ class ShellModel(BodyModel):
     Attributes:
         mesh: Surface mesh; its points are the first nodes of the body.
         connectivity: Nodes of each cell, shape (m, k).
-        own_mesh: Surface mesh on these nodes, cut along kinks and branches.
+        cut_mesh: Surface mesh on these nodes, cut along kinks and branches.
         stiffness: Section stiffness of each cell, shape (m, 8, 8).
         density: Mass matrix per area in (position, director) of each cell, shape (m, 2, 2).
         has_mass: Whether all cells have inertia.
@@ -37,7 +37,7 @@ class ShellModel(BodyModel):
         convected_axes: Whether frames rotate about their directors with the mid-surface.
     """
 
-    uncoupled = True
+    separates_director = True
     group = Group.R3xSO3
 
     def __init__(
@@ -85,7 +85,7 @@ class ShellModel(BodyModel):
             masters=patches.masters,
             name=name,
         )
-        self.own_mesh = own_mesh(mesh, patches)
+        self.cut_mesh = cut_mesh(mesh, patches)
         log_coincident(self.label, mesh.points)
         self.faces = mesh.corners_of(patches.cells)
         self.thickness = np.array([s.thickness for s in sections], dtype=np.float64)
@@ -94,7 +94,7 @@ class ShellModel(BodyModel):
             self._refuse_with_five(f"the kink or branch at {mesh.points[patches.split[0]]}")
 
     @property
-    def kind(self) -> Hashable:
+    def assembly_key(self) -> Hashable:
         """Key of shells that are assembled together: same formulation and cell type."""
         return type(self), self.formulation, self.mesh.cell, self.mesh.degree
 
@@ -157,7 +157,7 @@ class ShellModel(BodyModel):
         else:
             held[4 - tilt] = True
 
-    def drills(self, holds: Sequence[HeldRotation] = ()) -> bool:
+    def has_drilling(self, holds: Sequence[HeldRotation] = ()) -> bool:
         """Whether nodes have a drilling rotation, given the rotations that joints and loads need.
 
         Args:
@@ -174,13 +174,13 @@ class ShellModel(BodyModel):
             return self.drilling
         return self._has_kinks or bool(needed)
 
-    def drilling_given(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
+    def drilling_for(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
         """Whether nodes have a drilling rotation for these holds, and its stiffness, shape (m,).
 
         Args:
             holds: Rotations of nodes that joints, motions and moments act on.
         """
-        drills = self.drills(holds)
+        drills = self.has_drilling(holds)
         return drills, self.drilling_stiffness(holds) if drills else None
 
     def drilling_stiffness(self, holds: Sequence[HeldRotation]) -> Array:
@@ -219,8 +219,8 @@ class ShellModel(BodyModel):
 
     @classmethod
     def assemble(cls, models: Sequence[ShellModel], holds: Holds = NO_HOLDS) -> ShellAssembly:
-        """Assemble all shells of one :attr:`kind`, with drilling if the first of them needs it."""
-        if not models[0].drills(holds.get(models[0], ())):
+        """Assembly of shells of one :attr:`assembly_key`, with drilling if the first needs it."""
+        if not models[0].has_drilling(holds.get(models[0], ())):
             return ShellAssembly(models)
         each = [model.drilling_stiffness(holds.get(model, ())) for model in models]
         return ShellAssembly(models, np.concatenate(each))
@@ -260,7 +260,7 @@ class ShellModel(BodyModel):
         speed = np.linalg.norm(np.einsum("kg,ekj->egj", dN, x), axis=2)
         return edges, np.einsum("g,kg,eg->ek", w, N, speed)
 
-    def turning(self) -> Turning:
+    def rotation_limit(self) -> RotationLimit:
         """Edges of the cells, along which rotations are limited."""
         ends = np.array(basix.topology(basix.CellType[self.mesh.cell])[1])
         along, limit = self.connectivity[:, ends], self._largest_turn()
@@ -269,7 +269,7 @@ class ShellModel(BodyModel):
             inside = self.connectivity[:, corners : corners + len(ends), np.newaxis]
             along = np.concatenate([along[:, :, :1], inside, along[:, :, 1:]], axis=2)
         elements = np.repeat(np.arange(len(along)), len(ends))
-        return Turning(along.reshape(len(elements), -1), elements, limit, whole=False)
+        return RotationLimit(along.reshape(len(elements), -1), elements, limit, whole=False)
 
     def _largest_turn(self) -> float:
         """Largest rotation along an edge of a cell that the element represents, rad."""

@@ -57,7 +57,7 @@ def axes_along(mesh: SurfaceMesh, centres: Array, along: npt.ArrayLike | Directo
     return axes
 
 
-def own_mesh(mesh: SurfaceMesh, patches: Patches) -> SurfaceMesh:
+def cut_mesh(mesh: SurfaceMesh, patches: Patches) -> SurfaceMesh:
     """Surface mesh cut along kinks and branches."""
     if not len(patches.split):
         return mesh

@@ -96,7 +96,7 @@ class SolidModel(BodyModel):
             name=name,
         )
         log_coincident(self.label, positions)
-        self.faces = self.skin.drawn()
+        self.faces = self.boundary.drawn()
         self.thickness = np.zeros(len(self.faces))
 
     def _take(self, material: SolidMaterials) -> list[SolidMaterial]:
@@ -128,7 +128,7 @@ class SolidModel(BodyModel):
         return {key: int(nodes[0]) for key, nodes in named.items() if len(nodes) == 1}
 
     @cached_property
-    def skin(self) -> Faces:
+    def boundary(self) -> Faces:
         """All facets of the boundary."""
         topology = self.mesh.mesh.topology
         topology.create_connectivity(2, 3)
@@ -141,7 +141,7 @@ class SolidModel(BodyModel):
         return NodeType.POSITION
 
     @property
-    def kind(self) -> Hashable:
+    def assembly_key(self) -> Hashable:
         """The solid itself: each solid is assembled on its own mesh."""
         return self
 

@@ -81,7 +81,7 @@ class ThinShellData(Protocol):
     damping: Damping
     has_mass: bool
 
-    def vectors(self) -> Array:
+    def hermite_vectors(self) -> Array:
         """Hermite vectors of each cell, shape (m, 16, 3)."""
 
     def element_inertia(self) -> Array:
@@ -105,7 +105,9 @@ class ThinShellAssembly(LinearisedCellTerm, BodyTerm):
         super().__init__(cells, np.arange(starts[-1]), np.arange(len(cells)))
         element = bodies[0].formulation
         self.rule = rule = element.rule()
-        sampled, strains, z = unloaded(rule, np.concatenate([body.vectors() for body in bodies]))
+        sampled, strains, z = unloaded(
+            rule, np.concatenate([body.hermite_vectors() for body in bodies])
+        )
         self.turned, areas = to_axes(z, np.concatenate([body.axes for body in bodies]))
         section = np.concatenate([body.stiffness for body in bodies])
         self.stiffness = section[:, MEMBRANE_AND_BENDING, MEMBRANE_AND_BENDING]

@@ -15,7 +15,7 @@ from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.attachments.surface import on_surface
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.closest import AT_NODE, closest_on_surface
-from fem_lie.bodies.model import Follower, MaterialPoint
+from fem_lie.bodies.model import AxesUpdate, MaterialPoint
 from fem_lie.bodies.thin_shells.assembly import follow_surface
 from fem_lie.bodies.thin_shells.given_sections import ThinSections, section_per_cell
 from fem_lie.bodies.thin_shells.integrals import Quadrature, along_edge, over_cells
@@ -67,7 +67,7 @@ class SmoothSurfaceModel(HeldSurfaceModel):
     """
 
     table: ClassVar[Callable[[Array], Array]]
-    compound = True
+    has_paired_nodes = True
 
     def __init__(
         self,
@@ -98,7 +98,7 @@ class SmoothSurfaceModel(HeldSurfaceModel):
         self._edges, self._groups = surface.edges, surface.groups
         self._corners = surface.corners
         self.points_count = count = len(surface.rows)
-        fourth, sizes = self.fourth(surface)
+        fourth, sizes = self.fourth_vectors(surface)
         self.connectivity = np.concatenate([self._corners, count + self._corners], axis=1)
         self.sizes = np.column_stack([surface.sizes, sizes, surface.hanging])
         assert self.sizes.shape[1] == SIZES
@@ -110,7 +110,7 @@ class SmoothSurfaceModel(HeldSurfaceModel):
             name=name,
         )
         follow_surface(self.frames, np.ones(count, dtype=bool))
-        middles = self.middles()
+        middles = self.cell_centres()
         sections = section_per_cell(section, middles, self.cells_of, self.label)
         self.sections = sections
         self.stiffness = np.array([s.stiffness for s in sections])
@@ -125,7 +125,7 @@ class SmoothSurfaceModel(HeldSurfaceModel):
         """Values (g, 16), slopes (g, 2, 16) and weights (g,) of a quadrature rule over a cell."""
 
     @abstractmethod
-    def fourth(self, surface: Joined) -> tuple[Array, Array]:
+    def fourth_vectors(self, surface: Joined) -> tuple[Array, Array]:
         """Fourth vector of each point (n, 3), and its factor in each cell (m,)."""
 
     @property
@@ -188,7 +188,7 @@ class SmoothSurfaceModel(HeldSurfaceModel):
         node = self.closest_node(position)
         if np.linalg.norm(self.frames[node, 0] - position) <= AT_NODE * self.size:
             return self.numbered(node)
-        vectors = self.vectors()
+        vectors = self.hermite_vectors()
 
         def surface(cell: int, at: Array) -> Array:
             return np.asarray(
@@ -198,7 +198,7 @@ class SmoothSurfaceModel(HeldSurfaceModel):
         cell, (ξ, η) = closest_on_surface(position, vectors[:, ::4], surface)
         return self.point_in_cell(cell, float(ξ), float(η))
 
-    def follower(self) -> Follower:
+    def axes_update(self) -> AxesUpdate:
         """Function that rotates the axes with the surface, except where components are held."""
         moves: Flags = ~self.axes_are_held()
 
@@ -224,7 +224,7 @@ class SmoothSurfaceModel(HeldSurfaceModel):
             raise ValueError(f"{self.label} has no patch {group!r}; it has: {known}")
         return self._groups[group]
 
-    def vectors(self, frames: Array | None = None) -> Array:
+    def hermite_vectors(self, frames: Array | None = None) -> Array:
         """Hermite vectors of each cell, shape (m, 16, 3).
 
         Args:
@@ -242,7 +242,7 @@ class SmoothSurfaceModel(HeldSurfaceModel):
             fill_hanging(int(self.sizes[cell, 3]), found[cell])
         return found
 
-    def on_rows(self, cells: Indices, values: Array) -> Array:
+    def nodal_forces(self, cells: Indices, values: Array) -> Array:
         """Forces on nodal coordinates (n, 4, 3) of forces on vectors of cells (c, 16, 3).
 
         Args:
@@ -254,16 +254,16 @@ class SmoothSurfaceModel(HeldSurfaceModel):
         np.add.at(found, (nodes, _ROW), back @ values)
         return found
 
-    def on_cells(self, group: str | None = None) -> Quadrature:
+    def cell_quadrature(self, group: str | None = None) -> Quadrature:
         """Quadrature over the cells of a patch (default: all).
 
         Args:
             group: Name of the group; default: all.
         """
         cells = self.cells_of(group)
-        return over_cells(cells, self.vectors()[cells], type(self).table)
+        return over_cells(cells, self.hermite_vectors()[cells], type(self).table)
 
-    def on_edge(self, name: str) -> Quadrature:
+    def edge_quadrature(self, name: str) -> Quadrature:
         """Quadrature along an edge.
 
         Args:
@@ -275,9 +275,9 @@ class SmoothSurfaceModel(HeldSurfaceModel):
         edge = self.edge(name)
         if edge.along < 0:
             raise ValueError(f"{name!r} of {self.label} is a corner, expected an edge")
-        return along_edge(edge, self.vectors()[edge.cells], type(self).table)
+        return along_edge(edge, self.hermite_vectors()[edge.cells], type(self).table)
 
-    def consistent(self, at: Quadrature, density: Array) -> Array:
+    def consistent_forces(self, at: Quadrature, density: Array) -> Array:
         """Consistent nodal forces (n, 4, 3) of force densities (c, g, 3) at quadrature points.
 
         Args:
@@ -285,9 +285,9 @@ class SmoothSurfaceModel(HeldSurfaceModel):
             density: Force densities, shape (c, g, 3).
         """
         on_vectors = np.einsum("cg,cga,cgj->caj", at.weights, at.values, density)
-        return self.on_rows(at.cells, on_vectors)
+        return self.nodal_forces(at.cells, on_vectors)
 
-    def on_nodes(self, M: Array) -> Array:
+    def nodal_matrices(self, M: Array) -> Array:
         """Matrices of cells (m, 16, 16) in nodal coordinates, shape (m, 8, 4, 8, 4).
 
         Args:
@@ -310,12 +310,12 @@ class SmoothSurfaceModel(HeldSurfaceModel):
             found[cells, end] = np.maximum(self._corners[cells, stays], self._corners[cells, end])
         return found
 
-    def middles(self) -> Array:
+    def cell_centres(self) -> Array:
         """Centre of each cell, shape (m, 3)."""
-        return np.asarray(self.vectors()[:, ::4].mean(axis=1))
+        return np.asarray(self.hermite_vectors()[:, ::4].mean(axis=1))
 
     def _axes_along(self, along: npt.ArrayLike | Direction | None, middles: Array) -> Array:
-        first, second = (self.vectors()[:, k::4] for k in (1, 2))
+        first, second = (self.hermite_vectors()[:, k::4] for k in (1, 2))
         if along is None:
             return np.asarray(first.mean(axis=1))
         given = [along(x) for x in middles] if callable(along) else [along] * len(middles)

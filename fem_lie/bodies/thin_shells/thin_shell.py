@@ -69,7 +69,7 @@ class ThinShellModel(SmoothSurfaceModel):
         super().__init__(surface, section, along, damping, class_name, name)
         cells = self.connectivity, self.sizes[:, :3]
         self.couplings = [
-            coupling_points(coupling, ends, self.vectors(), cells, self.stiffness)
+            coupling_points(coupling, ends, self.hermite_vectors(), cells, self.stiffness)
             for coupling in couplings
             for ends in [(self._edges[coupling.first], self._edges[coupling.second])]
         ]
@@ -78,7 +78,7 @@ class ThinShellModel(SmoothSurfaceModel):
         """Quadrature rule of the formulation."""
         return self.formulation.surface_rule()
 
-    def fourth(self, surface: Joined) -> tuple[Array, Array]:
+    def fourth_vectors(self, surface: Joined) -> tuple[Array, Array]:
         """Mixed derivative times the mean area of a cell, and its factor in each cell.
 
         Args:
@@ -89,13 +89,13 @@ class ThinShellModel(SmoothSurfaceModel):
         return mean * surface.rows[:, 3], areas / mean
 
     @property
-    def kind(self) -> Hashable:
+    def assembly_key(self) -> Hashable:
         """Key of thin shells that are assembled together: same class and formulation."""
         return type(self), self.formulation
 
     @classmethod
     def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
-        """Assembly of all bodies of one :attr:`kind`, with the springs that couple patches."""
+        """Assembly of bodies of one :attr:`assembly_key`, with springs that couple patches."""
         assembly = ThinShellAssembly(models)
         starts = np.cumsum([0, *(len(model.frames) for model in models)])
         found = [
@@ -111,7 +111,9 @@ class ThinShellModel(SmoothSurfaceModel):
 
     def element_inertia(self) -> Array:
         """Mass matrix in the nodal coordinates of each cell, shape (m, 8, 4, 8, 4)."""
-        return self.on_nodes(mass_matrices(self.formulation, self.vectors(), self.density))
+        return self.nodal_matrices(
+            mass_matrices(self.formulation, self.hermite_vectors(), self.density)
+        )
 
 
 class ThinShell(SmoothSurface):

@@ -227,10 +227,10 @@ class ContactPair(ABC):
             for node in range(len(body.frames)):
                 yield body, HeldRotation(node, by, what)
         for surface in surfaces:
-            if not any(body.model.uncoupled for body in bodies_of(surface)):
+            if not any(body.model.separates_director for body in bodies_of(surface)):
                 continue
             for owner, node in surface.moments(self.law.friction > 0.0):
-                if owner is not None and owner.model.uncoupled:
+                if owner is not None and owner.model.separates_director:
                     yield owner, HeldRotation(node, (by, node), what, needed=False)
 
 

@@ -58,7 +58,7 @@ class ShellSurface(PatchSurface):
         >>> scene = fl.Scene()
         >>> _ = scene.add(sheet)
         >>> _ = scene.add(fl.contact.Contact(surface, surface, fl.contact.Penalty(1e9)))
-        >>> scene.drills(sheet)
+        >>> scene.has_drilling(sheet)
         True
     """
 

@@ -38,7 +38,7 @@ _FORCES, _INVARIANTS, _WEIGHTS = -3, -2, -1  # addresses, at the end of the inte
 _OTHERS, _SIZE, _NUMBERS, _NODES = range(4)  # in the integers of a body; its nodes come last
 
 
-class WithinFrame(NamedTuple):
+class FloatingModes(NamedTuple):
     """Mass and stiffness of a body that deforms within the frame of its first node.
 
     Attributes:
@@ -72,7 +72,7 @@ class Floating(NamedTuple):
     numbers: Array
 
     @classmethod
-    def of(cls, bodies: list[tuple[Indices, WithinFrame]]) -> Floating:
+    def of(cls, bodies: list[tuple[Indices, FloatingModes]]) -> Floating:
         """Pack bodies with the indices of their nodes."""
         own: list[int] = []
         starts, numbers = [], [np.zeros(_HEAD)]

@@ -144,12 +144,12 @@ class Resultants(ResultantValues):
     @cached_property
     def mesh(self) -> dolfinx.mesh.Mesh:
         """The undeformed surface as a DOLFINx mesh, the domain of the functions."""
-        return dolfinx_surface(self.shell.model.own_mesh, self.shell.model.own_mesh.points)
+        return dolfinx_surface(self.shell.model.cut_mesh, self.shell.model.cut_mesh.points)
 
     @cached_property
     def deformed_mesh(self) -> dolfinx.mesh.Mesh:
         """The surface in this state as a DOLFINx mesh."""
-        return dolfinx_surface(self.shell.model.own_mesh, self.frames[:, 0])
+        return dolfinx_surface(self.shell.model.cut_mesh, self.frames[:, 0])
 
     def function(self, name: str | None = None, *, deformed: bool = False) -> fem.Function:
         """Averaged values as a continuous function of the mesh's degree.
@@ -187,7 +187,7 @@ class Resultants(ResultantValues):
             deformed: Whether its domain is :attr:`deformed_mesh`.
         """
         degree = self.shell.model.formulation.measures_for(
-            self.shell.model.own_mesh.cell, self.shell.model.own_mesh.degree
+            self.shell.model.cut_mesh.cell, self.shell.model.cut_mesh.degree
         ).quadrature_degree
         return self._function(name, self._of(name, self.at_points), quadrature(degree), deformed)
 
@@ -195,7 +195,7 @@ class Resultants(ResultantValues):
         self, name: str | None, values: Array, element: ElementMaker, deformed: bool
     ) -> fem.Function:
         mesh = self.deformed_mesh if deformed else self.mesh
-        return cells_function(mesh, self.shell.model.own_mesh, values, element, name or "N, M, Q")
+        return cells_function(mesh, self.shell.model.cut_mesh, values, element, name or "N, M, Q")
 
     # --- files and pictures ---
 
@@ -221,14 +221,14 @@ class Resultants(ResultantValues):
         x = self.frames[node, 0]
         points = {n: self.smooth(n) for n in names if comparable or not QUANTITIES[n].directional}
         points |= {
-            "displacement": x - self.shell.model.own_mesh.points[node],
+            "displacement": x - self.shell.model.cut_mesh.points[node],
             "director": self.frames[node, 3],
         }
         cells = {name: self.mean(name) for name in names}
         cells |= {f"e{i + 1}": unit(self.axes[:, :, i].mean(axis=1)) for i in (0, 1)}
         cells["thickness"] = self.shell.model.thickness
         write_surface(
-            path, x, self.stress_points.patches.number, self.shell.model.own_mesh, points, cells
+            path, x, self.stress_points.patches.number, self.shell.model.cut_mesh, points, cells
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -249,7 +249,7 @@ class Resultants(ResultantValues):
         with h5py.File(path, "w") as file:
             file.attrs.update({"format": "fem_lie resultants", "version": 1})
             file.attrs["components"] = list(COMPONENTS)
-            file["positions"] = self.shell.model.own_mesh.points[patches.node]
+            file["positions"] = self.shell.model.cut_mesh.points[patches.node]
             file["cells"], file["axes"] = patches.number, self.stress_points.shared
             file["averaged"] = self.averaged
             for name in ("in_cells", "at_points", "points", "areas", "cut_forces", "cut_moments"):
@@ -278,10 +278,10 @@ class Resultants(ResultantValues):
         """
         from fem_lie.pictures.bodies import DrawnSurface, draw_values
 
-        node, X = self.stress_points.patches.node, self.shell.model.own_mesh.points
+        node, X = self.stress_points.patches.node, self.shell.model.cut_mesh.points
         draw_values(
             path,
-            DrawnSurface(self.shell.model.own_mesh, self.stress_points.patches.number, X[node]),
+            DrawnSurface(self.shell.model.cut_mesh, self.stress_points.patches.number, X[node]),
             X[node] + magnified * (self.frames[node, 0] - X[node]),
             self.smooth(name),
             f"{name} [{QUANTITIES[name].unit(units)}]",

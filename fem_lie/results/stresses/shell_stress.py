@@ -190,7 +190,7 @@ class ShellStress:
         rule = integration(shell)[0]
         self._unloaded = self._assembly.linearised_values.copy()
         self._expression = _compat.expression(self._assembly.stress, rule)
-        self._shape = len(shell.model.own_mesh.cells), len(rule), 8
+        self._shape = len(shell.model.cut_mesh.cells), len(rule), 8
         # one scale for forces and moments: square roots of energy
         diagonals = np.diagonal(shell.model.stiffness, axis1=-2, axis2=-1)
         self._scale = 1.0 / np.sqrt(diagonals)[:, np.newaxis]
@@ -230,7 +230,7 @@ _STRESSES: WeakKeyDictionary[Shell, ShellStress] = WeakKeyDictionary()
 
 def integration(shell: Shell) -> tuple[Array, Array]:
     """Reference coordinates (g, 2) and weights (g,) of the integration points."""
-    mesh = shell.model.own_mesh
+    mesh = shell.model.cut_mesh
     degree = shell.model.formulation.measures_for(mesh.cell, mesh.degree).quadrature_degree
     points, weights = basix.make_quadrature(basix.CellType[mesh.cell], degree)
     return np.asarray(points, dtype=np.float64), np.asarray(weights, dtype=np.float64)
@@ -280,7 +280,7 @@ class StressPoints:
                 :func:`fem_lie.results.stresses.shell_resultants.resultants`.
             kink_angle: Largest angle, rad, between cells that share values.
         """
-        mesh, (rule, weights) = shell.model.own_mesh, integration(shell)
+        mesh, (rule, weights) = shell.model.cut_mesh, integration(shell)
         points, x = CellPoints.of(mesh, rule), mesh.points[mesh.cells]
         across = np.cross(*np.moveaxis(points.tangents(x), 2, 0))
         given = shell.model.axes[:, np.newaxis]
@@ -346,7 +346,7 @@ def mean_direction(groups: SharedValues, normals: Array, directions: Array) -> A
 
 def _smooth(shell: Shell, kink_angle: float) -> Callable[..., Flags]:
     """Function that says whether normals and sections of two cells are nearly equal at a node."""
-    normals, D = shell.model.own_mesh.normals, shell.model.stiffness
+    normals, D = shell.model.cut_mesh.normals, shell.model.stiffness
     A, bending = D[:, :3, :3], D[:, 3:6, 3:6]
 
     def jumps(part: Array, a: Indices, b: Indices) -> Flags:

@@ -89,7 +89,7 @@ class ResultantValues(Fields):
         """
         raw = stress(frames)
         rule, _ = integration(shell)
-        nodal = np.einsum("kg,mgi->mki", extrapolation(shell.model.own_mesh, rule), raw)
+        nodal = np.einsum("kg,mgi->mki", extrapolation(shell.model.cut_mesh, rule), raw)
         return cls(
             shell,
             frames,
@@ -103,7 +103,7 @@ class ResultantValues(Fields):
     @property
     def points(self) -> Array:
         """Positions of the integration points on the undeformed surface, shape (m, g, 3)."""
-        mesh = self.shell.model.own_mesh
+        mesh = self.shell.model.cut_mesh
         return self.stress_points.points.positions(mesh.points[mesh.cells])
 
     @property
@@ -137,7 +137,7 @@ class ResultantValues(Fields):
         stress_points, patches = self.stress_points, self.stress_points.patches
         shared = stress_points.shared[patches.number]
         values = patches.mean(in_axes(self.in_cells, stress_points.asked_at_nodes, shared))
-        if self.shell.model.own_mesh.degree == 1:
+        if self.shell.model.cut_mesh.degree == 1:
             values[patches.edge] = self._at_edges()
         return values
 
@@ -149,7 +149,7 @@ class ResultantValues(Fields):
         normal, e1 = (unit(self._mean(stress_points.section[:, :, i])) for i in (2, 0))
         section, axes = axes_along(normal, e1)[cells], stress_points.shared[which]
         away = (
-            self._mean(self.points)[cells] - self.shell.model.own_mesh.points[patches.node[which]]
+            self._mean(self.points)[cells] - self.shell.model.cut_mesh.points[patches.node[which]]
         )
         return planes(
             np.searchsorted(np.flatnonzero(patches.edge), which),
@@ -172,7 +172,7 @@ class ResultantValues(Fields):
         3).
         """
         unloaded, moved = (
-            self._tangents(self.shell.model.own_mesh.points),
+            self._tangents(self.shell.model.cut_mesh.points),
             self._tangents(self.frames[:, 0]),
         )
         return convected_axes(self.stress_points.asked, unloaded, moved)
@@ -191,7 +191,7 @@ class ResultantValues(Fields):
         """
         N, M, Q = self._tensors()
         x, t = self._slopes(self.frames[:, 0]), self._slopes(self.frames[:, 3])
-        cell = self.shell.model.own_mesh.cells
+        cell = self.shell.model.cut_mesh.cells
         director = self.stress_points.points.positions(self.frames[cell, 3])[:, :, np.newaxis]
         return np.asarray(N @ x + M @ t + Q[..., np.newaxis] * director)
 
@@ -200,7 +200,7 @@ class ResultantValues(Fields):
         """Moments on these cuts, ``m_i = t × M_ij x,j``; shape (m, g, 2, 3)."""
         _, M, _ = self._tensors()
         director = self.stress_points.points.positions(
-            self.frames[self.shell.model.own_mesh.cells, 3]
+            self.frames[self.shell.model.cut_mesh.cells, 3]
         )
         across = np.cross(director[:, :, np.newaxis], M @ self._slopes(self.frames[:, 0]))
         return np.asarray(across, dtype=np.float64)
@@ -212,11 +212,11 @@ class ResultantValues(Fields):
 
     def _tangents(self, nodal: Array) -> Array:
         """Derivatives of a nodal vector (n, 3) in the reference coordinates, (m, g, 2, 3)."""
-        return self.stress_points.points.tangents(nodal[self.shell.model.own_mesh.cells])
+        return self.stress_points.points.tangents(nodal[self.shell.model.cut_mesh.cells])
 
     def _slopes(self, nodal: Array) -> Array:
         """Derivatives of a nodal vector along e₁ and e₂, shape (m, g, 2, 3)."""
-        unloaded = self._tangents(self.shell.model.own_mesh.points)
+        unloaded = self._tangents(self.shell.model.cut_mesh.points)
         return slopes_along(self.stress_points.asked, unloaded, self._tangents(nodal))
 
     @cached_property

@@ -147,7 +147,7 @@ class SolidStresses(Fields):
         """
         from fem_lie.pictures.bodies import DrawnSurface, draw_values
 
-        skin = self.solid.model.skin
+        skin = self.solid.model.boundary
         draw_values(
             path,
             DrawnSurface(skin, skin.nodes, self.solid.model.positions),

@@ -143,7 +143,7 @@ def thin_resultants(result: States, shell: ThinShell, state: int = -1) -> ThinRe
     strains = term.strains(H)
     stress = np.einsum("mij,mgj->mgi", term.stiffness, strains)
     values, _, _ = shell.model.formulation.surface_rule()
-    positions = np.einsum("ga,maj->mgj", values, shell.model.vectors(H))
+    positions = np.einsum("ga,maj->mgj", values, shell.model.hermite_vectors(H))
     return ThinResultants(shell, positions, strains, stress)
 
 

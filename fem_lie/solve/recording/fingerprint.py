@@ -68,7 +68,9 @@ class Fingerprint:
         for k, body in enumerate(scene.bodies, start=1):
             for name, value in data_of_body(body):
                 self._add(f"{name} of body {k}", value, f"{name} of {body.label}")
-            self._add(f"drilling of body {k}", scene.drills(body), f"drilling of {body.label}")
+            self._add(
+                f"drilling of body {k}", scene.has_drilling(body), f"drilling of {body.label}"
+            )
         for k, item in enumerate((*scene.joints, *scene.connections), start=1):
             for name, value in (
                 ("constraint definitions", (type(item), item.size, item.definitions())),

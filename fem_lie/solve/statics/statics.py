@@ -104,7 +104,7 @@ def statics(
             partial(stepped, 1, levels[-1]),
             partial(stepped, _MANY, options.smallest_step),
         )
-        shells = any(body.model.uncoupled for body in scene.bodies)
+        shells = any(body.model.separates_director for body in scene.bodies)
         roads = [along, halved] if shells else [at_once, along, halved]
     result = _first_that_arrives(roads)
     warn_if_unstable(result)

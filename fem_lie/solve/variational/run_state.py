@@ -83,7 +83,7 @@ class RunState(DividedIntegration[Recorder]):
         self._changing = unknowns.time_dependent
         self._mass = inertia_with_products(known.inertia, known.floating)
         self._viscous = _dissipates(equations)
-        self._follows = any(body.model.follower() is not None for body in unknowns.bodies)
+        self._follows = any(body.model.axes_update() is not None for body in unknowns.bodies)
         self.H, self.rest = equations.start.frames.copy(), z((n, 4, 3))
         self._within = momenta.Within.of(known.floating, self.rest)
         # the last step and the one before

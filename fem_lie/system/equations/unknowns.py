@@ -132,8 +132,12 @@ class Unknowns(NamedTuple):
             may_be_redundant=system.scene.redundant is not RedundantConstraints.REFUSE,
             other_constraints=connections.others,
             other_springs=any(len(each.springs) > 0 for each in connections.sets[1:]),
-            drilling=[b.label for b, six in numbering.drills.items() if b.model.uncoupled and six],
-            floating=[b.label for b in numbering.nodes if b.model.within_frame() is not None],
+            drilling=[
+                b.label
+                for b, six in numbering.has_drilling.items()
+                if b.model.separates_director and six
+            ],
+            floating=[b.label for b in numbering.nodes if b.model.floating_modes() is not None],
             has_potential=potential,
             has_low_rank=any(term.low_rank is not None for term in system.terms),
             summary=describe.in_one_line(*shown, time_dependent=system.time_dependent),

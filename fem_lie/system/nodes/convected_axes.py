@@ -5,7 +5,7 @@ neighbourhood, forces and matrices are invariant under rigid motion. The mean de
 node i is ``F_i = Σ_k x_k ⊗ b_ik`` with constants from the elements; the axes are the initial ones
 rotated by its rotation, from the polar decomposition. Velocities and their rates are transformed
 from the old axes to the new ones. Bodies whose nodal coordinates determine the axes define a
-:data:`~fem_lie.bodies.model.Follower` for them.
+:data:`~fem_lie.bodies.model.AxesUpdate` for them.
 
 Convected drilling: frames of five-parameter shells that rotate with the mid-surface. The rotation
 of a frame about its director has no effect in such a shell; a frame that follows the rigid motion
@@ -24,7 +24,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
-from fem_lie.bodies.model import Follower
+from fem_lie.bodies.model import AxesUpdate
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.lie.node_types import NodeType, Written, change_axes
 from fem_lie.lie.polar import PlainSurroundings, Surroundings, convect_axes, find_reference_axes
@@ -109,7 +109,7 @@ class _Part(NamedTuple):
     """
 
     nodes: Indices
-    follower: Follower
+    follower: AxesUpdate
     led: Indices
     offset: Array
     kept: Flags
@@ -137,7 +137,7 @@ class BodyAxes:
         master_map = numbering.master_map
         self._parts: list[_Part] = []
         for body, nodes in numbering.nodes.items():
-            follower = body.model.follower()
+            follower = body.model.axes_update()
             if follower is not None:
                 master = master_map.master[nodes]
                 led = master_map.masters[master] != nodes

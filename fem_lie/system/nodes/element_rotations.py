@@ -94,7 +94,7 @@ class ElementRotations:
         rows, numbers, limits, whole = [], [], [], []
         lengths, frames = [], []
         for body, nodes in numbering.nodes.items():
-            turning = body.model.turning()
+            turning = body.model.rotation_limit()
             if turning is None:
                 continue
             along, count = nodes[turning.nodes], len(turning.nodes)

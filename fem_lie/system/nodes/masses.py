@@ -13,7 +13,7 @@ from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
 from fem_lie.forms.term import add_at
 from fem_lie.lie.node_types import MODAL, POSITION_GRADIENT, SURFACE_GRADIENT
-from fem_lie.lie.node_types.floating import Floating, WithinFrame
+from fem_lie.lie.node_types.floating import Floating, FloatingModes
 from fem_lie.lie.node_types.inertia import Inertia, multiply
 from fem_lie.system.nodes.numbering import Numbering
 
@@ -99,10 +99,10 @@ def floating_of(numbering: Numbering) -> Floating:
     Raises:
         ValueError: Nodes of such a body are attached to others.
     """
-    found: list[tuple[Indices, WithinFrame]] = []
+    found: list[tuple[Indices, FloatingModes]] = []
     master_map = numbering.master_map
     for body, nodes in numbering.nodes.items():
-        inside = body.model.within_frame()
+        inside = body.model.floating_modes()
         if inside is not None:
             if not np.isin(nodes, master_map.masters).all():
                 raise ValueError(

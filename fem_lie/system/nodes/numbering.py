@@ -147,7 +147,7 @@ class Numbering:
         nodes: Numbers of the nodes of each body.
         assemblies: Slice of the nodes of each assembly, and the assembly.
         members: Bodies of each assembly, in its order.
-        drills: Whether the nodes of each body have drilling rotations.
+        has_drilling: Whether the nodes of each body have drilling rotations.
         master_map: Master node of each node.
         frames: Initial frames of the master nodes, shape (count, 4, 3).
         start_frames: Current frames of the master nodes at the start of a run, which differ from
@@ -186,10 +186,18 @@ class Numbering:
         self.members: list[list[Body]] = []
         for body in bodies:
             body.model.check()
-        self.drills = {body: body.model.drills(holds.get(body.model, ())) for body in bodies}
+        self.has_drilling = {
+            body: body.model.has_drilling(holds.get(body.model, ())) for body in bodies
+        }
         start = 0
-        for kind in dict.fromkeys((body.model.kind, self.drills[body]) for body in bodies):
-            members = [body for body in bodies if (body.model.kind, self.drills[body]) == kind]
+        for kind in dict.fromkeys(
+            (body.model.assembly_key, self.has_drilling[body]) for body in bodies
+        ):
+            members = [
+                body
+                for body in bodies
+                if (body.model.assembly_key, self.has_drilling[body]) == kind
+            ]
             total = sum(len(body.frames) for body in members)
             order: Indices = np.arange(total)
             models = [body.model for body in members]
@@ -222,10 +230,10 @@ class Numbering:
                 body.frames if body.model.start_frames is None else body.model.start_frames
             )
             groups[nodes], kinds[nodes] = body.model.group, body.model.node_types
-            held[nodes], uncoupled[nodes] = body.model.held, body.model.uncoupled
-            own[nodes], straight[nodes] = body.model.held.any(axis=1), body.model.goes_straight
-            held[nodes, 5] |= not self.drills[body]
-            absent[nodes] = body.model.absent
+            held[nodes], uncoupled[nodes] = body.model.held, body.model.separates_director
+            own[nodes], straight[nodes] = body.model.held.any(axis=1), body.model.separates_rotation
+            held[nodes, 5] |= not self.has_drilling[body]
+            absent[nodes] = body.model.missing_unknowns
             supports[nodes] = body.model.supports
             follows = np.flatnonzero(body.model.masters != np.arange(len(nodes)))
             masters = body.model.masters[follows]
@@ -375,7 +383,7 @@ def _mark(scene: Scene) -> bytes:
     """Fingerprint of all on which numbering and assemblies depend."""
     bytes_of, holds = CanonicalBytes(scene.bodies), scene.held_rotations()
     bodies = [
-        (type(body), data_of_body(body), body.model.drilling_given(holds.get(body.model, ())))
+        (type(body), data_of_body(body), body.model.drilling_for(holds.get(body.model, ())))
         for body in scene.bodies
     ]
     return bytes_of.of((bodies, scene.links))
