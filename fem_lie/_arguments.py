@@ -163,8 +163,8 @@ def explanation(
     if len(passed) > len(first):
         rest = ", ".join(f"{p.name}=" for p in named if p.kind is p.KEYWORD_ONLY)
         return TypeError(
-            f"{what} takes {_listed(first)} by position, and by name {rest or 'nothing'}; "
-            f"got {len(passed) - len(first)} more values"
+            f"{what} takes {', '.join(first) or 'nothing'} by position, "
+            f"and by name {rest or 'nothing'}; got {len(passed) - len(first)} more values"
         )
     given = {*first[: len(passed)], *kwargs}
     missing = [p.name for p in named if p.default is p.empty and p.name not in given]
