@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._jit.records import fields_of
+from fem_lie._jit.records import Fields, block_of, fields_of
 
 
 class HasState(Protocol):
@@ -89,7 +89,7 @@ def arrays_of(owner: object, names: Iterable[str]) -> dict[str, Array]:
 
 def _block(value: Any) -> Array:
     """An array, or the memory of a record, all fields at once."""
-    return np.asarray(value.base) if isinstance(value, np.record) else value
+    return np.asarray(block_of(value)) if isinstance(value, Fields) else value
 
 
 def put_back(owner: object, names: Iterable[str], kept: Mapping[str, Array]) -> None:
@@ -114,7 +114,7 @@ def _place(owner: object, name: str) -> tuple[object, str]:
 
 
 def _add(found: dict[str, Array], name: str, value: Any) -> None:
-    if isinstance(value, np.record):
+    if isinstance(value, Fields):
         found |= {f"{name}.{part}": array.copy() for part, array in fields_of(value).items()}
     elif isinstance(value, np.ndarray):
         found[name] = value.copy()
@@ -129,7 +129,7 @@ def _add(found: dict[str, Array], name: str, value: Any) -> None:
 
 def _in_place(name: str, value: Any, kept: Mapping[str, Array]) -> bool:
     """Restore a value in place, if possible; return whether it was."""
-    if isinstance(value, np.record):
+    if isinstance(value, Fields):
         return all(
             [_in_place(f"{name}.{part}", own, kept) for part, own in fields_of(value).items()]
         )

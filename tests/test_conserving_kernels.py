@@ -12,7 +12,7 @@ import pytest
 import fem_lie as fl
 from demos.double_pendulum import pendulum
 from fem_lie import lie
-from fem_lie._jit.records import new_record
+from fem_lie._jit.records import block_of
 from fem_lie.solve.conserving import model
 from fem_lie.solve.conserving.midpoint import mean_forces
 from fem_lie.solve.conserving.midpoint.cayley import span
@@ -88,7 +88,7 @@ def test_increments_that_fall_slowly_are_not_round_off():
     """Forces left over do work: taken for noise they raised the energy by 1e-12 in one step."""
 
     def ends(increments: list[float], window: int) -> list[bool]:
-        progress, found = new_record(corrections.PROGRESS), []
+        progress, found = block_of(corrections.PROGRESS())[0], []
         corrections.forget(progress)
         for increment in increments:
             found.append(bool(corrections.stalls(progress, increment, window)))

@@ -30,6 +30,7 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._jit.records import Fields, block_of
 
 _MOST = 4  # dimensions
 
@@ -62,9 +63,9 @@ ManySixes: TypeAlias = Annotated[Array, Layout(np.float64, (_n, _n, 6))]
 IntegerSixes: TypeAlias = Annotated[Indices, Layout(np.int64, (_n, 6))]
 
 
-def one(kind: np.dtype[np.void]) -> Layout:
+def one(kind: type[Fields]) -> Layout:
     """Layout of an array of one record, see :mod:`fem_lie._jit.records`."""
-    return Layout(kind, (1,))
+    return Layout(np.dtype(kind), (1,))
 
 
 class FixedArrays:
@@ -109,8 +110,9 @@ def _describe(field: Any, row: Indices) -> None:
     elif isinstance(field, float):
         row[:1].view(np.float64)[0] = field
     else:
-        array = np.asarray(field.base) if isinstance(field, np.record) else field
-        plain = array.dtype in (np.float64, np.int64) or array.dtype.names is not None
+        record = isinstance(field, Fields)
+        array = np.asarray(block_of(field)) if record else field
+        plain = record or array.dtype in (np.float64, np.int64)
         if not array.flags.c_contiguous or not plain:
             raise TypeError(f"expected contiguous doubles or integers, got {array.dtype}")
         row[0] = array.ctypes.data

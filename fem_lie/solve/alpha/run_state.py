@@ -9,7 +9,6 @@ from typing import ClassVar
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit.records import new_record
 from fem_lie._state import attributes
 from fem_lie.lie.node_types import all_to_global_components, all_to_nodal_components, retract_all
 from fem_lie.linear.direct import DirectSolver
@@ -107,7 +106,7 @@ class RunState(DividedIntegration[Recorder]):
         self.solver.take_low_rank()
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self.forces = equations.residual(self._accepted, self.scale, self.r)
-        self.progress = new_record(PROGRESS)
+        self.progress = PROGRESS()
         self.progress.ratio = 1.0
         self._born, self._end = 0, 0.0
         whole = self._projects or self._turned or self._guided or self.decisions.rule is None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._jit.records import new_record
+from fem_lie._jit.records import block_of
 from fem_lie._state import attributes, put_back, saved
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.results import Result
@@ -52,7 +52,7 @@ class ComposedRun(DividedIntegration[History]):
         self._order = np.array([shares.index(half) for half in halves], dtype=np.int64)
         self._ends = np.cumsum([0.0, *halves])
         self._progresses = tuple(part.progress for part in self._parts)
-        self._position = new_record(momentum_parts.POSITION)
+        self._position = momentum_parts.POSITION()
         self._start, self._left = 0.0, (0, np.inf, np.inf)
         self._filled, self._r = ResultRow(equations), np.empty(equations.unknowns.size)
         self._solver: DirectSolver | None = None
@@ -151,7 +151,7 @@ class ComposedRun(DividedIntegration[History]):
             first.compiled_options,
             (first.progress_at, other.progress_at),
             (np.array([first.h, other.h]), self._order),
-            self._position,
+            block_of(self._position)[0],
             last,
         )
         if code == loop.DONE:

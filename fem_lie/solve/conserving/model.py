@@ -7,7 +7,6 @@ from collections.abc import Iterable
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._jit.records import new_record
 from fem_lie.bodies.balances import TOTAL
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.cell_forms import FormTable, each_cell, joined
@@ -60,7 +59,7 @@ def start_state(
         account=z(count),
         w=z((n + p, 4, 3)),
         w_F=z((cells.incidences, 6)),
-        filter_state=new_record(FILTER),
+        filter_state=FILTER(),
         last_residual=z((n, 6)),
         balance=z(TOTAL),
         trend=z((n, 6)),

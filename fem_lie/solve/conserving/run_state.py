@@ -12,7 +12,6 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit.fixed_arrays import FixedArrays
-from fem_lie._jit.records import new_record
 from fem_lie._state import arrays_of, attributes, put_back, saved
 from fem_lie.bodies.balances import WORK
 from fem_lie.forms.cells import Cells, evaluate
@@ -159,7 +158,7 @@ class RunState(DividedIntegration[History]):
         if options.policy.secants > 0:
             self._python_forces.learn(Secants(options.policy.secants, self._node_measure))
         self._packed = Packed(self.model, self.s, self.this)
-        self.progress = new_record(corrections.PROGRESS)
+        self.progress = corrections.PROGRESS()
         self._progress_at = FixedArrays((self.progress,)).table
         self.counts, self.unpredicted = np.zeros(2, dtype=np.int64), 0
         self._factors: Factors | None = None

@@ -28,7 +28,6 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit.fixed_arrays import FixedArrays
-from fem_lie._jit.records import new_record
 from fem_lie._state import attributes
 from fem_lie.forms.cell_forms import NO_ROWS
 from fem_lie.joints.equations.table import joint_table
@@ -108,7 +107,7 @@ class ExplicitRun(Integration[Recorder]):
         # points with convected axes of their surroundings; cables have those of the tangent
         self._follows = bool(np.isin(masses.kinds, (SURFACE_GRADIENT, MIXED_DERIVATIVE)).any())
         self._remembers = any(term.passage or term.path for term in known.terms)
-        self.progress = new_record(loop.PROGRESS)
+        self.progress = loop.PROGRESS()
         others = _NOWHERE if table is None else table.copy()
         # the loop itself sums the cells
         others[_CELLS, 1] = 0

@@ -17,7 +17,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._jit.records import Record, new_record
+from fem_lie._jit.records import Fields, Record, block_of
 from fem_lie._state import put_back, saved
 from fem_lie.solve.refactorisation import KNOWN, Refactorisation, Rule, due, learn
 
@@ -94,7 +94,7 @@ class PolicyState(ABC):
     @property
     def _state(self) -> list[str]:
         """Names of the attributes that are numbers, arrays or records."""
-        kinds = bool, int, float, np.ndarray, np.record
+        kinds = bool, int, float, np.ndarray, Fields
         return [name for name, x in vars(self).items() if isinstance(x, kinds)]
 
 
@@ -134,16 +134,17 @@ class Ruled(PolicyState):
 
     def __init__(self, rule: Rule) -> None:
         """Start without recorded iterations."""
-        self.rule, self.known = rule, new_record(KNOWN)
+        self.rule, self.known = rule, KNOWN()
         self._plain, self._asks = rule.plain, False
+        self._recorded = block_of(self.known)[0]
 
     def before_iteration(self, iteration: int) -> Refactorisation:
         """Decision by the rule."""
-        return Refactorisation(due(self._plain, self.known, iteration))
+        return Refactorisation(due(self._plain, self._recorded, iteration))
 
     def after_step(self, iterations: int) -> None:
         """Add up the excess iterations of the frozen matrix."""
-        self._asks = learn(self._plain, self.known, iterations)
+        self._asks = learn(self._plain, self._recorded, iterations)
 
     @property
     def asks(self) -> bool:

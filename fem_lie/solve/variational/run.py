@@ -10,7 +10,6 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit.fixed_arrays import FixedArrays
-from fem_lie._jit.records import new_record
 from fem_lie._state import put_back, saved
 from fem_lie.contact.impact.records import FRICTION, IMPACT
 from fem_lie.linear.equilibrated import SingularMatrixError
@@ -246,7 +245,7 @@ class VariationalRun(Newton):
             self._mass,
             self.equations.tables.joints,
             self.decisions.known,
-            new_record(loop.PROGRESS),
+            loop.PROGRESS(),
             table,
             self.balance.table,
             np.zeros((n, 6)),
