@@ -9,7 +9,7 @@ array of one record, :data:`Records`.
 from __future__ import annotations
 
 import ctypes
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 
@@ -34,7 +34,7 @@ def record_type(**fields: type | tuple[type, int]) -> type[Fields]:
         **fields: Type of each number, ``int`` or ``float``; with a length for a vector of numbers.
     """
     found = [
-        (name, _IN_C[of[0]] * of[1] if isinstance(of, tuple) else _IN_C[of])
+        (name, cast(Any, _IN_C[of[0]]) * of[1] if isinstance(of, tuple) else _IN_C[of])
         for name, of in fields.items()
     ]
     return type("Record", (Fields,), {"_fields_": found})
@@ -42,7 +42,7 @@ def record_type(**fields: type | tuple[type, int]) -> type[Fields]:
 
 def block_of(record: Fields) -> Records:
     """The record as an array of one, a view of its memory."""
-    return np.frombuffer(record, np.dtype(type(record))).view(np.recarray)
+    return np.frombuffer(cast(Any, record), np.dtype(type(record))).view(np.recarray)
 
 
 def fields_of(record: Fields) -> dict[str, Any]:

@@ -135,11 +135,30 @@ def _unfinished(path: Path) -> Iterator[Path]:
         unfinished_path.unlink(missing_ok=True)
 
 
+_OF_FILE, _OF_ITEM = 2**16, 2**12
+"""Bytes that the structure of a file takes at most, and that of a body or joint."""
+
+
+def _size(info: SceneInfo) -> int:
+    """Bytes that bodies and joints take in a file."""
+    items = *info.bodies, *info.joints
+    values = (value for item in items for value in vars(item).values())
+    arrays = sum(value.nbytes for value in values if isinstance(value, np.ndarray))
+    return _OF_FILE + _OF_ITEM * len(items) + arrays
+
+
+def _reserve(path: Path, size: int) -> None:
+    """Raise ``OSError`` if there is no space: the HDF5 library aborts the process at its close."""
+    with path.open("wb") as file:
+        os.posix_fallocate(file.fileno(), 0, size)
+
+
 def _write_empty(
     path: Path, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], rows: int
 ) -> None:
     import h5py
 
+    _reserve(path, _size(info) + 8 * rows * (1 + sum(prod(shape) for shape in shapes.values())))
     kinds = dict.fromkeys(shapes, np.dtype(np.float64)) | {"iterations": np.dtype(np.int64)}
     with h5py.File(path, "w") as file:
         file.attrs.update({"format": _FORMAT, "version": _VERSION})
