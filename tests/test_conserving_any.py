@@ -156,7 +156,7 @@ def swinging() -> fl.Scene:
     """A cable on a pin in gravity, drawn by a force that comes and goes."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     cable = scene.add(line(fl.elements.HermiteCable()))
-    cable.model.pin(cable.point("start"))
+    cable.pin(cable.point("start"))
     scene.add(fl.LineLoad(cable, (0, 0.5, 0), history=lambda t: np.sin(9.0 * t)))
     return scene
 

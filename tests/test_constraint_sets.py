@@ -65,7 +65,7 @@ def joints_on_branch(scene):
     hinge_spring_drive(scene, tree.point_in_cell(1, 0.4), body(scene).point("centre"))
     scene.add(
         fl.joints.RigidLink(
-            tree.point(int(tree.elements[3, 0])), tree.point(int(tree.elements[3, 1]))
+            tree.point(int(tree.model.elements[3, 0])), tree.point(int(tree.model.elements[3, 1]))
         )
     )
     scene.add(

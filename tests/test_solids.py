@@ -491,7 +491,7 @@ def test_linear_tetrahedra_of_rubber_are_refused():
     given = {"cell": "tetrahedron", "formulation": fl.elements.Isoparametric()}
     plain = brick((1, 1, 1), material=rubber, **given)
     assert plain.model.formulation == fl.elements.Isoparametric()
-    assert brick((1, 1, 1), material=rubber, cell="tetrahedron", degree=2).degree == 2
+    assert brick((1, 1, 1), material=rubber, cell="tetrahedron", degree=2).model.degree == 2
     mesh = fl.mesh.parametric_volume(lambda a, b, c: (a, b, c), (2, 1, 1), cell="tetrahedron")
     assert (
         fl.Solid(mesh, fl.sections.NeoHooke(1.0, 0.45)).model.formulation

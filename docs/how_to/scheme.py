@@ -150,7 +150,7 @@ class NewmarkRun(DividedIntegration[Recorder]):
             if self._converges(decisions, before[0]):
                 self._made += 1
                 self.balance.add(self.size, end, *self.now)
-                return self._remembered(before[0])
+                return self._accept_history(before[0])
             self.H[:], self.v, self.a, self.forces = (array.copy() for array in before)
         return False
 
