@@ -80,11 +80,7 @@ def main(
     start = perf_counter()
     links = [few.add(reduced(x, name, modes)) for x, name in ((0.0, "one"), (LENGTH, "two"))]
     setup = perf_counter() - start
-    arrays = [
-        a
-        for link in links
-        for a in (link.model.density, link.model.stiffness, link.model.quadratic)
-    ]
+    arrays = [a for m in links for a in (m.model.density, m.model.stiffness, m.model.quadratic)]
     hinged(few, [link.point(k) for link in links for k in range(2)])
     scheme, steps = fl.GeneralisedAlpha(radius=0.8), round(duration / step)
     scheme.run(few, duration=step, step=step)  # compiles

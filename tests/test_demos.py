@@ -272,7 +272,7 @@ def test_readme_example(tmp_path, monkeypatch, capsys):
     names = {}
     exec(compile(code, "README.md", "exec"), names)
     assert np.linalg.norm(names["tip"]) <= 1e-9 * 10.0
-    assert "iterations [4 4 4 4 4 4]" in capsys.readouterr().out
+    assert "iterations [ 4  8 12 16 20 24]" in capsys.readouterr().out
     assert (tmp_path / "rollup.png").stat().st_size > 10_000
 
 

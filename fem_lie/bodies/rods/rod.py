@@ -165,7 +165,7 @@ class Rod(Beam):
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
         >>> tube = fl.Section.circle(0.01, steel)
         >>> rod = fl.Rod.straight((0, 0, 0), (1, 0, 0), tube, cells=4)
-        >>> type(rod.formulation).__name__
+        >>> type(rod.model.formulation).__name__
         'KirchhoffRod'
     """
 

@@ -44,7 +44,7 @@ class Shell(SupportedSurface):
         >>> mesh = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
         >>> plate = fl.Shell(mesh, fl.ShellSection.layer(0.01, steel))
         >>> _ = plate.clamp("a=0")
-        >>> plate.connectivity.shape
+        >>> plate.model.connectivity.shape
         (4, 4)
     """
 
