@@ -207,7 +207,7 @@ class Checkpoints:
         except OSError as error:
             number = error.errno or errno.EIO
             text = f"{os.strerror(number)}: {what}"
-            raise OSError(number, text, str(self._path)) from error
+            raise OSError(number, text, str(self._path)) from None
 
     def finish(self, numbers: dict[str, float]) -> None:
         """Write the totals of the run to the file."""
