@@ -65,7 +65,7 @@ IntegerSixes: TypeAlias = Annotated[Indices, Layout(np.int64, (_n, 6))]
 
 def one(kind: type[Fields]) -> Layout:
     """Layout of an array of one record, see :mod:`fem_lie._jit.records`."""
-    return Layout(np.dtype(kind), (1,))
+    return Layout(kind.layout, (1,))
 
 
 class FixedArrays:

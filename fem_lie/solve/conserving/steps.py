@@ -16,7 +16,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, linked
-from fem_lie._jit.records import Record, block_of
+from fem_lie._jit.records import Record
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import PlainFactors
 from fem_lie.solve.conserving.midpoint.any_node import twists
@@ -303,7 +303,7 @@ class Steps(RunState):
         motion = joints.packed_begin(packed.model, packed.state, packed.step)
         progress.motion = max(motion, progress.motion)
         progress.previous = progress.least = np.inf
-        corrections.forget(block_of(progress)[0])
+        corrections.forget(self._progress_record)
         progress.felt = 0.0
 
     def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:

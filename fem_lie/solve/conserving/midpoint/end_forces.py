@@ -193,10 +193,8 @@ class EndForces(Stateful):
         missing = self.ahead - self.energy - work
         little = _LITTLE * (self.ahead + self.energy)
         earlier = self.debt + leak
-        n = len(out) - BESIDE
-        reach = np.abs(mean[:n, 0]).max(axis=1, initial=0.0)
-        gaps = _ULPS * float(reach @ np.abs(out[:n, :3]).sum(axis=1) + np.abs(out[:n, 3:]).sum())
-        if abs(missing) <= _DIGITS * (self.ahead + self.energy) + gaps:
+        digits = _DIGITS * (self.ahead + self.energy)
+        if abs(missing) <= digits or abs(missing) <= digits + _gap_digits(out, mean):
             part = _part_of_earlier(earlier + missing, work, little)
         else:
             part = _part(missing, work) + _part_of_earlier(earlier, work, little)
@@ -206,6 +204,13 @@ class EndForces(Stateful):
     def accept(self) -> None:
         """Make the end of the step, with the last forces, the start of the next one."""
         self.energy, self.debt, self.held = self.ahead, self._owed, self._held_ahead
+
+
+def _gap_digits(out: Array, mean: Array) -> float:
+    """Round-off of the stored energy by that of the gaps, for forces on nodes at ``mean``."""
+    n = len(out) - BESIDE
+    reach = np.abs(mean[:n, 0]).max(axis=1, initial=0.0)
+    return _ULPS * float(reach @ np.abs(out[:n, :3]).sum(axis=1) + np.abs(out[:n, 3:]).sum())
 
 
 def _part(missing: float, work: float) -> float:
