@@ -1,4 +1,4 @@
-"""Thin shells and reduced-order bodies with derived forces, beside the hand-written kernels.
+"""Thin shells and reduced-order bodies with derived forces, to compare with the hand-written ones.
 
 - **Thin shells** by the general kernel of small energies. All strains of a cell, assumed ones and
   those at quadrature points, are those of a single point, whose stiffness couples them: the kernel

@@ -293,14 +293,12 @@ def explain_compiled(function: object, explanation: Callable[..., TypeError]) ->
     """Let a compiled function explain calls from Python with wrong arguments.
 
     Args:
-        function: The function; other objects stay as they are.
+        function: The function, not called before; other objects stay as they are.
         explanation: See :class:`_Public`.
     """
     if isinstance(function, _CalledFromPython):
         public = cast(Any, function)
         public.made, public.explanation = _Public, explanation
-        if type(function) is _CalledFromPython:
-            public.__class__ = _Public
 
 
 def _entrance(function: Callable[..., Any], inner: Any) -> Callable[..., Any]:
