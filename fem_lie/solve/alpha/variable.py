@@ -48,7 +48,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie._state import arrays_of, attributes
+from fem_lie._state import ChangingArrays, attributes
 from fem_lie.lie.node_types import all_to_group, cubic_term, from_group, push_all_forward
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.levels import StoredFactors
@@ -168,7 +168,7 @@ class AlphaSteps(Run):
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self._speed, self._scales = 0.0, dict[int, tuple[Array, Array]]()
         self._error, self._warm = TimeError(equations), False
-        self._moved = arrays_of(self, _MOTION)
+        self._moved = ChangingArrays(self, _MOTION)
 
     @property
     def increment(self) -> float:
@@ -265,12 +265,11 @@ class AlphaSteps(Run):
 
     def saved(self) -> dict[str, Array]:
         """A copy of the state that a step changes."""
-        return {name: array.copy() for name, array in self._moved.items()}
+        return self._moved.saved_state()
 
     def take_back(self, state: Mapping[str, Array]) -> None:
         """Restore a saved state."""
-        for name, array in self._moved.items():
-            array[...] = state[name]
+        self._moved.restore(state)
 
     def follow(self, other: AlphaSteps, state: Mapping[str, Array]) -> None:
         """Take the state that another stepper has saved."""

@@ -13,7 +13,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit.fixed_arrays import FixedArrays
 from fem_lie._jit.records import block_of
-from fem_lie._state import arrays_of, attributes, put_back, saved
+from fem_lie._state import ChangingArrays, attributes, put_back, saved
 from fem_lie.bodies.balances import WORK
 from fem_lie.forms.cells import Cells, evaluate
 from fem_lie.lie.node_types import POSITION_GRADIENT, push_all_forward, retract_all
@@ -263,18 +263,16 @@ class RunState(DividedIntegration[History]):
     # --- steps that are taken back ---
 
     @cached_property
-    def _arrays(self) -> dict[str, Array]:
-        return arrays_of(self, _ARRAYS)
+    def _arrays(self) -> ChangingArrays:
+        return ChangingArrays(self, _ARRAYS)
 
     def saved(self) -> dict[str, Array]:
         """A copy of the state that a step changes."""
-        copies = {name: array.copy() for name, array in self._arrays.items()}
-        return copies | saved(self, (*_PARTS, "equations.history_variables"))
+        return self._arrays.saved_state() | saved(self, (*_PARTS, "equations.history_variables"))
 
     def take_back(self, state: Mapping[str, Array]) -> None:
         """Restore a :meth:`saved` state."""
-        for name, array in self._arrays.items():
-            array[...] = state[name]
+        self._arrays.restore(state)
         put_back(self, (*_PARTS, "equations.history_variables"), state)
 
     def _resize(self, h: float) -> None:

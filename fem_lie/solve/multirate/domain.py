@@ -21,7 +21,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie._state import attributes, put_back, saved
+from fem_lie._state import ChangingArrays, attributes
 from fem_lie.bodies.body import Body
 from fem_lie.joints.equations.table import PackedJoints
 from fem_lie.joints.joint import Joint
@@ -187,6 +187,7 @@ class Domain(Run):
         super().__init__(options, equations, whole / count)
         self.count, self.rows = count, rows
         self._own: dict[str, Array] = {}
+        self._changing_state = ChangingArrays(self, ["s"])
         self._end_forces_before = self._end_forces.saved_state()
         self._V1, self._first = self.this.V1.copy(), 0
 
@@ -197,7 +198,7 @@ class Domain(Run):
 
     def begin(self) -> None:
         """Save the current state: whole steps start from it until the next call."""
-        self._before = saved(self, ["s"])
+        self._before = self._changing_state.saved_state()
         self._own, self._V1, self._first = self.cells.saved_state(), self.this.V1.copy(), self.index
         self._end_forces_before = self._end_forces.saved_state()
 
@@ -208,7 +209,7 @@ class Domain(Run):
 
     def go_back(self) -> None:
         """Restore the saved state."""
-        put_back(self, ["s"], self._before)
+        self._changing_state.restore(self._before)
         self.this.V1[:] = self._V1
         self.cells.restore(self._own)
         self._end_forces.restore(self._end_forces_before)
