@@ -308,3 +308,8 @@ def direction(value: npt.ArrayLike, what: str) -> Array:
     # squares of very small or large numbers under- or overflow
     scaled = given / largest
     return np.asarray(scaled / np.linalg.norm(scaled))
+
+
+def members_within(groups: Mapping[str, Indices], chosen: Indices) -> dict[str, Indices]:
+    """Members of each group among the chosen ones, numbered as in ``chosen``, which ascends."""
+    return {name: np.flatnonzero(np.isin(chosen, members)) for name, members in groups.items()}

@@ -180,6 +180,21 @@ def ghost_options(mode: GhostMode = GhostMode.shared_facet) -> dict[str, Any]:
     return {"partitioner": dolfinx.mesh.create_cell_partitioner(mode, *limit)}
 
 
+def submesh(
+    mesh: dolfinx.mesh.Mesh, cells: npt.NDArray[np.int64]
+) -> tuple[dolfinx.mesh.Mesh, npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Mesh of some cells, and the number of each of its cells and nodes in ``mesh``.
+
+    From DOLFINx 0.10 on the cells are an entity map.
+    """
+    found = dolfinx.mesh.create_submesh(mesh, mesh.topology.dim, cells.astype(np.int32))
+    numbers, nodes = found[1], found[3]
+    if not isinstance(numbers, np.ndarray):
+        own = found[0].topology.index_map(mesh.topology.dim).size_local
+        numbers = numbers.sub_topology_to_topology(np.arange(own, dtype=np.int32), inverse=False)
+    return found[0], numbers.astype(np.int64), nodes.astype(np.int64)
+
+
 def create_surface_mesh(
     points: npt.NDArray[np.float64], cells: npt.NDArray[np.int64], cell: str, degree: int
 ) -> dolfinx.mesh.Mesh:

@@ -20,7 +20,7 @@ from fem_lie.solve.stability.path_options import (
     PathEnds,
     PathOptions,
 )
-from fem_lie.solve.statics.arc_length import ArcLength
+from fem_lie.solve.statics.arc_length import ArcLength, Equilibrium
 from fem_lie.solve.statics.unstable import UnstableEquilibriumWarning
 
 __all__ = [
@@ -29,6 +29,7 @@ __all__ = [
     "CriticalPoint",
     "CriticalPointType",
     "DisplacementControl",
+    "Equilibrium",
     "EquilibriumPath",
     "FieldImperfection",
     "Imperfection",

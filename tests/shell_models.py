@@ -119,8 +119,8 @@ QUADRILATERAL_9 = Element("MITC9", fl.elements.MITC9, "displacement", distortion
 
 
 @dataclass
-class Statics:
-    """:class:`fem_lie.solve.statics.arc_length.Equilibrium` of one shell with dead point loads.
+class Statics(fl.stability.Equilibrium):
+    """:class:`fem_lie.stability.Equilibrium` of one shell with dead point loads.
 
     ``held`` names unknowns (node, component) that are zero; ``springs`` are (node, axis, stiffness)
     that hold rigid motions without a force.

@@ -339,7 +339,7 @@ def test_there_is_no_mixed_element_of_degree_2():
 # --- arc length -----------------------------------------------------------------------------------
 
 
-class Truss:
+class Truss(fl.stability.Equilibrium):
     """Two shallow bars, pushed down in the middle: ``w³/2 − 3w²/2 + w = λ P``, limit 0.19245."""
 
     diameter = 2.0

@@ -7,9 +7,10 @@ loads act on are passed to it.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -111,6 +112,9 @@ Holds: TypeAlias = Mapping["BodyModel", Sequence[HeldRotation]]
 """Rotations of nodes of each body that joints, motions and moments act on, if any."""
 
 NO_HOLDS: Holds = MappingProxyType({})
+
+
+AnyModel = TypeVar("AnyModel", bound="BodyModel")
 
 
 class MaterialPoint(NamedTuple):
@@ -224,6 +228,51 @@ class BodyModel:
             holds: Rotations of their nodes that joints, motions and moments act on.
         """
         return None
+
+    @property
+    def divisible_cells(self) -> Indices | None:
+        """Nodes of each cell between which the body may be divided among ranks, shape (m, k).
+
+        ``None``: it stays in one piece.
+        """
+        return None
+
+    def restricted(
+        self: AnyModel, cells: Indices, holds: Sequence[HeldRotation]
+    ) -> tuple[AnyModel, Indices]:
+        """Model of some of the :attr:`divisible_cells`, with their nodes, groups and points.
+
+        Sums over its cells are a part of those over all cells. Data for drawing are left out.
+
+        Args:
+            cells: Indices of the cells, ascending, shape (s,).
+            holds: Rotations of nodes of the whole body that joints, motions and moments act on.
+
+        Returns:
+            The model, and the number of each of its nodes in the whole body, shape (n,).
+
+        Raises:
+            ValueError: The body cannot be divided.
+        """
+        if self.divisible_cells is None:
+            raise ValueError(f"{self.label} cannot be divided between cells")
+        own = self.divisible_cells[cells]
+        nodes: Indices = np.unique([own, self.masters[own]])
+        return self._on_nodes(nodes), nodes
+
+    def _on_nodes(self: AnyModel, nodes: Indices) -> AnyModel:
+        """Copy with some nodes only, which include the master node of each."""
+        part = copy(self)
+        for name in "frames", "velocities", "held", "supports":
+            setattr(part, name, getattr(self, name)[nodes])
+        if self.start_frames is not None:
+            part.start_frames = self.start_frames[nodes]
+        part.masters = np.searchsorted(nodes, self.masters[nodes])
+        at = {int(node): k for k, node in enumerate(nodes)}
+        part.point_names = {name: at[node] for name, node in self.point_names.items() if node in at}
+        part.cells, part.faces = self.cells[:0], self.faces[:0]
+        part.thickness, part.outline, part.source = self.thickness[:0], None, None
+        return part
 
     @property
     def elastic_cells(self) -> Indices:

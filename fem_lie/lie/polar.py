@@ -71,6 +71,8 @@ class Surroundings(NamedTuple):
         indices: Points around each point, shape (nnz,).
         b: Factors of these points in the mean deformation, shape (nnz, 3), 1/m.
         axes: Axes in the reference configuration as rows, shape (n, 3, 3).
+        given: Mean deformations, if they do not follow from these points alone, shape (n, 3, 3);
+            else no rows.
     """
 
     nodes: Indices
@@ -78,20 +80,39 @@ class Surroundings(NamedTuple):
     indices: Indices
     b: Array
     axes: Array
+    given: Array
 
 
-PlainSurroundings: TypeAlias = tuple[Integers1, Integers1, Integers1, Numbers2, Numbers3]
+PlainSurroundings: TypeAlias = tuple[Integers1, Integers1, Integers1, Numbers2, Numbers3, Numbers3]
 """A :class:`Surroundings` as a plain tuple, which is faster to pass from Python."""
+
+
+@compiled
+def _add_deformation(i: int, H: Array, around: Surroundings, F: Array) -> None:
+    """Add the mean deformation around point ``i`` to ``F`` (3, 3)."""
+    for k in range(around.indptr[i], around.indptr[i + 1]):
+        for a in range(3):
+            for c in range(3):
+                F[a, c] += H[around.indices[k], 0, a] * around.b[k, c]
+
+
+@compiled
+def mean_deformations(H: Array, around: PlainSurroundings, F: Array) -> None:
+    """Set the mean deformations ``F`` (n, 3, 3) around all points."""
+    known = Surroundings(*around)
+    F[:] = 0.0
+    for i in range(F.shape[0]):
+        _add_deformation(i, H, known, F[i])
 
 
 @compiled
 def _rotation(i: int, H: Array, around: Surroundings, R: Array) -> bool:
     """Set ``R`` to the rotation of the mean deformation around point ``i``, if it exists."""
     F = np.zeros((3, 3))
-    for k in range(around.indptr[i], around.indptr[i + 1]):
-        for a in range(3):
-            for c in range(3):
-                F[a, c] += H[around.indices[k], 0, a] * around.b[k, c]
+    if around.given.shape[0] > 0:
+        copy_matrix(around.given[i], F)
+    else:
+        _add_deformation(i, H, around, F)
     return polar_rotation(F, R)
 
 

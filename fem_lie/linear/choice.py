@@ -195,6 +195,9 @@ LARGE = 20_000
 CHAINS = ByChains("lu", "mumps"), Method("lu", "mumps"), Method("lu", "umfpack")
 """Methods for large nets and trusses, most nodes of which are within cables and bars."""
 
+ON_PARTS = Method("cholesky", "mumps"), Method("lu", "mumps")
+"""Methods for the sum of matrices on several ranks."""
+
 _FEW = 300  # unknowns up to which KLU is the fastest for any ordering
 _CHAIN = 2  # largest width of a chain, a tree or a ring
 _FILLS = 1e9  # operations from which several ranks factorise together
@@ -241,6 +244,8 @@ def choose(kkt: KKT, prefix: str, solutions: Solutions) -> Choice:
     Raises:
         ValueError: The option asks for impossible subdomains.
     """
+    if kkt.shared.several:
+        return _logged(Choice(ON_PARTS), kkt, "the scene is divided among ranks")
     if asked := _on_domains(prefix) or _by_option(prefix):
         return Choice(asked)
     if len(kkt.indptr) > LARGE and 2 * len(plan_of(kkt).order) > len(kkt.indptr):

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array
 from fem_lie._state import part_of
 from fem_lie.linear.choice import Choice, Solutions, choose
+from fem_lie.linear.divided import DividedMatrix
 from fem_lie.linear.equilibrated import (
     Equilibrated,
     InaccurateSolutionError,
@@ -67,8 +68,9 @@ class DirectSolver:
     to :data:`MOST_REFINED` times, and later solutions with these factors as often. If that does not
     help, the next method is tried.
 
-    On several ranks MUMPS factorises large matrices on all of them, see
-    :mod:`fem_lie.ranks.shared_factors`; each rank fills the matrix and has the solution.
+    On several ranks MUMPS factorises the sum of the matrices of all parts of a divided scene, see
+    :mod:`fem_lie.linear.divided`. If the scene is not divided it factorises large matrices on all
+    ranks, see :mod:`fem_lie.ranks.shared_factors`; each rank fills the matrix and has the solution.
 
     Any other direct solver of PETSc can be chosen at run time with
     ``-<prefix>pc_factor_mat_solver_type``.
@@ -101,10 +103,11 @@ class DirectSolver:
         self._methods, self._expected = choice
         self._own = Equilibrated(kkt)
         first = self._methods[0]
-        size = len(kkt.units)
-        self._shares = not first.together and shared(size, prefix, spreads=first.spreads)
+        size, self._divided = len(kkt.units), kkt.shared.several
+        several = not first.together and not self._divided
+        self._shares = several and shared(size, prefix, spreads=first.spreads)
         self._rescues = RESCUES
-        if self._shares:
+        if self._shares or self._divided:
             kinds = dict.fromkeys(method.kind for method in self._methods)
             self._methods = tuple(Method(kind, "mumps") for kind in kinds)
             self._rescues = tuple(method for method in RESCUES if method.package in ON_RANKS)
@@ -132,7 +135,11 @@ class DirectSolver:
             for array in (self._scaled, self._found, self._left)
         )
         self._change = self._local.createVecRight()
-        self._shared = SharedMatrix(self._own.csr) if self._shares else None
+        self._shared: SharedMatrix | DividedMatrix | None = None
+        if self._shares:
+            self._shared = SharedMatrix(self._own.csr)
+        elif self._divided:
+            self._shared = DividedMatrix(self._own.csr, self._kkt.shared)
         self._matrix = self._local if self._shared is None else self._shared.matrix
         self._solvers: dict[Method, PETSc.KSP] = {}
 
@@ -282,7 +289,10 @@ class DirectSolver:
         given.array[:n] = x / own.right[:n]
         self._local.mult(given, product)
         found = np.asarray(product.array / own.left, dtype=np.float64)[:n]
-        return found if own.part is None else found + own.part.times(x)
+        if own.part is not None:
+            found += own.part.times(x)
+        self._kkt.shared.sum(found[: self._kkt.held.size].reshape(-1, 6))
+        return found
 
     def solve(self) -> None:
         """Solve with the last factorisation and the low-rank correction of the matrix.

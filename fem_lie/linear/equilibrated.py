@@ -43,15 +43,9 @@ class InaccurateSolutionError(SingularMatrixError):
 
 @compiled
 def _take(
-    values: Array,
-    columns: Indices,
-    pointers: Indices,
-    units: Array,
-    held: Flags,
-    out: Array,
-    left: Array,
+    values: Array, columns: Indices, pointers: Indices, units: Array, held: Flags, out: Array
 ) -> float:
-    """``out = L A W``, with ``W = diag(units)`` and ``L = W/largest``; returns the largest entry.
+    """``out = W A W``, with ``W = diag(units)``; returns the largest entry.
 
     Held unknowns keep their unit row. The result is not finite if the matrix is not.
     """
@@ -62,37 +56,48 @@ def _take(
             total += out[k]
             if not held[i] and abs(out[k]) > largest:
                 largest = abs(out[k])
-    if largest == 0.0 or total - total != 0.0:
-        return total - total
-    power = 2.0 ** np.round(np.log2(largest))
+    return total - total if total - total != 0.0 else largest
+
+
+@compiled
+def _divide(
+    largest: float, pointers: Indices, units: Array, held: Flags, out: Array, left: Array
+) -> None:
+    """Divide rows that are not held by a power of two near ``largest``; ``left`` are all factors.
+
+    Rows of a matrix without entries stay as they are.
+    """
+    power = 2.0 ** np.round(np.log2(largest)) if largest > 0.0 else 1.0
     for i in range(len(units)):
         left[i] = 1.0 if held[i] else units[i] / power
         if not held[i]:
             for k in range(pointers[i], pointers[i + 1]):
                 out[k] /= power
-    return largest
 
 
 @compiled
-def _backward_error(
-    values: Array, columns: Indices, pointers: Indices, b: Array, x: Array, r: Array
-) -> float:
+def _products(values: Array, columns: Indices, pointers: Indices, x: Array, sums: Array) -> None:
+    """Set ``A x``, ``|A| |x|`` and the largest entries of the rows, shape (n, 3)."""
+    for i in range(len(x)):
+        left, size, norm = 0.0, 0.0, 0.0
+        for k in range(pointers[i], pointers[i + 1]):
+            part = values[k] * x[columns[k]]
+            left += part
+            size += abs(part)
+            norm = max(norm, abs(values[k]))
+        sums[i, 0], sums[i, 1], sums[i, 2] = left, size, norm
+
+
+@compiled
+def _backward_error(b: Array, sums: Array, most: float, n: int, r: Array) -> float:
     """``r = b − A x``; returns the componentwise backward error.
 
     M. Arioli, J. W. Demmel & I. S. Duff, SIAM J. Matrix Anal. Appl. 10 (1989) 165: rows with nearly
-    no cancelling terms are measured by the largest unknown.
+    no cancelling terms are measured by the largest unknown, ``most``, of all ``n``.
     """
-    n, most = len(b), 0.0
-    for i in range(n):
-        most = max(most, abs(x[i]))
     error = 0.0
-    for i in range(n):
-        left, size, norm = b[i], abs(b[i]), 0.0
-        for k in range(pointers[i], pointers[i + 1]):
-            part = values[k] * x[columns[k]]
-            left -= part
-            size += abs(part)
-            norm = max(norm, abs(values[k]))
+    for i in range(len(b)):
+        left, size, norm = b[i] - sums[i, 0], abs(b[i]) + sums[i, 1], sums[i, 2]
         r[i] = left
         if size < 1e-13 * n * (norm * most + abs(b[i])):
             size += norm * most
@@ -183,20 +188,27 @@ class Equilibrated:
         self.part, values, (own, columns, pointers) = part, self._kkt.csr[0], self.csr
         if self._extended is not None and part is not None:
             values = self._extended.values(values, part)
-        largest = _take(values, columns, pointers, self.right, self._held, own, self.left)
+        largest = _take(values, columns, pointers, self.right, self._held, own)
+        largest = self._kkt.shared.largest(largest)
         if not np.isfinite(largest):
             raise SingularMatrixError("the matrix is not finite")
+        _divide(largest, pointers, self.right, self._held, own, self.left)
         if self._matrix is not None:
             self._matrix.stateIncrease()
             self._matrix.assemble()
 
     def is_symmetric(self) -> bool:
         """Whether it is symmetric up to round-off; its largest entry is about one."""
-        return bool(_asymmetry(*self.csr, _SYMMETRIC) <= _SYMMETRIC)
+        return self._kkt.shared.all(bool(_asymmetry(*self.csr, _SYMMETRIC) <= _SYMMETRIC))
 
     def backward_error(self, b: Array, x: Array, r: Array) -> float:
         """Backward error of a solution ``x`` for ``b`` of this matrix; sets ``r = b − A x``."""
-        return float(_backward_error(*self.csr, b, x, r))
+        shared, n = self._kkt.shared, self._kkt.held.size
+        sums = np.empty((len(x), 3))
+        _products(*self.csr, x, sums)
+        shared.sum(sums[:n].reshape(-1, 18))
+        most = shared.largest(float(np.abs(x).max(initial=0.0)))
+        return shared.largest(_backward_error(b, sums, most, self._kkt.size, r))
 
     def idle(self) -> IdleMultipliers | None:
         """Multipliers without force in this matrix, if constraints may be redundant."""

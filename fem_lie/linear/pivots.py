@@ -18,42 +18,53 @@ from petsc4py import PETSc
 
 import scipy.sparse as sp
 
+from fem_lie.linear.divided import DividedMatrix
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.packages import NEGATIVE, lacks_memory
+from fem_lie.ranks.shared_nodes import SharedNodes
 
 _NULL, _DETERMINANT = 24, 33  # MUMPS: ICNTL to look for null pivots, and for the determinant
 _ZERO, _MANTISSA = 28, 12  # INFOG of the number of null pivots, RINFOG of the determinant
 
 
-def inertia(A: sp.csr_matrix) -> tuple[int, int]:
+def inertia(A: sp.csr_matrix, shared: SharedNodes | None = None) -> tuple[int, int]:
     """Numbers of negative and of zero pivots of a symmetric matrix, by MUMPS.
+
+    Args:
+        A: The matrix, or that of the part of this rank.
+        shared: Nodes that other ranks have, too; default: none.
 
     Raises:
         SingularMatrixError: It cannot be factorised.
         MemoryError: There is not enough memory for the factors.
     """
-    factors = _factors(A, PETSc.PC.Type.CHOLESKY, _NULL)
+    factors = _factors(A, PETSc.PC.Type.CHOLESKY, _NULL, shared)
     return int(factors.getMumpsInfog(NEGATIVE)), int(factors.getMumpsInfog(_ZERO))
 
 
-def negative_determinant(A: sp.csr_matrix) -> bool:
-    """Whether the determinant of a matrix is negative, by MUMPS.
+def negative_determinant(A: sp.csr_matrix, shared: SharedNodes | None = None) -> bool:
+    """Whether the determinant of a matrix is negative, by MUMPS; arguments as of :func:`inertia`.
 
     Raises:
         SingularMatrixError: It cannot be factorised.
         MemoryError: There is not enough memory for the factors.
     """
-    factors = _factors(A, PETSc.PC.Type.LU, _DETERMINANT)
+    factors = _factors(A, PETSc.PC.Type.LU, _DETERMINANT, shared)
     return bool(factors.getMumpsRinfog(_MANTISSA) < 0.0)
 
 
-def _factors(A: sp.csr_matrix, kind: str, option: int) -> PETSc.Mat:
+def _factors(
+    A: sp.csr_matrix, kind: str, option: int, shared: SharedNodes | None
+) -> PETSc.Mat:
     """MUMPS' factors with an option switched on."""
     A.sort_indices()
     csr = A.indptr.astype(PETSc.IntType), A.indices.astype(PETSc.IntType), A.data
-    matrix = PETSc.Mat().createAIJ(A.shape, csr=csr, comm=PETSc.COMM_SELF)
+    if shared is None or not shared.several:
+        matrix = PETSc.Mat().createAIJ(A.shape, csr=csr, comm=PETSc.COMM_SELF)
+    else:
+        matrix = DividedMatrix((A.data, csr[1], csr[0]), shared).matrix
     matrix.setOption(PETSc.Mat.Option.SYMMETRIC, kind == PETSc.PC.Type.CHOLESKY)
-    pc = PETSc.PC().create(PETSc.COMM_SELF)
+    pc = PETSc.PC().create(matrix.comm)
     pc.setOperators(matrix)
     pc.setType(kind)
     pc.setFactorSolverType("mumps")

@@ -28,6 +28,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.linear.domains.division import Division, Part
 from fem_lie.linear.low_rank import LowRank, LowRankCorrection
+from fem_lie.ranks.shared_nodes import SharedNodes
 
 SOFTNESS = 1e-9
 """Compliance of redundant constraints in one iteration, relative to their own flexibility.
@@ -190,8 +191,10 @@ class KKT:
             from the next matrix on.
         low_rank: Part of the matrix that is not in its pattern.
         length: Power of two near the length of the model.
+        shared: Nodes that other ranks have, too: the matrix is then the part of this rank of a sum.
     """
 
+    shared: SharedNodes
     correction: LowRankCorrection | None = None
     part: Part | None = None
     divisible: Divisible | None = None
@@ -230,6 +233,7 @@ class KKT:
         self.unit_rows = np.append(held, np.zeros(m, dtype=bool))
         self.measure = np.where(angular, 1.0 / length, 1.0)
         self.incidences, self.held, self._m, self.version, self.filled = incidences, held, m, 0, 0
+        self.shared = SharedNodes.alone(len(held))
         self.couple(pairs)
 
     def couple(self, pairs: list[tuple[Indices, Indices]]) -> None:
@@ -261,6 +265,12 @@ class KKT:
         return np.where(self.held, 0.0, self.units[: self.held.size].reshape(-1, 6))
 
     @property
+    def size(self) -> int:
+        """Number of unknowns, those of other ranks included; shared ones count once."""
+        own = 6 * int(self.shared.owned.sum()) + self._m
+        return int(self.shared.total(np.array(own)))
+
+    @property
     def csr(self) -> tuple[Array, npt.NDArray[Any], npt.NDArray[Any]]:
         """Values, columns and row pointers of the matrix without :attr:`low_rank`, as views.
 
@@ -281,6 +291,7 @@ class KKT:
         product: Array = sp.csr_matrix(self.csr) @ x
         for part in (self.low_rank, self.correction):
             product = product if part is None else product + part.times(x)
+        self.shared.sum(product[: self.held.size].reshape(-1, 6))
         return product
 
     def _touch(self, count: int, m: int) -> None:

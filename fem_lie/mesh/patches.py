@@ -107,6 +107,15 @@ class Edges:
                 f"edge {alone[0]} of curve {name!r}, points {curve[alone[0]]}, is no edge of a cell"
             )
 
+    def first_cell(self, curve: Indices) -> Indices:
+        """Cell of the lowest number at each edge of a curve (e, 2 or 3), shape (e,)."""
+        count = int(self.cells.max()) + 1
+        own, sought = (
+            count * ends.min(axis=1) + ends.max(axis=1) for ends in (self.directed, curve[:, :2])
+        )
+        known, first = np.unique(own, return_index=True)  # sides ascend with their cells
+        return np.asarray(self.owner[first[np.searchsorted(known, sought)]])
+
     def smooth_pairs(self, kink_angle: float) -> Indices:
         """Pairs of sides with an angle of at most ``kink_angle``, rad, shape (p, 2).
 

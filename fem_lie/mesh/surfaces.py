@@ -7,6 +7,7 @@ A mesh comes from a function (:func:`parametric_surface`), from gmsh or DOLFINx
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from math import degrees, pi, radians
 from typing import TYPE_CHECKING
@@ -21,6 +22,7 @@ from fem_lie._arrays import (
     indices_of,
     instance,
     members_of,
+    members_within,
     numbers,
     points_of,
     text,
@@ -205,6 +207,35 @@ class SurfaceMesh(Summarised):
             return np.unique(self.cells[self.groups[name]])
         known = ", ".join(sorted({*self.named_points, *self.curves, *self.groups})) or "none"
         raise ValueError(f"the mesh has no points, curve or group {name!r}; it has: {known}")
+
+    def restricted(self, cells: Indices) -> SurfaceMesh:
+        """Mesh of some cells with all names, also of what is not within them.
+
+        An edge of a curve between two cells goes with the cell of the lower number.
+
+        Args:
+            cells: Indices of the cells, ascending, shape (s,).
+        """
+        used = np.unique(self.cells[cells])
+        part = copy(self)
+        sides = Edges(self.points, self.cells, self.cell, self.normals)
+        for name, value in (
+            ("points", self.points[used]),
+            ("cells", np.searchsorted(used, self.cells[cells])),
+            ("normals", self.normals[cells]),
+            ("groups", members_within(self.groups, cells)),
+            ("named_points", members_within(self.named_points, used)),
+            (
+                "curves",
+                {
+                    name: np.searchsorted(used, edges[np.isin(sides.first_cell(edges), cells)])
+                    for name, edges in self.curves.items()
+                },
+            ),
+            ("source", None),
+        ):
+            object.__setattr__(part, name, value)
+        return part
 
     def patches(self, kink_angle: float = KINK_ANGLE) -> Patches:
         """Nodes that belong to one smooth patch each.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from itertools import combinations, product
 
@@ -11,7 +12,15 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import _compat
-from fem_lie._arrays import Array, Indices, find_name, instance, points_of, whole_number
+from fem_lie._arrays import (
+    Array,
+    Indices,
+    find_name,
+    instance,
+    members_within,
+    points_of,
+    whole_number,
+)
 from fem_lie._summary import Summarised
 from fem_lie.mesh.shapes import nodes_of, rule, tabulated
 
@@ -142,6 +151,41 @@ class VolumeMesh(Summarised):
         """
         return find_name(dict(self.faces), name, "face")
 
+    def restricted(self, cells: Indices) -> tuple[VolumeMesh, Indices]:
+        """Mesh of some cells on this process alone, with all names.
+
+        Faces between two cells go with the cell of the lower number.
+
+        Args:
+            cells: Indices of the cells, ascending, shape (s,).
+
+        Returns:
+            The mesh, and the number of each of its cells in the whole mesh.
+        """
+        mesh, numbers, nodes = _compat.submesh(self.mesh, cells)
+        at = np.full(len(self.mesh.geometry.x), -1)
+        at[nodes] = np.arange(len(nodes))
+
+        def within(dim: int, members: Indices) -> Indices:
+            first, corners = _first_cells(self.mesh, dim, members)
+            own = corners[np.isin(first, cells)] if dim == 2 else corners
+            inside = at[own][(at[own] >= 0).all(axis=1)]
+            return entities_at(mesh, dim, inside) if len(inside) else inside.ravel()
+
+        part = copy(self)
+        for name, value in (
+            ("mesh", mesh),
+            ("groups", members_within(self.groups, numbers)),
+            ("faces", {name: within(2, members) for name, members in self.faces.items()}),
+            ("curves", {name: within(1, members) for name, members in self.curves.items()}),
+            (
+                "named_points",
+                {name: within(0, members) for name, members in self.named_points.items()},
+            ),
+        ):
+            object.__setattr__(part, name, value)
+        return part, numbers
+
     def part(self, name: str) -> tuple[int, Indices]:
         """Dimension and entities of a face, curve, named point or group of cells.
 
@@ -180,6 +224,18 @@ def entities_at(mesh: dolfinx.mesh.Mesh, dim: int, corners: Indices) -> Indices:
     if (found < 0).any():
         raise ValueError(f"points {corner_keys[found < 0][0]} are no corners of one part of a cell")
     return np.unique(found)
+
+
+def _first_cells(mesh: dolfinx.mesh.Mesh, dim: int, members: Indices) -> tuple[Indices, Indices]:
+    """Lowest cell at each entity (e,), and the geometry nodes of its vertices (e, v)."""
+    mesh.topology.create_entities(dim)
+    for other in (0, 3):
+        mesh.topology.create_connectivity(dim, other)
+    to_cells, to_vertices = (mesh.topology.connectivity(dim, other) for other in (3, 0))
+    count = mesh.topology.index_map(dim).size_local
+    first = np.minimum.reduceat(to_cells.array, to_cells.offsets[:count])
+    corners = geometry_of_vertices(mesh)[to_vertices.array.reshape(count, -1)]
+    return first[members].astype(np.int64), corners[members]
 
 
 def entities_on(mesh: dolfinx.mesh.Mesh, dim: int, nodes: Indices) -> Indices:

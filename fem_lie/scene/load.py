@@ -123,11 +123,14 @@ class Load(ABC):
     Attributes:
         carrier: The argument that is the loaded body.
         components: Number of finite components of each vector argument.
+        divisible: Whether it is a sum over cells of its body, so that parts of the body carry their
+            parts of it.
         history: Factor as a function of time, or ``None``.
         cells: Name of the loaded group of cells; default: all cells.
     """
 
     carrier: ClassVar[Carrier]
+    divisible: ClassVar[bool] = False
     components: ClassVar[Mapping[str, int]] = MappingProxyType({})
     history: History | None
     cells: str | None = None

@@ -161,6 +161,7 @@ class LineLoad(NodalLoad):
         1
     """
 
+    divisible = True
     carrier = Carrier("beam", LineBody | AncfBeam, "a Beam (on shells: EdgeLoad)")
     components = MappingProxyType({"force": 3, "moment": 3})
 

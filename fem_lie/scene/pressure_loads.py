@@ -45,6 +45,7 @@ class PressureLoad(Load):
         1
     """
 
+    divisible = True
     carrier = Carrier("beam", Beam, "a Beam (on shells: SurfacePressure)")
 
     beam: Beam
@@ -108,6 +109,7 @@ class SurfacePressure(Load):
         1
     """
 
+    divisible = True
     carrier = SHELL
     components = MappingProxyType({"gradient": 3})
 

@@ -37,6 +37,7 @@ class FaceLoad(NodalLoad):
         1
     """
 
+    divisible = True
     carrier = SOLID
 
     solid: Solid
@@ -89,6 +90,7 @@ class FacePressure(Load):
         1
     """
 
+    divisible = True
     carrier = SOLID
     components = MappingProxyType({"gradient": 3})
 
@@ -144,6 +146,7 @@ class BulkLoad(NodalLoad):
         1
     """
 
+    divisible = True
     carrier = SOLID
 
     solid: Solid

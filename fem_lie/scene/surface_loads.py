@@ -38,6 +38,7 @@ class EdgeLoad(NodalLoad):
         >>> load = fl.loads.EdgeLoad(plate, "a=1", force=(0, 0, 10.0))
     """
 
+    divisible = True
     carrier = SHELL
     components = MappingProxyType({"force": 3, "moment": 3})
 
@@ -113,6 +114,7 @@ class SurfaceLoad(NodalLoad):
         history: Factor as a function of time.
     """
 
+    divisible = True
     carrier = SHELL
 
     shell: Shell | SmoothSurface

@@ -18,6 +18,7 @@ from fem_lie._arrays import Array
 from fem_lie.joints.redundant import RedundantConstraints
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.redundancy import redundant_constraints
+from fem_lie.parts.part_scene import ScenePart
 from fem_lie.scene import Scene
 from fem_lie.system.constraints import Connections
 from fem_lie.system.describe import refuse
@@ -26,6 +27,7 @@ from fem_lie.system.nodes.convected_axes import BodyAxes, ConvectedAxes, Convect
 from fem_lie.system.nodes.element_rotations import ElementRotations
 from fem_lie.system.nodes.masses import Loads, floating_of, inertia_of, lumped, weight_of
 from fem_lie.system.nodes.numbering import numbering_for
+from fem_lie.system.nodes.parts import shared_nodes
 from fem_lie.system.nodes.sums import add_joints, nodal_residual, report, residual
 from fem_lie.system.tangent import Tangent, every, whole
 from fem_lie.system.terms.all_terms import terms_of
@@ -64,6 +66,7 @@ class System:
         lengths: Whether the first and the last three unknowns of the nodes are lengths, shape (n,
             2); others have no dimension.
         length: Largest distance of two nodes, or size of a body: the length scale of tolerances.
+        shared: Nodes that other ranks have, too.
     """
 
     def __init__(
@@ -74,15 +77,17 @@ class System:
         parametrisation: Parametrisation = Parametrisation.EXPONENTIAL,
         group: Group | None = None,
         without_coupling: bool = False,
+        part: ScenePart | None = None,
     ) -> None:
         """Number the unknowns and build the constant parts.
 
         Args:
-            scene: The scene.
+            scene: The scene, or that of a part.
             dynamics: Whether inertia is needed.
             parametrisation: Parametrisation of the increments of :meth:`fill_matrix`.
             group: Group of all frames; default: that of each body.
             without_coupling: Whether inertia is lumped.
+            part: What this rank has of a scene that is divided; ``None``: the scene is not.
 
         Raises:
             ValueError: There is no body; inertia is missing; joints are redundant.
@@ -95,7 +100,9 @@ class System:
         self.rows = rows = FrameRows(scene, self.numbering, parametrisation, group)
         self.kinds, self.frames, self.velocities = rows.kinds, rows.frames, rows.velocities
         self.held, self.supported = rows.held, rows.supported
-        self.lengths, self.length = rows.lengths, rows.length
+        self.lengths = rows.lengths
+        self.length = rows.length if part is None else part.length
+        self.shared = shared_nodes(part, self.numbering)
         self.uncoupled, self._any_held = self.numbering.uncoupled, bool(self.held.any())
         self.connections = Connections(scene, self.numbering, self.frames, self.held)
         self.table, self.m = self.connections.table, self.connections.m
@@ -136,10 +143,12 @@ class System:
         )
         self.rotations = ElementRotations(self.numbering)
         self.kkt, self.supports = self.tangent.kkt, self.tangent.supports
+        self.kkt.shared = self.shared
         self._guided = bool(self.supports)
-        self.convected_drilling = ConvectedDrilling(numbering, self.held, self.connections.nodes)
-        self.convected_axes = ConvectedAxes(numbering, self.held, self.connections.bound)
-        following = BodyAxes(numbering, self.connections.nodes)
+        held, nodes = self.held, self.connections.nodes
+        self.convected_drilling = ConvectedDrilling(numbering, held, nodes, self.shared)
+        self.convected_axes = ConvectedAxes(numbering, held, self.connections.bound, self.shared)
+        following = BodyAxes(numbering, nodes)
         self.convected: list[ConvectedDrilling | ConvectedAxes | BodyAxes] = [
             each for each in (self.convected_drilling, self.convected_axes, following) if each
         ]

@@ -49,6 +49,8 @@ class LineModel(SectionedModel):
         slopes: ``|dr/dξ|`` at both ends of cubic elements, else zero, shape (m, 2).
     """
 
+    _of_elements = (*SectionedModel._of_elements, "slopes")
+
     def __init__(
         self,
         mesh: LineMesh,
@@ -108,6 +110,11 @@ class LineModel(SectionedModel):
     def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
         """Assembly of all bodies of one :attr:`assembly_key`."""
         return BeamAssembly(models)
+
+    @property
+    def divisible_cells(self) -> Indices | None:
+        """Nodes of each element."""
+        return self.elements
 
     @property
     def elastic_cells(self) -> Indices:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices, instance, number, text
+from fem_lie._arrays import Array, Indices, instance, members_within, number, text
 from fem_lie.bodies.closest import AT_NODE, closest_on_lines
-from fem_lie.bodies.model import BodyModel, MaterialPoint
+from fem_lie.bodies.model import BodyModel, HeldRotation, MaterialPoint
 from fem_lie.bodies.per_cell import of_groups
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.sections.orientation import Chains
@@ -109,6 +110,8 @@ class SectionedModel(BodyModel):
 
     elements: Indices
     lengths: Array
+    _of_elements: ClassVar[tuple[str, ...]] = ("lengths", "stiffness", "density")
+    """Arrays with a value for each element."""
 
     def _take(self, sections: Sequence[Section], mesh: LineMesh) -> None:
         """Set the sections of all elements, and the named sets of the mesh."""
@@ -128,6 +131,22 @@ class SectionedModel(BodyModel):
             number = {id(section): k for k, section in enumerate(known)}
             which = [number[id(section)] for section in sections]
             self.stiffness, self.density = stiffness[which], density[which]
+
+    def restricted(self, cells: Indices, holds: Sequence[HeldRotation]) -> tuple[Any, Indices]:
+        """Model of some of its elements, see :class:`~fem_lie.bodies.model.BodyModel`.
+
+        Args:
+            cells: Indices of the elements, ascending, shape (s,).
+            holds: Rotations of nodes of the whole body that joints, motions and moments act on.
+        """
+        part, nodes = super().restricted(cells, holds)
+        part.elements = np.searchsorted(nodes, self.elements[cells])
+        for name in self._of_elements:
+            setattr(part, name, getattr(self, name)[cells])
+        part.sections = [self.sections[k] for k in cells]
+        part._groups = members_within(self._groups, cells)
+        part._sets = members_within(self._sets, nodes)
+        return part, nodes
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Elements of a named group (default: all).

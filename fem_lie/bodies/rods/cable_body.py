@@ -21,7 +21,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices, instance
+from fem_lie._arrays import Array, Indices, instance, members_within
 from fem_lie._jit import compiled
 from fem_lie.bodies.beams.assembly import BeamAssembly
 from fem_lie.bodies.beams.line_body import LineBody, LineModel, Placed
@@ -119,7 +119,10 @@ class CableModel(LineModel):
     Attributes:
         clamped: Nodes whose directions are held by rotational springs.
         follows: Whether nodal axes rotate with the body.
-        inner_springs: Rotational springs between its elements; ``None`` if elements bend.
+        successive: Pairs of elements with a rotational spring.
+        inner_springs: These springs; ``None`` if elements bend.
+        own: Number of elements with stiffness and mass; those after them, which a part of a body
+            may have, hold the nodes of its springs only.
     """
 
     def __init__(
@@ -164,12 +167,12 @@ class CableModel(LineModel):
         sections = [section] * len(placed.elements)
         super().__init__(mesh, placed, sections, formulation, damping, class_name, name)
         self.clamped: list[int] = []
-        self.follows = False
+        self.follows, self.own, self.successive = False, len(self.elements), successive
         self.inner_springs: Bends | None = None
         if isinstance(formulation, DiscreteCable):
             places = self.frames[:, 0]
             self.inner_springs = Bends.between(
-                places, successive, self._flexibility, formulation.natural
+                places, successive, self._flexibility(), formulation.natural
             )
 
     @classmethod
@@ -187,6 +190,59 @@ class CableModel(LineModel):
         return assembly
 
     @property
+    def divisible_cells(self) -> Indices | None:
+        """Nodes of each element, and of those after it with a spring in between.
+
+        ``None`` if nodal axes rotate with the whole body.
+        """
+        if self.follows:
+            return None
+        if self.inner_springs is None:
+            return self.elements
+        first, second = self.successive.edges.T
+        order = np.argsort(first, kind="stable")
+        column = np.arange(len(order)) - np.searchsorted(first[order], first[order])
+        after = np.tile(self.elements, 1 + column.max(initial=-1) + 1)
+        for side in range(2):
+            after[first[order], 2 * (1 + column) + side] = self.elements[second[order], side]
+        return after
+
+    def restricted(self, cells: Indices, holds: Sequence[HeldRotation]) -> tuple[Any, Indices]:
+        """Model of some of its elements, with the springs of which they are the first.
+
+        Args:
+            cells: Indices of the elements, ascending, shape (s,).
+            holds: Rotations of nodes of the whole body that joints, motions and moments act on.
+        """
+        if self.inner_springs is None:
+            return super().restricted(cells, holds)
+        held = np.flatnonzero(np.isin(self.successive.edges[:, 0], cells))
+        after = np.setdiff1d(self.successive.edges[held, 1], cells)
+        every = np.concatenate([cells, after])
+        part, nodes = super().restricted(every, holds)
+        part.own = len(cells)
+        for name in "stiffness", "density":
+            values = getattr(part, name).copy()
+            values[part.own :] = 0.0
+            setattr(part, name, values)
+        part._groups = members_within(self._groups, cells)
+        springs = self.inner_springs
+        part.inner_springs = Bends(
+            np.searchsorted(nodes, springs.nodes[held]), *(values[held] for values in springs[1:])
+        )
+        ends = [node for node in self.clamped if self.edge_at(node) in cells]
+        part.clamped = [int(node) for node in np.searchsorted(nodes, ends)]
+        return part, nodes
+
+    def cells_of(self, group: str | None = None) -> Indices:
+        """Elements of a named group (default: all that have stiffness and mass).
+
+        Args:
+            group: Name of the group; default: all.
+        """
+        return np.arange(self.own) if group is None else super().cells_of(group)
+
+    @property
     def bending_springs(self) -> list[Bends]:
         """Rotational springs between its elements, and at clamped ends; empty if elements bend."""
         if self.inner_springs is None:
@@ -201,7 +257,7 @@ class CableModel(LineModel):
         signs = np.sign(np.einsum("bj,bj->b", tangents, inwards))
         fixed = tangents * (signs * np.linalg.norm(inwards, axis=1))[:, np.newaxis]
         pairs = np.column_stack([nodes, other])
-        return [self.inner_springs, Bends.at_ends(pairs, fixed, self._flexibility[edges])]
+        return [self.inner_springs, Bends.at_ends(pairs, fixed, self._flexibility(edges))]
 
     def closest(self, position: Array) -> MaterialPoint:
         """Closest node: joints and loads act at nodes only.
@@ -241,10 +297,9 @@ class CableModel(LineModel):
                 "clamp(point), or hold positions by pin(point) and spherical joints"
             )
 
-    @property
-    def _flexibility(self) -> Array:
-        """Bending flexibility ``ℓ/EI`` of each element, shape (m,)."""
-        return np.asarray(self.lengths / self.stiffness[:, _EI, _EI])
+    def _flexibility(self, elements: Indices | slice = slice(None)) -> Array:
+        """Bending flexibility ``ℓ/EI`` of some elements, by default of all, shape (m,)."""
+        return np.asarray(self.lengths[elements] / self.stiffness[elements, _EI, _EI])
 
     def edge_at(self, node: int) -> int:
         """Element that ends at a node.

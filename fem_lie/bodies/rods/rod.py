@@ -69,6 +69,11 @@ class RodModel(BeamModel):
         return assembly
 
     @property
+    def divisible_cells(self) -> Indices | None:
+        """Nodes of each element; ``None`` for edges, whose springs couple two of them."""
+        return super().divisible_cells if self.corner_springs is None else None
+
+    @property
     def separates_rotation(self) -> bool:
         """Whether statics moves its end frames by ``x + R u``: if it consists of edges."""
         return self.corner_springs is not None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable, Sequence
+from typing import Any
 
 import basix
 import numpy as np
@@ -39,6 +40,8 @@ class ShellModel(BodyModel):
 
     separates_director = True
     group = Group.R3xSO3
+    _drilling_of_whole: Array | None = None
+    """Drilling stiffness of each cell, if these are some cells of a shell."""
 
     def __init__(
         self,
@@ -97,6 +100,29 @@ class ShellModel(BodyModel):
     def assembly_key(self) -> Hashable:
         """Key of shells that are assembled together: same formulation and cell type."""
         return type(self), self.formulation, self.mesh.cell, self.mesh.degree
+
+    @property
+    def divisible_cells(self) -> Indices | None:
+        """Nodes of each cell."""
+        return self.connectivity
+
+    def restricted(self, cells: Indices, holds: Sequence[HeldRotation]) -> tuple[Any, Indices]:
+        """Model of some of its cells, with the drilling rotations and their stiffness of all.
+
+        Args:
+            cells: Indices of the cells, ascending, shape (s,).
+            holds: Rotations of nodes of the whole body that joints, motions and moments act on.
+        """
+        part, nodes = super().restricted(cells, holds)
+        part.mesh = self.mesh.restricted(cells)
+        part.connectivity = np.searchsorted(nodes, self.connectivity[cells])
+        for name in "stiffness", "density", "axes":
+            setattr(part, name, getattr(self, name)[cells])
+        part.thickness = self.thickness[cells]
+        part.drilling, stiffness = self.drilling_for(holds)
+        part._drilling_of_whole = None if stiffness is None else stiffness[cells]
+        part.cut_mesh = part.mesh  # of the whole shell for results
+        return part, nodes
 
     def nodes(self, where: str) -> Indices:
         """Numbers of the nodes of a named curve, group of cells or group of points.
@@ -191,6 +217,8 @@ class ShellModel(BodyModel):
         Args:
             holds: Rotations of nodes that joints, motions and moments act on.
         """
+        if self._drilling_of_whole is not None:
+            return self._drilling_of_whole
         bound: dict[int, set[Hashable]] = {}
         for hold in holds:
             if not self._tilts(hold):

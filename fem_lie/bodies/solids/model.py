@@ -14,7 +14,7 @@ from dolfinx import fem
 from fem_lie._arrays import Array, Indices, diameter, instance, log_coincident, numbers
 from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.attachments.patch import in_the_mean
-from fem_lie.bodies.model import NO_HOLDS, BodyModel, Holds
+from fem_lie.bodies.model import NO_HOLDS, BodyModel, HeldRotation, Holds
 from fem_lie.bodies.per_cell import of_groups
 from fem_lie.bodies.solids.assembly import SolidAssembly
 from fem_lie.bodies.solids.faces import Faces, faces_of, nodes_on
@@ -144,6 +144,31 @@ class SolidModel(BodyModel):
     def assembly_key(self) -> Hashable:
         """The solid itself: each solid is assembled on its own mesh."""
         return self
+
+    @property
+    def divisible_cells(self) -> Indices | None:
+        """Nodes of each cell."""
+        return self.connectivity
+
+    def restricted(self, cells: Indices, holds: Sequence[HeldRotation]) -> tuple[Any, Indices]:
+        """Model of some of its cells, see :class:`~fem_lie.bodies.model.BodyModel`.
+
+        Args:
+            cells: Indices of the cells, ascending, shape (s,).
+            holds: Rotations of nodes of the whole body that joints, motions and moments act on.
+        """
+        mesh, numbers = self.mesh.restricted(cells)
+        space = fem.functionspace(mesh.mesh, ("P", self.degree))
+        connectivity: Indices = space.dofmap.list.astype(np.int64)
+        nodes: Indices = np.empty(int(connectivity.max()) + 1, dtype=np.int64)
+        nodes[connectivity] = self.connectivity[numbers]
+        part = self._on_nodes(nodes)
+        part.masters = np.arange(len(nodes))
+        part.mesh, part.space, part.connectivity = mesh, space, connectivity
+        part.positions, part.rule = self.positions[nodes], VolumeRule.of(mesh.mesh, self.degree)
+        part.parameters, part.density = self.parameters[numbers], self.density[numbers]
+        part.__dict__.pop("boundary", None)
+        return part, nodes
 
     @classmethod
     def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> SolidAssembly:

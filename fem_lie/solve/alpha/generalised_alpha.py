@@ -18,6 +18,7 @@ from functools import partial
 from typing import Any
 
 from fem_lie.lie.motions import Parametrisation
+from fem_lie.parts.part_scene import ScenePart, divided
 from fem_lie.scene import Scene
 from fem_lie.solve.alpha import free_bodies
 from fem_lie.solve.alpha.free_impacts import applies
@@ -28,7 +29,7 @@ from fem_lie.solve.impacts.step_end import refuse_impacts
 from fem_lie.solve.motion.integration import Driver
 from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.motion.variable_steps import Stepper
-from fem_lie.solve.recording.plan import ChosenSteps
+from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan
 from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
 
@@ -64,13 +65,19 @@ class GeneralisedAlpha(Options, Integrator):
         True
     """
 
-    def _equations(self, scene: Scene) -> Equations:
+    def _equations(self, scene: Scene, part: ScenePart | None) -> Equations:
         """Equations of a scene without impacts, which change the ends of steps."""
         scene = scene.without_impacts()
-        equations = Equations(scene, dynamics=True, parametrisation=self.parametrisation)
+        chosen = self.parametrisation
+        equations = Equations(scene, dynamics=True, parametrisation=chosen, part=part)
         if scene.impacts and not self._free(scene):
             refuse_impacts(equations)
         return equations
+
+    def _part(self, scene: Scene, plan: Plan) -> ScenePart | None:
+        """The part of a scene that this rank has, for equal steps without secants."""
+        supported = isinstance(plan, EqualSteps) and not self.policy.secants
+        return divided(scene.without_impacts(), self.petsc_options_prefix, supported=supported)
 
     def _free(self, scene: Scene) -> bool:
         """Whether all bodies of a scene are free rigid bodies, stepped independently."""

@@ -35,7 +35,8 @@ class Newton(RunState, Iterated):
     def _iterate(self, decisions: PolicyState, *, linearised: bool) -> int:
         """Predict, and correct until convergence; return the number of iterations, 0 on failure."""
         progress, self._linearised = self.progress, linearised
-        progress.motion = max(predict(*self._plain), progress.motion)
+        motion = self.equations.shared.largest(predict(*self._plain))
+        progress.motion = max(motion, progress.motion)
         tolerance, round_off_level = self._tolerance(), _STAGNATION if linearised else 0.0
         self._rate = LinearRate(lambda _: tolerance, float(progress.ratio), round_off_level)
         ended = iterate(self, self.options.max_iterations, decisions)
@@ -71,7 +72,8 @@ class Newton(RunState, Iterated):
             twists(s.kinds, s.d, -self.dx[: s.d.size].reshape(-1, 6), h)
             self.equations.history_variables.update_stress(s.H1, h.ravel())
         scale, spread, joined = self._sizes
-        return correct(*self._plain, self.dx, scale, spread, joined, self.multipliers)
+        size = correct(*self._plain, self.dx, scale, spread, joined, self.multipliers)
+        return self.equations.shared.largest(size)
 
     def judge(self, size: float) -> Verdict:
         """Verdict by the linear convergence rate."""

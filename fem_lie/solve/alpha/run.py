@@ -19,6 +19,7 @@ from fem_lie.contact.impact.records import FRICTION, IMPACT
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Solution
 from fem_lie.results import Result
+from fem_lie.results.gathering import gathered
 from fem_lie.results.record import with_others
 from fem_lie.solve.alpha.newton import Newton
 from fem_lie.solve.alpha.options import DAMPED, Options
@@ -64,6 +65,7 @@ class Run(Newton):
         known, rule = equations.tables, self.decisions.rule
         # the only condition for steps in the compiled loop
         compiled = rule is not None and not self._projects and not self._turned
+        compiled = compiled and not equations.shared.several
         self._rule = rule.plain if compiled and rule is not None else None
         # and those for the stages of a step that the loop does itself
         statistics = any(term.passage or term.path for term in known.terms)
@@ -351,7 +353,7 @@ class Run(Newton):
             others["contacts"] = steps = self._contacts.history.result(self.h)
             history.add(steps)
         made = history.result(solver.factorisations, history.seconds, *counts)
-        return with_others(made, others)
+        return gathered(with_others(made, others), self.equations.part)
 
     def _failure(self, steps: int) -> str:
         limit, tolerance = self.options.max_iterations, self.options.tolerance

@@ -81,13 +81,15 @@ class RunState(DividedIntegration[Recorder]):
         """
         unknowns = equations.unknowns
         m = unknowns.m
-        super().__init__(options.policy, equations, step, bound=self._refreshes and m > 0)
+        bound = self._refreshes and unknowns.constraints > 0
+        super().__init__(options.policy, equations, step, bound=bound)
         self.options, self.p = options, parameters(options.radius, step)
         scaling = node_scaling(unknowns)
         self.s = State.start(equations.start.frames, unknowns.kinds, scaling)
         self._guided, self._moving = bool(equations.supports), unknowns.moving
         self._changing = unknowns.time_dependent
-        self._projects = options.index == ConstraintIndex.STABILISED_TWO and m > 0
+        stabilised = options.index == ConstraintIndex.STABILISED_TWO
+        self._projects = stabilised and unknowns.constraints > 0
         self._turned = options.matrix_frame == MatrixFrame.INERTIAL
         if self._turned and self._guided:
             raise ValueError("supports along fixed axes (Shell.roller) need MatrixFrame.LOCAL")

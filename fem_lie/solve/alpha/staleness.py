@@ -83,4 +83,4 @@ def _size(equations: Equations, x: Array, spread: Array) -> float:
     group = np.cumsum(~unknowns.joined) - 1
     held = (spread * x[nodes:][unknowns.vectors]).sum(axis=1)
     largest = np.sqrt(np.bincount(group, held**2)).max(initial=0.0)
-    return float(max(halves.max(), largest))
+    return equations.shared.largest(float(max(halves.max(), largest)))

@@ -47,7 +47,7 @@ def check_velocities(equations: Equations, step: float) -> None:
     # velocities of nodes and of prescribed frames
     units = np.full(velocities.shape, np.repeat([unknowns.length, 1.0], 3))
     units[: unknowns.moving] = unknowns.units.reshape(-1, 6)
-    speed = float(np.abs(velocities / units).max())
+    speed = equations.shared.largest(float(np.abs(velocities / units).max()))
     # below the second bound the error of a whole step is less than 1e-9 of the size
     bound = max(1e-6 * speed, 1e-9 / step)
     _check_held(equations, bound)
@@ -243,7 +243,7 @@ def allowed_velocities(
     """
     prescribed = equations.prescribed(time, step)
     v = _moved(equations, twist, prescribed.velocities)
-    if equations.unknowns.m == 0:
+    if equations.unknowns.constraints == 0:
         return v
     rates, _ = equations.constraints(H).rates(v)
     rates -= prescribed.target_rates[0]

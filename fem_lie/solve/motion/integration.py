@@ -126,11 +126,13 @@ class Driver(ABC, Stateful, Generic[HistoryT]):
 
     def _keep(self, history: HistoryT) -> None:
         """Record the current state if it is due; raise if an element has folded."""
-        if not self._record(history) or not history.turns_far:
+        shared = self.equations.shared
+        if not self._record(history) or not shared.any(history.turns_far):
             return
         time = float(history.times[history.row - 1])
         try:
-            self.equations.report(self.frames).check_rotations(time)
+            with shared.errors(FoldedElementError):
+                self.equations.report(self.frames).check_rotations(time)
         except FoldedElementError as error:
             raise ConvergenceError(f"an element folds: {error}", self._result(history)) from None
 
@@ -171,7 +173,7 @@ class Integration(Driver[HistoryT]):
         self.equations, self.h, self.decisions = equations, float(step), policy.begin(bound)
         self.equations_state: HasState = equations.history_variables.with_matrix
         self.reason = ""
-        spin = float(np.abs(equations.start.velocities[:, 3:]).max())
+        spin = equations.shared.largest(float(np.abs(equations.start.velocities[:, 3:]).max()))
         self.matrix_terms = equations.scene.matrix_terms.resolve(spin * step)
         summary = equations.unknowns.summary, self.matrix_terms, type(policy).__name__
         _log.info("%s; %s; matrix: %s", *summary)

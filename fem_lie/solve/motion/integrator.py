@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import instance, number, positive, whole
+from fem_lie.parts.part_scene import ScenePart
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.scene import Scene
@@ -89,7 +90,8 @@ class Integrator(ABC):
             if file is None:
                 raise ValueError("checkpoint_every needs a file to which results go")
         begin, store = self._beginning(scene, plan), None
-        equations = self._equations(scene)
+        part = self._part(scene, plan) if file is None else None
+        equations = self._equations(scene, part)
         if file is not None:
             every = plan.checkpoint_interval(checkpoint_every)
             store = Checkpoints(file, every, plan, Fingerprint(equations, self))
@@ -115,7 +117,7 @@ class Integrator(ABC):
         """
         require_scene(scene)
         require_files(Path(file))
-        equations = self._equations(scene)
+        equations = self._equations(scene, None)
         store = Checkpoints.resume(file, Fingerprint(equations, self))
         return self._beginning(scene, store.plan)(equations).run(store.plan, progress, store)
 
@@ -134,9 +136,13 @@ class Integrator(ABC):
 
         return begin
 
+    def _part(self, scene: Scene, plan: Plan) -> ScenePart | None:
+        """The part of a scene that this rank has, if the scheme divides it for this plan."""
+        return None
+
     @abstractmethod
-    def _equations(self, scene: Scene) -> Equations:
-        """Equations of a scene; ``ValueError`` if the scheme does not support the scene."""
+    def _equations(self, scene: Scene, part: ScenePart | None) -> Equations:
+        """Equations of a scene or a part; ``ValueError`` if the scheme does not support it."""
 
     @abstractmethod
     def _integration(self, equations: Equations, step: float) -> Driver[Any]:

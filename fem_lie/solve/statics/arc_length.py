@@ -20,10 +20,10 @@ while its twist is constant. A path that goes down along earlier states is aband
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import sqrt
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
@@ -44,6 +44,15 @@ _KNOWN = 3  # successive steps along known states
 _NEAR = 0.05  # over the distance from the turning point of the path
 
 
+Dot: TypeAlias = Callable[[Array, Array], float]
+"""Inner product of two arrays with a row for each node."""
+
+
+def plain_dot(a: Array, b: Array) -> float:
+    """Inner product of two arrays of one shape."""
+    return float(np.sum(a * b))
+
+
 class Passed:
     """Earlier states of a path, and whether it passes them again.
 
@@ -53,8 +62,14 @@ class Passed:
     those of that step.
     """
 
-    def __init__(self, places: Array) -> None:
-        """Start with positions (n, 3) at load factor 0."""
+    def __init__(self, places: Array, dot: Dot = plain_dot) -> None:
+        """Start with positions (n, 3) at load factor 0.
+
+        Args:
+            places: The positions.
+            dot: Inner product of two arrays with a row for each node.
+        """
+        self._dot = dot
         self._factors, self._places = [0.0], [places]
         self._twists: list[Array] = []
         self._count = 0
@@ -71,25 +86,26 @@ class Passed:
 
     def _against(self, factor: float, places: Array, twist: Array, factors: Array) -> bool:
         """Whether a step to this state is opposite to an earlier upward one."""
-        near = _NEAR * rms(places - self._places[int(factors.argmax())])
+        near = _NEAR * rms(places - self._places[int(factors.argmax())], self._dot)
         upwards = (factors[:-1] <= factor) & (factor < factors[1:])
         for k in np.flatnonzero(upwards):
             chord = self._places[k + 1] - self._places[k]
             part = (factor - factors[k]) / (factors[k + 1] - factors[k])
-            close = rms(self._places[k] + part * chord - places) < near
-            if close and cosine(twist, self._twists[k]) < -_AGAINST:
+            close = rms(self._places[k] + part * chord - places, self._dot) < near
+            if close and cosine(twist, self._twists[k], self._dot) < -_AGAINST:
                 return True
         return False
 
 
-def cosine(a: Array, b: Array) -> float:
-    """Cosine of the angle between two arrays of any shape."""
-    return float(np.sum(a * b) / sqrt(float(np.sum(a * a)) * float(np.sum(b * b))))
+def cosine(a: Array, b: Array, dot: Dot) -> float:
+    """Cosine of the angle between two arrays with a row for each node."""
+    return dot(a, b) / sqrt(dot(a, a) * dot(b, b))
 
 
-def rms(u: Array) -> float:
-    """Root mean square of vectors, shape (n, 3)."""
-    return float(np.sqrt(np.sum(u * u) / len(u)))
+def rms(u: Array, dot: Dot) -> float:
+    """Root mean square of vectors at nodes, shape (n, 3)."""
+    one = np.ones(len(u))
+    return sqrt(dot(u, u) / dot(one, one))
 
 
 _SHOWN = 1e-2  # translations over rotations × diameter from which on they measure rotations
@@ -106,6 +122,14 @@ class Equilibrium(Protocol):
     """
 
     diameter: float
+
+    def dot(self, a: Array, b: Array) -> float:
+        """Inner product of two arrays with a row for each node."""
+        return plain_dot(a, b)
+
+    def largest(self, values: Array) -> float:
+        """Largest magnitude of a vector."""
+        return float(np.abs(values).max(initial=0.0))
 
     def forces(self) -> tuple[Array, Array]:
         """Internal forces, and external ones at λ = 1, in the current state."""
@@ -254,7 +278,7 @@ class _Follower(Iterated):
         self._cap, self._next, self._first, self._count = begin, begin, True, 0
         self._origin, self._residual, self._load, self._dx = np.zeros((4, 0))
         self._path, self._refused = Path(), ""
-        self._passed = Passed(model.positions())
+        self._passed = Passed(model.positions(), model.dot)
 
     def run(self, levels: Sequence[float]) -> Path:
         with load_bar(levels[-1]) as show:
@@ -272,12 +296,16 @@ class _Follower(Iterated):
         done, count = self._found(cap, origin, before)
         twist = model.twists(self._moved) if done else None
         # several states are at this distance: one is behind, others are on other paths
-        if twist is not None and (self._twist is None or cosine(twist, self._twist) > _AHEAD):
+        if twist is not None and self._goes_ahead(twist):
             self._go_on(cap, origin, twist, count)
             return
         model.restore(before)
         self._factor = factor
         self._halve(count)
+
+    def _goes_ahead(self, twist: Array) -> bool:
+        """Whether the twists of a step are near those of the last one."""
+        return self._twist is None or cosine(twist, self._twist, self._model.dot) > _AHEAD
 
     def _found(self, cap: float, origin: Array, before: Any) -> tuple[bool, int]:
         """Whether an equilibrium at the end of a step was found, and the iterations."""
@@ -311,7 +339,7 @@ class _Follower(Iterated):
         path.iterations.append(count)
         self._length *= min(2.0, max(0.5, sqrt(self._options.good_iterations / count)))
         if self._factor == cap:
-            self._length = min(self._length, 3 * rms(here - origin))
+            self._length = min(self._length, 3 * rms(here - origin, self._model.dot))
         if self._passed.again(self._factor, here, twist):
             raise ConvergenceError(
                 f"the path runs back from load factor {max(path.factors):g} to "
@@ -326,8 +354,8 @@ class _Follower(Iterated):
         self._first = iteration == 1
         internal, self._load = self._model.forces()
         self._residual = internal - self._factor * self._load
-        bound = self._options.tolerance * self._cap * float(np.abs(self._load).max())
-        balanced = self._factor == self._cap and float(np.abs(self._residual).max()) <= bound
+        bound = self._options.tolerance * self._cap * self._model.largest(self._load)
+        balanced = self._factor == self._cap and self._model.largest(self._residual) <= bound
         return not self._first and balanced
 
     def refactorise(self, update: Refactorisation) -> None:
@@ -344,7 +372,7 @@ class _Follower(Iterated):
         self._dx = x_r + change * x_f
         # not by addition: it must be the requested load to the last digit
         self._next = self._cap if wanted >= remaining else self._factor + change
-        return rms(model.translations(self._dx))
+        return rms(model.translations(self._dx), model.dot)
 
     def judge(self, size: float) -> Verdict:
         """Verdict on an increment; it has diverged if it leaves the neighbourhood of the step."""
@@ -364,8 +392,9 @@ class _Follower(Iterated):
 
     def _turned(self, dx: Array, enough: float) -> bool:
         """Whether the rotations of an increment are small, if translations do not measure them."""
-        now, step = (rms(self._model.twists(h)[:, 3:]) for h in (dx, self._moved))
-        shown = self._length >= _SHOWN * self._model.diameter * step
+        model = self._model
+        now, step = (rms(model.twists(h)[:, 3:], model.dot) for h in (dx, self._moved))
+        shown = self._length >= _SHOWN * model.diameter * step
         return shown or now < enough * step
 
     def _change(self, x_r: Array, x_f: Array) -> float:
@@ -373,7 +402,7 @@ class _Follower(Iterated):
         model, length = self._model, self._length
         u_f = model.translations(x_f)
         if self._first:
-            moves, turns = rms(u_f), rms(model.twists(x_f)[:, 3:])
+            moves, turns = rms(u_f, model.dot), rms(model.twists(x_f)[:, 3:], model.dot)
             if moves <= _ON_THE_SPOT * turns:  # false for nan
                 what = "turns nodes on the spot" if turns else "moves nothing"
                 raise ConvergenceError(
@@ -381,15 +410,15 @@ class _Follower(Iterated):
                     "(fl.statics)",
                     self._path,
                 )
-            forward = self._twist is None or float(np.sum(model.twists(x_f) * self._twist)) >= 0
+            forward = self._twist is None or model.dot(model.twists(x_f), self._twist) >= 0
             return (1.0 if forward else -1.0) * length / moves
         now = model.positions() - self._origin
-        distance = rms(now)
+        distance, one = rms(now, model.dot), np.ones(len(now))
         if distance == 0.0:
             return np.nan
-        gradient = now / (distance * len(now))
+        gradient = np.asarray(now / (distance * model.dot(one, one)), dtype=np.float64)
         u_r = model.translations(x_r)
-        slope = float(np.sum(gradient * u_f))
+        slope = model.dot(gradient, u_f)
         if slope == 0.0:
             return np.nan
-        return (length - distance - float(np.sum(gradient * u_r))) / slope
+        return (length - distance - model.dot(gradient, u_r)) / slope

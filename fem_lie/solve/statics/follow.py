@@ -9,12 +9,15 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.model import FoldedElementError
+from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.lie.node_types import all_to_global_components, has_position
 from fem_lie.linear.choice import Solutions
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
+from fem_lie.parts.part_scene import ScenePart, divided
 from fem_lie.ranks.shared_factors import Subdomains
 from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.gathering import gathered
 from fem_lie.scene import Scene
 from fem_lie.scene.load import StrainLoad
 from fem_lie.scene.rotation import Rotation
@@ -23,7 +26,7 @@ from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import Iterated, iterate
 from fem_lie.solve.progress_bars import Stopwatch
 from fem_lie.solve.refactorisation import Refactorisation
-from fem_lie.solve.statics.arc_length import ArcLength, Path, increasing
+from fem_lie.solve.statics.arc_length import ArcLength, Equilibrium, Path, increasing, plain_dot
 from fem_lie.solve.statics.load_steps import move
 from fem_lie.solve.statics.unstable import (
     POLISHED,
@@ -70,7 +73,7 @@ def followed(
     """As :func:`follow_loads`, without a warning on stability."""
     check_proportion(scene)
     levels = beyond(scene, levels)
-    model = SceneEquilibrium(scene, prefix)
+    model = SceneEquilibrium(scene, prefix, divided(scene, prefix))
     watch = Stopwatch()
     try:
         path = options.follow(model, levels, model.begin())
@@ -141,8 +144,10 @@ class _State(NamedTuple):
     saved: dict[str, Array]
 
 
-class SceneEquilibrium:
+class SceneEquilibrium(Equilibrium):
     """:class:`~fem_lie.solve.statics.arc_length.Equilibrium` of a scene.
+
+    Rows of nodes are those of the nodes that this rank owns, if the scene is divided.
 
     Attributes:
         equations: Equations of the scene.
@@ -150,17 +155,19 @@ class SceneEquilibrium:
         placed: Which nodes have a position of their own, shape (n,).
     """
 
-    def __init__(self, scene: Scene, prefix: str) -> None:
+    def __init__(self, scene: Scene, prefix: str, part: ScenePart | None = None) -> None:
         """Number the unknowns; the stress is that of the unloaded frames.
 
         Args:
             scene: The scene.
             prefix: Prefix of the linear solver's options.
+            part: What this rank has of the scene, if it is divided.
         """
-        self.equations = equations = Equations(scene, dynamics=False)
+        self.equations = equations = Equations(scene, dynamics=False, part=part)
+        self._shared = equations.shared
         unknowns = equations.unknowns
         self.diameter, self._moving = unknowns.length, unknowns.moving
-        self.placed = has_position(unknowns.kinds)
+        self.placed = has_position(unknowns.kinds) & self._shared.owned
         self._H, self._multipliers = equations.start.frames.copy(), np.zeros(unknowns.m)
         self._zero = np.zeros((unknowns.moving, 6))
         self._scale: Array = np.ones(unknowns.m)
@@ -172,10 +179,18 @@ class SceneEquilibrium:
         self._scratch = np.empty(unknowns.size)
         self._found = equations.residual(self._now, self._scale, self._scratch, linearised=True)
         self.forces()
-        if not self._load.any():
+        if not self._shared.any(bool(self._load.any())):
             raise ValueError("the arc length needs a load that is not zero on what can move")
         self._find(0.0)
         self._scale = equations.fill(self._now, self._found, Plan(self._zero))
+
+    def dot(self, a: Array, b: Array) -> float:
+        """Inner product of two arrays with a row for each node."""
+        return float(self._shared.total(np.array(plain_dot(a, b))))
+
+    def largest(self, values: Array) -> float:
+        """Largest magnitude of a vector."""
+        return self._shared.largest(super().largest(values))
 
     def forces(self) -> tuple[Array, Array]:
         """Internal forces, and external ones at λ = 1, in the current state."""
@@ -297,7 +312,8 @@ class SceneEquilibrium:
     def twists(self, dx: Array) -> Array:
         """Increments of the nodes due to ``dx``, (n, 6), in their own axes, as lengths."""
         units = self.equations.unknowns.units / self.diameter
-        return np.asarray(dx[: 6 * self._moving] / units).reshape(-1, 6)
+        twists: Array = (dx[: 6 * self._moving] / units).reshape(-1, 6)
+        return twists[self._shared.owned] if self._shared.several else twists
 
     def check_rotations(self, factor: float) -> None:
         """Raise an error if the current state is not valid.
@@ -306,11 +322,13 @@ class SceneEquilibrium:
             FoldedElementError: An element rotates too far for a unique state.
             LostBranchError: A joint rotates too far in the step.
         """
-        self.equations.report(self._H).check_rotations(f"at load factor {factor:g}")
+        with self._shared.errors(FoldedElementError, LostBranchError):
+            self.equations.report(self._H).check_rotations(f"at load factor {factor:g}")
 
     def check_passage(self, before: _State) -> None:
         """Raise ``PassedThroughError`` if surfaces passed through each other since a state."""
-        self.equations.history_variables.check_passage(before.frames, self._H)
+        with self._shared.errors(PassedThroughError):
+            self.equations.history_variables.check_passage(before.frames, self._H)
 
     def free_motions(self, factor: float) -> str:
         """Message on rigid motions that nothing resists in the current state, if there are any.
@@ -365,9 +383,9 @@ class _AtFactor(Iterated):
         model = self._model
         dx = model.solve(self._residual)
         model.move(dx)
-        moved = np.abs(model.translations(dx)).max(initial=0.0)
-        turned = np.abs(model.twists(dx)[:, 3:]).max(initial=0.0)
-        return float(max(moved, _OF_TURNS * turned)) / model.diameter
+        moved = model.largest(model.translations(dx))
+        turned = model.largest(model.twists(dx)[:, 3:])
+        return max(moved, _OF_TURNS * turned) / model.diameter
 
     def judge(self, size: float) -> Verdict:
         return Verdict.CONVERGED if size < _SETTLED else Verdict.GOES_ON
@@ -383,7 +401,7 @@ def _result(
     frames = [equations.report(state.frames).frames.copy() for state in states]
     forces = [model.joint_forces(state) for state in states]
     reactions = [model.reactions(*held) for held in zip(states, reached, strict=True)]
-    return StaticResult(
+    result = StaticResult(
         factors=np.array(reached),
         frames=np.array(frames).reshape(len(states), unknowns.total, 4, 3),
         joint_forces=np.array(forces).reshape(len(states), unknowns.connections, 6),
@@ -400,3 +418,4 @@ def _result(
         subdomains=model.subdomains,
         load_maxima=maxima(path.factors),
     )
+    return gathered(result, equations.part)

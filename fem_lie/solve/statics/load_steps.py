@@ -16,7 +16,9 @@ from fem_lie.joints.connection import LostBranchError
 from fem_lie.lie.node_types import advance
 from fem_lie.linear.choice import Solutions
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
+from fem_lie.parts.part_scene import divided
 from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.gathering import gathered
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.convergence import Verdict
@@ -54,7 +56,8 @@ def move(equations: Equations, H: Array, x: Array, *, linearised: bool) -> float
     ways = unknowns.held, unknowns.uncoupled, unknowns.straight
     advance(unknowns.kinds, H, x, *ways)
     equations.history_variables.rotate_axes(H)
-    return float(np.abs(x[: 6 * unknowns.moving] / unknowns.units).max(initial=0.0))
+    size = float(np.abs(x[: 6 * unknowns.moving] / unknowns.units).max(initial=0.0))
+    return equations.shared.largest(size)
 
 
 @dataclass(frozen=True)
@@ -109,7 +112,8 @@ class LoadSteps(Iterated):
         prefix: str,
     ) -> None:
         """Number the unknowns; for the arguments see :func:`~.statics.statics`."""
-        self.equations = equations = Equations(scene, dynamics=bool(rotation))
+        part = divided(scene, prefix)
+        self.equations = equations = Equations(scene, dynamics=bool(rotation), part=part)
         unknowns = equations.unknowns
         self._rotation = rotation
         self._options = options
@@ -140,7 +144,10 @@ class LoadSteps(Iterated):
         self._watch = Stopwatch()
 
     def result(self) -> StaticResult:
-        """The accepted states."""
+        """The accepted states, of the whole scene."""
+        return gathered(self._own_result(), self.equations.part)
+
+    def _own_result(self) -> StaticResult:
         equations, unknowns, k = self.equations, self.equations.unknowns, len(self._factors)
         return StaticResult(
             np.array(self._factors),
@@ -186,7 +193,8 @@ class LoadSteps(Iterated):
                 # the last step must land on the level in spite of round-off
                 target = level if level - target < 1e-9 * levels[-1] else target
                 # large prescribed rotations divide a step before it is tried
-                target = self.equations.prescribed(reached).limited(target)
+                ahead = self.equations.prescribed(reached).limited(target)
+                target = -self.equations.shared.largest(-ahead)
                 if self.solve(target):
                     reached, now = target, min(2 * now, step)
                     show(reached)
@@ -307,11 +315,13 @@ class LoadSteps(Iterated):
             LostBranchError: A joint or a prescribed motion rotates too far.
             PassedThroughError: Surfaces passed through each other.
         """
-        self.equations.report(self.H).check_rotations(f"at load factor {factor:g}")
+        with self.equations.shared.errors(FoldedElementError):
+            self.equations.report(self.H).check_rotations(f"at load factor {factor:g}")
         if self._to_check and factor:
             self._check_held(factor)
         pivots = self._negative_pivots(factor)
-        self.equations.history_variables.accept(self.H, before)
+        with self.equations.shared.errors(PassedThroughError, LostBranchError):
+            self.equations.history_variables.accept(self.H, before)
         return pivots
 
     def _check_held(self, factor: float) -> None:
@@ -357,7 +367,7 @@ class LoadSteps(Iterated):
         v = self._rotation.velocities(equations.unknowns.kinds, H, np.sqrt(factor))
         now = TimeState(H, v, zero, self.multipliers)
         equations.residual(now, self._scale, self._r, self._found, linearised=True)
-        self.residual = float(np.abs(self._r).max(initial=0.0))
+        self.residual = equations.shared.largest(float(np.abs(self._r).max(initial=0.0)))
         plan = Plan(zero, self._scale, steady=bool(self._rotation))
         equations.fill(now, self._found, plan)
 

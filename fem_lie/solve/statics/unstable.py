@@ -39,7 +39,8 @@ def negative_pivots(equations: Equations, solver: DirectSolver) -> int:
     it is even. It is −1 if the matrix cannot be factorised.
     """
     unknowns = equations.unknowns
-    m, n, redundant = unknowns.m, 6 * unknowns.moving, unknowns.m > 0 and unknowns.may_be_redundant
+    m, n = unknowns.constraints, 6 * unknowns.moving
+    redundant = m > 0 and unknowns.may_be_redundant
     try:
         found = None if redundant else solver.negative_pivots()
         if found is None or not unknowns.has_potential:
@@ -47,8 +48,8 @@ def negative_pivots(equations: Equations, solver: DirectSolver) -> int:
             if redundant:
                 A = _softened(A, n)
             if not unknowns.has_potential:
-                return int(negative_determinant(A) != bool(m % 2))
-            found = inertia((0.5 * (A + A.T)).tocsr())[0]
+                return int(negative_determinant(A, equations.shared) != bool(m % 2))
+            found = inertia((0.5 * (A + A.T)).tocsr(), equations.shared)[0]
     except SingularMatrixError:
         return UNKNOWN
     return max(0, found - m)
@@ -134,7 +135,9 @@ class FreeMotions:
     def __init__(self, equations: Equations) -> None:
         """Set up for the equations of a scene."""
         self._equations, unknowns = equations, equations.unknowns
-        self.possible: bool = bool((unknowns.kinds >= POSITION_GRADIENT).any())
+        # on parts only pivots show them: connected groups of elements are known to no rank
+        alone = not equations.shared.several
+        self.possible: bool = alone and bool((unknowns.kinds >= POSITION_GRADIENT).any())
         self._weight = unknowns.units
         self._free = np.flatnonzero(~unknowns.held.ravel())
 

@@ -15,6 +15,7 @@ from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.saddle_point import KKT
+from fem_lie.parts.part_scene import ScenePart
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.system import describe
@@ -118,7 +119,10 @@ class Equations:
     """The equations of a scene.
 
     Attributes:
-        scene: The scene.
+        scene: The scene, or that of the part which this rank has.
+        part: This part, if the scene is divided among ranks; else ``None``.
+        shared: Nodes that other ranks have, too. Their copies have equal states on all ranks;
+            forces on them are sums over all ranks, while matrices and reports are partial.
         unknowns: Numbers, types and properties of the unknowns.
         start: Frames and velocities at the start of a run.
         tables: Packed arrays for compiled code.
@@ -136,6 +140,7 @@ class Equations:
         parametrisation: Parametrisation = Parametrisation.EXPONENTIAL,
         group: Group | None = None,
         without_coupling: bool = False,
+        part: ScenePart | None = None,
     ) -> None:
         """Build the equations.
 
@@ -145,23 +150,26 @@ class Equations:
             parametrisation: Parametrisation of increments.
             group: Group of all frames; default: that of each body.
             without_coupling: Whether inertia is lumped, so that nodes are not coupled by it.
+            part: What this rank has of the scene, if it is divided; states are those of the part.
 
         Raises:
             ValueError: See :class:`~fem_lie.system.system.System`.
         """
-        self.scene = scene
+        self.part, self.scene = part, scene if part is None else part.scene
         self._system = System(
-            scene,
+            self.scene,
             dynamics=dynamics,
             parametrisation=parametrisation,
             group=group,
             without_coupling=without_coupling,
+            part=part,
         )
+        self.shared = self._system.shared
         # compiled sums over joints include their springs
         self._terms = self._system.terms.chosen(lambda term: not term.within_joints)
         self._settles = any(term.local is not None for term in self._terms)
         self.unknowns = Unknowns.of(self._system)
-        rows, began = self._system.rows, scene.began
+        rows, began = self._system.rows, self.scene.began
         self.start = Start(rows.start_frames, rows.velocities, self._system.frames)
         self._system.connections.remember(began.turned)
         self.tables = Tables.of(self._system)
@@ -226,10 +234,11 @@ class Equations:
         found = self._system.workspace() if forces is None else forces
         if known and not self._system.terms.loads:
             self._system.applied(state, scale, r, found)
-            return found
-        if self._settles and not linearised:
-            self._terms.condense(state.H)
-        self._system.residual(state, scale, r, found, per_increment=per_increment)
+        else:
+            if self._settles and not linearised:
+                self._terms.condense(state.H)
+            self._system.residual(state, scale, r, found, per_increment=per_increment)
+        self.shared.sum(r[: 6 * self.unknowns.moving].reshape(-1, 6))
         return found
 
     def linear_state(self, H: Array, dx: Array, forces: Forces) -> LinearState:

@@ -134,6 +134,7 @@ class Prescribed:
         forces += system.terms.of_loads(H)
         system.supports.rotate(H, forces)
         forces[system.held] = 0.0
+        system.shared.sum(forces)
         return forces.ravel()
 
     @cached_property

@@ -30,6 +30,7 @@ class Unknowns(NamedTuple):
     Attributes:
         moving: Number n of moving nodes.
         m: Number of constraints.
+        constraints: Number of constraints of all parts of a divided scene.
         size: Number of unknowns, ``6 n + m``.
         length: Length of the model, the scale of tolerances.
         kinds: Type of each node, (n,), see :mod:`fem_lie.lie.node_types`.
@@ -64,6 +65,7 @@ class Unknowns(NamedTuple):
 
     moving: int
     m: int
+    constraints: int
     size: int
     length: float
     kinds: Indices
@@ -104,10 +106,11 @@ class Unknowns(NamedTuple):
         """Unknowns of a system."""
         numbering, connections = system.numbering, system.connections
         shown = numbering, system.terms, system.kinds, system.m
-        potential = has_potential(system)
+        shared, low_rank = system.shared, any(term.low_rank is not None for term in system.terms)
         return cls(
             moving=system.count,
             m=system.m,
+            constraints=int(shared.total(np.array(system.m))),
             size=system.size,
             length=system.length,
             kinds=system.kinds,
@@ -124,22 +127,23 @@ class Unknowns(NamedTuple):
             masters=numbering.master_map.masters,
             total=numbering.total,
             bodies=numbering.nodes,
-            rigid=not numbering.assemblies,
-            time_dependent=system.time_dependent,
-            driven=connections.driven,
-            strains_change=system.load_cases.strains_change,
-            preloaded=connections.preloaded,
+            rigid=shared.all(not numbering.assemblies),
+            time_dependent=shared.any(system.time_dependent),
+            driven=shared.any(connections.driven),
+            strains_change=shared.any(system.load_cases.strains_change),
+            preloaded=shared.any(connections.preloaded),
             may_be_redundant=system.scene.redundant is not RedundantConstraints.REFUSE,
             other_constraints=connections.others,
-            other_springs=any(len(each.springs) > 0 for each in connections.sets[1:]),
+            other_springs=shared.any(any(len(each.springs) > 0 for each in connections.sets[1:])),
             drilling=[
                 b.label
                 for b, six in numbering.has_drilling.items()
                 if b.model.separates_director and six
             ],
             floating=[b.label for b in numbering.nodes if b.model.floating_modes() is not None],
-            has_potential=potential,
-            has_low_rank=any(term.low_rank is not None for term in system.terms),
+            has_potential=shared.all(has_potential(system)),
+            # solutions for a correction are solutions of all ranks
+            has_low_rank=low_rank and not shared.several,
             summary=describe.in_one_line(*shown, time_dependent=system.time_dependent),
         )
 

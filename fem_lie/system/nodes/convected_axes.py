@@ -27,8 +27,15 @@ from fem_lie._jit import compiled
 from fem_lie.bodies.model import AxesUpdate
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.lie.node_types import NodeType, Written, change_axes
-from fem_lie.lie.polar import PlainSurroundings, Surroundings, convect_axes, find_reference_axes
+from fem_lie.lie.polar import (
+    PlainSurroundings,
+    Surroundings,
+    convect_axes,
+    find_reference_axes,
+    mean_deformations,
+)
 from fem_lie.mesh.shapes import nodes_of, tabulated
+from fem_lie.ranks.shared_nodes import SharedNodes
 from fem_lie.system.nodes.numbering import Numbering
 
 _NO_MOTION, _NOTHING = np.empty((0, 0, 6)), np.empty(0, dtype=np.int64)
@@ -41,7 +48,9 @@ class ConvectedAxes:
         plain: Data for compiled functions.
     """
 
-    def __init__(self, numbering: Numbering, held: Flags, joined: Indices) -> None:
+    def __init__(
+        self, numbering: Numbering, held: Flags, joined: Indices, shared: SharedNodes
+    ) -> None:
         """Collect the neighbourhoods of nodes from the elements.
 
         Args:
@@ -49,6 +58,7 @@ class ConvectedAxes:
             held: Unknowns of the master nodes that are zero, shape (n, 6); axes of supported
                 positions stay as they are.
             joined: Master nodes with joints, whose axes belong to these.
+            shared: Nodes whose neighbourhood is on several ranks.
         """
         master, count = numbering.master_map.master, numbering.count
         rows, columns = [np.empty(0, dtype=np.int64)], [np.empty(0, dtype=np.int64)]
@@ -71,17 +81,28 @@ class ConvectedAxes:
                 indices=np.concatenate(columns)[order],
                 b=np.concatenate(factors)[order],
                 axes=np.empty((count, 3, 3)),
+                given=np.empty((count if shared.several else 0, 3, 3)),
             ),
         )
+        self._shared, self._given = shared, self.plain[-1]
+        self._any = shared.any(self.plain[0].size > 0)
         if self:
+            self._sum(numbering.frames)
             find_reference_axes(numbering.frames, self.plain)
 
     def __bool__(self) -> bool:
         """Whether there are convected axes."""
-        return self.plain[0].size > 0
+        return self._any
+
+    def _sum(self, H: Array) -> None:
+        """Sum the mean deformations over all ranks."""
+        if self._shared.several:
+            mean_deformations(H, self.plain, self._given)
+            self._shared.sum(self._given)
 
     def rotate(self, H: Array) -> None:
         """Rotate the axes in the first rows of ``H`` (≥ n, 4, 3)."""
+        self._sum(H)
         convect_axes(H, self.plain, _NO_MOTION, _NOTHING)
 
     def rotate_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
@@ -94,6 +115,7 @@ class ConvectedAxes:
             written: Representation of ``motion``; velocities of the nodes' groups have global
                 components.
         """
+        self._sum(H)
         convect_axes(H, self.plain, motion, np.flatnonzero(written.local))
 
 
@@ -167,9 +189,8 @@ class BodyAxes:
 
 
 @compiled
-def _lag(H: Array, cells: Indices, slopes: Array, moves: Flags, lag: Array) -> None:
-    """Lag ψ of each node, shape (n,)."""
-    sums = np.zeros((lag.shape[0], 2))
+def _add_up(H: Array, cells: Indices, slopes: Array, sums: Array) -> None:
+    """Add ``F₂₁ − F₁₂`` and ``F₁₁ + F₂₂`` of each node, shape (n, 2)."""
     gradient = np.empty((2, 3))
     for e in range(cells.shape[0]):
         for i in range(cells.shape[1]):
@@ -182,6 +203,11 @@ def _lag(H: Array, cells: Indices, slopes: Array, moves: Flags, lag: Array) -> N
             d1, d2 = H[node, 1], H[node, 2]
             sums[node, 0] += np.dot(d2, gradient[0]) - np.dot(d1, gradient[1])
             sums[node, 1] += np.dot(d1, gradient[0]) + np.dot(d2, gradient[1])
+
+
+@compiled
+def _lag(sums: Array, moves: Flags, lag: Array) -> None:
+    """Lag ψ of each node, shape (n,)."""
     for i in range(lag.shape[0]):
         lag[i] = atan2(sums[i, 0], sums[i, 1]) if moves[i] else 0.0
 
@@ -218,7 +244,9 @@ def _turn_motion(motion: Array, kinds: Indices, local: Flags, lag: Array) -> Non
 class ConvectedDrilling:
     """Frames of five-parameter shells that rotate about their directors with the mid-surface."""
 
-    def __init__(self, numbering: Numbering, held: Flags, joined: Indices) -> None:
+    def __init__(
+        self, numbering: Numbering, held: Flags, joined: Indices, shared: SharedNodes
+    ) -> None:
         """Store the derivatives of shape functions of the unloaded cells.
 
         Args:
@@ -226,6 +254,7 @@ class ConvectedDrilling:
             held: Unknowns of the master nodes that are zero, shape (n, 6); frames with a held
                 rotation stay as they are.
             joined: Master nodes with joints, whose axes belong to these.
+            shared: Nodes whose cells are on several ranks.
         """
         chosen = [
             body
@@ -237,25 +266,30 @@ class ConvectedDrilling:
             (master[numbering.nodes[body][body.model.connectivity]], _slopes(body))
             for body in chosen
         ]
-        self._lag = np.zeros(numbering.count)
-        self._moves: Flags = np.logical_not(held[:, 3:5].any(axis=1)).reshape(-1)
+        self._lag, self._sums = np.zeros(numbering.count), np.zeros((numbering.count, 2))
+        self._shared, self._any = shared, shared.any(bool(chosen))
+        self._moves: Flags = np.zeros(numbering.count, dtype=bool)
+        for cells, _ in self._parts:
+            self._moves[cells] = True
+        self._moves &= ~held[:, 3:5].any(axis=1)
         self._moves[joined[joined < numbering.count]] = False
-        self._moves_here = [self._only(cells) for cells, _ in self._parts]
-
-    def _only(self, cells: Indices) -> Flags:
-        here = np.zeros(len(self._moves), dtype=bool)
-        here[cells] = True
-        return np.logical_and(here, self._moves)
 
     def __bool__(self) -> bool:
         """Whether there are convected frames."""
-        return bool(self._parts)
+        return self._any
+
+    def _find_lag(self, H: Array) -> None:
+        """Find how far the frames lag behind the mid-surface."""
+        self._sums[:] = 0.0
+        for cells, slopes in self._parts:
+            _add_up(H, cells, slopes, self._sums)
+        self._shared.sum(self._sums)
+        _lag(self._sums, self._moves, self._lag)
 
     def rotate(self, H: Array) -> None:
         """Rotate the frames in the first rows of ``H`` (≥ n, 4, 3)."""
-        for (cells, slopes), moves in zip(self._parts, self._moves_here, strict=True):
-            _lag(H, cells, slopes, moves, self._lag)
-            _turn_frames(H, self._lag)
+        self._find_lag(H)
+        _turn_frames(H, self._lag)
 
     def rotate_motion(self, H: Array, motion: Array, kinds: Indices, written: Written) -> None:
         """Rotate the frames, and transform the components of motions.
@@ -266,10 +300,9 @@ class ConvectedDrilling:
             kinds: Group of each node, shape (n,).
             written: Representation of ``motion``.
         """
-        for (cells, slopes), moves in zip(self._parts, self._moves_here, strict=True):
-            _lag(H, cells, slopes, moves, self._lag)
-            _turn_frames(H, self._lag)
-            _turn_motion(motion, kinds, written.local, self._lag)
+        self._find_lag(H)
+        _turn_frames(H, self._lag)
+        _turn_motion(motion, kinds, written.local, self._lag)
 
 
 def _slopes(body: Shell) -> Array:

@@ -1,0 +1,166 @@
+"""The scene of one part: parts of bodies, and the items on them."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from copy import copy
+from typing import Any, NamedTuple
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices, diameter
+from fem_lie.bodies.body import Body
+from fem_lie.joints.redundant import RedundantConstraints
+from fem_lie.parts.partition import Partition, items_of, partition
+from fem_lie.parts.references import Restricted
+from fem_lie.ranks.together import several
+from fem_lie.scene import Scene
+
+
+class ScenePart(NamedTuple):
+    """What a rank has of a scene.
+
+    Nodes of the scene are numbered body after body.
+
+    Attributes:
+        scene: Scene of its bodies, of parts of bodies, and of the items on them.
+        whole: The scene.
+        nodes: Number in the scene of each node of the bodies of the part.
+        sharers: Other ranks, and the numbers in the scene of the nodes that they have, too,
+            ascending.
+        connections: Numbers of the joints, connections and prescribed motions of the part among
+            those of the scene, in this order.
+        length: Length of the model, of the whole scene.
+        total: Number of nodes of the scene.
+        comm: Communicator of the parts.
+    """
+
+    scene: Scene
+    whole: Scene
+    nodes: Mapping[Body, Indices]
+    sharers: Mapping[int, Indices]
+    connections: Indices
+    length: float
+    total: int
+    comm: MPI.Intracomm
+
+
+def connections_of(scene: Scene) -> list[Any]:
+    """Joints, connections and prescribed motions, in the order of results."""
+    return [*scene.joints, *scene.connections, *scene.motions]
+
+
+FROM = 20_000
+"""Unknowns from which a scene is divided, unless PETSc's option ``divided_from`` is set."""
+
+_FROM, _DOMAINS = "divided_from", "domains"
+
+_log = logging.getLogger(__name__)
+
+
+def divided(scene: Scene, prefix: str, *, supported: bool = True) -> ScenePart | None:
+    """The part of a scene that this rank has, if the scene is divided among all ranks.
+
+    Small scenes, those that cannot be divided, and those with what is not divided yet (impacts,
+    redundant constraints) are not: then all ranks have the whole scene.
+
+    Args:
+        scene: The scene, the same on all ranks.
+        prefix: Prefix of PETSc's options.
+        supported: Whether the solver supports parts.
+    """
+    if not several():
+        return None
+    options = PETSc.Options(prefix)
+    limit = int(options.getInt(_FROM)) if options.hasName(_FROM) else FROM
+    unknowns = sum(int((~body.model.held).sum()) for body in scene.bodies)
+    others = (
+        not supported
+        or scene.redundant is not RedundantConstraints.REFUSE
+        or bool(scene.impacts)
+        or options.hasName(_DOMAINS)
+    )
+    if unknowns < limit or others:
+        _log.info("%d unknowns of nodes: every rank has the whole scene", unknowns)
+        return None
+    try:
+        part = part_of(scene, MPI.COMM_WORLD)
+    except ValueError as error:
+        _log.info("every rank has the whole scene: %s", error)
+        return None
+    nodes = sum(len(own) for own in part.nodes.values())
+    _log.info("rank %d has %d of %d nodes", part.comm.rank, nodes, part.total)
+    return part
+
+
+def part_of(scene: Scene, comm: MPI.Intracomm) -> ScenePart:
+    """The part of a scene that this rank has.
+
+    Args:
+        scene: The scene, the same on all ranks.
+        comm: Communicator with a rank for each part.
+
+    Raises:
+        ValueError: The scene cannot be divided into so many parts.
+    """
+    found = partition(scene, comm.size)
+    bodies, nodes = _bodies(scene, found, comm.rank)
+    restricted = Restricted(bodies)
+    part = copy(scene)
+    part.bodies = [
+        bodies[body][0] if body in bodies else body
+        for body in scene.bodies
+        if body in bodies or found.pieces.get(body) == comm.rank
+    ]
+    here = [
+        item
+        for item, owner in zip(items_of(scene), found.items, strict=True)
+        if owner == comm.rank
+        or (owner < 0 and (item.body in bodies or found.pieces.get(item.body) == comm.rank))
+    ]
+    own = {id(item) for item in here}
+    for name in "joints", "connections", "links", "contacts", "loads", "clamps", "motions":
+        chosen = [item for item in getattr(scene, name) if id(item) in own]
+        setattr(part, name, [restricted.item(item) for item in chosen])
+    part.family = None
+    mine = found.division.nodes[:, comm.rank]
+    sharers = {
+        rank: np.flatnonzero(mine & found.division.nodes[:, rank])
+        for rank in range(comm.size)
+        if rank != comm.rank
+    }
+    places: Array = np.concatenate([body.frames[:, 0] for body in scene.bodies])
+    return ScenePart(
+        part,
+        scene,
+        nodes,
+        {rank: shared for rank, shared in sharers.items() if len(shared)},
+        np.flatnonzero([id(item) in own for item in connections_of(scene)]),
+        max(diameter(places), *(body.model.size for body in scene.bodies)),
+        len(places),
+        comm,
+    )
+
+
+def _bodies(
+    scene: Scene, found: Partition, rank: int
+) -> tuple[dict[Body, tuple[Body, Indices]], dict[Body, Indices]]:
+    """Parts of divided bodies with the numbers of their nodes in the body, and all in the scene."""
+    holds = scene.held_rotations()
+    parts: dict[Body, tuple[Body, Indices]] = {}
+    nodes: dict[Body, Indices] = {}
+    for body in scene.bodies:
+        if body in found.cells:
+            cells = np.flatnonzero(found.cells[body] == rank)
+            if len(cells):
+                part = copy(body)
+                part.model, own = body.model.restricted(cells, holds.get(body.model, ()))
+                parts[body] = part, own
+                nodes[part] = found.first[body] + own
+        elif found.pieces[body] == rank:
+            nodes[body] = found.first[body] + np.arange(len(body.frames))
+    return parts, nodes
