@@ -139,8 +139,10 @@ class SectionedModel(BodyModel):
             cells: Indices of the elements, ascending, shape (s,).
             holds: Rotations of nodes of the whole body that joints, motions and moments act on.
         """
-        part, nodes = super().restricted(cells, holds)
-        part.elements = np.searchsorted(nodes, self.elements[cells])
+        own = self.elements[cells]
+        nodes: Indices = np.unique([own, self.masters[own]])
+        part = self._on_nodes(nodes)
+        part.elements = np.searchsorted(nodes, own)
         for name in self._of_elements:
             setattr(part, name, getattr(self, name)[cells])
         part.sections = [self.sections[k] for k in cells]
