@@ -341,6 +341,28 @@ def test_a_bar_crosses_an_edge_anywhere_on_it_with_the_same_force(turn):
     assert np.ptp(forces) < 1e-4 * max(forces)
 
 
+GROUND = {
+    "bar": lambda: fl.contact.Cylinder(fl.ground(), (1, 0, 0), RADIUS),
+    "box": lambda: fl.contact.Box(fl.ground(), (1, 1, 2 * RADIUS)),
+    "ball": lambda: fl.contact.Sphere(fl.ground(), RADIUS),
+    "plane": lambda: fl.contact.Plane(fl.ground(), (0, 0, 1), at=(0, 0, RADIUS)),
+}
+
+
+@pytest.mark.parametrize("name", GROUND)
+def test_ground_receives_the_force_that_a_ball_gets_from_it(name):
+    """The momenta of bodies and ground together stay: with both ends of a bar on ground, too."""
+    scene = fl.Scene()
+    body = scene.add(fl.RigidBody(1.0, 1e-3 * np.eye(3), (0.02, 0, 2 * RADIUS + 1e-3)))
+    body.add_velocity((0.3, 0, -0.5))
+    ball = fl.contact.Sphere(body.point("centre"), RADIUS)
+    scene.add(fl.contact.Contact(ball, GROUND[name](), fl.contact.Penalty(1e4)))
+    result = fl.EnergyMomentum().run(scene, duration=0.05, step=1e-3, progress=False)
+    assert result.velocity(body.point("centre"))[-1, 2] > 0.2
+    assert result.momentum_error < 1e-13
+    assert result.angular_momentum_error < 1e-13
+
+
 def _about(axis: tuple[float, ...], angle: float) -> np.ndarray:
     return Rotation.from_rotvec(angle * np.array(axis)).as_matrix()
 

@@ -80,7 +80,7 @@ class CoupledBodies:
 
     def _gaps(self, H: Array) -> Array:
         g = np.empty(len(self.near.touch.pairs))
-        set_gaps(self.near.touch, H, g)
+        set_gaps(self.near.touch, H, 0, g)
         return g
 
     def _rows_of(self, H: Array, pairs: Indices, axis: Indices) -> BlockRows:
