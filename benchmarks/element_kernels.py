@@ -154,7 +154,7 @@ def measured(name: str, derived: bool) -> list[float]:
     # older packages have other names for it
     if getattr(term, "stress_update", None) is not None:
         term.stress_update.reset_stress(H)
-    out, kept = np.zeros((count, 6)), term.room()
+    out, kept = np.zeros((count, 6)), term.workspace()
     term.add_forces(H, out, kept)
     cells = len(term.over_cells[0].nodes) // term.over_cells[0].rows[0, 2]
     calls: list[Callable[[], Any]] = [
@@ -183,7 +183,7 @@ def first_calls(name: str, derived: bool) -> list[float]:
     body = bodies(derived)[name]()
     start = process_time()
     term, H = term_of(name, body, derived), body.frames
-    built, kept = process_time(), term.room()
+    built, kept = process_time(), term.workspace()
     term.add_forces(H, np.zeros((len(H), 6)), kept)
     term.energy(H)
     term.tangent(H, kept)

@@ -74,7 +74,7 @@ def in_fixed_axes(
     part = fl.Scene()
     body = part.add(few.model.full)
     rest, X, axes = LinearisedBody(part, None), body.frames, few.frames[0, 1:]
-    flat = few.model.shapes.reshape(*few.model.shapes.shape[:2], 2, 3) @ axes
+    flat = few.model.modes.reshape(*few.model.modes.shape[:2], 2, 3) @ axes
     turns = np.zeros((3, len(X), 2, 3))
     turns[:, :, 1] = np.eye(3)[:, np.newaxis]
     turns[:, :, 0] = np.cross(np.eye(3)[:, np.newaxis], X[:, 0] - X[0, 0])
@@ -83,7 +83,7 @@ def in_fixed_axes(
     falls = np.zeros((1, len(X), 2, 3))
     falls[0, :, 0] = WEIGHT
     own = [np.einsum("nki,mnhi->mnhk", X[:, 1:], s).reshape(-1, len(X), 6) for s in (fixed, falls)]
-    V, g = (rest.vectors(s) for s in own)
+    V, g = (rest.unknowns_of(s) for s in own)
     A = rest.pencil
     M, K, f = V @ (A.M @ V.T), V @ (A.K @ V.T), V @ (A.M @ g.T)
     k, Y = scipy.linalg.eigh(K, M)

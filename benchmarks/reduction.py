@@ -74,7 +74,7 @@ def missed_in_fixed_axes(basis: fl.reduction.Basis, result: fl.Result) -> float:
     translations and rotations.
     """
     X = basis.body.frames
-    shapes = np.einsum("mni,nij->mnj", basis.shapes[:, :, :3], X[:, 1:])
+    shapes = np.einsum("mni,nij->mnj", basis.modes[:, :, :3], X[:, 1:])
     turns = np.cross(np.eye(3)[:, np.newaxis], X[:, 0])
     moves = np.broadcast_to(np.eye(3)[:, np.newaxis], turns.shape)
     flat = np.concatenate([shapes, turns, moves]).reshape(len(shapes) + 6, -1)
@@ -188,7 +188,7 @@ def bent(modes: int) -> dict[str, float]:
     record = {"deflection": away}
     for name, basis in bases.items():
         found = fl.reduction.reduced_statics(
-            scene, fl.reduction.Basis(beam, basis.shapes), load_steps=8
+            scene, fl.reduction.Basis(beam, basis.modes), load_steps=8
         )
         error = np.linalg.norm(found.frames[:, 0] - full, axis=1).max()
         record[f"{name}_{modes}_shapes"] = float(len(basis))
@@ -214,9 +214,9 @@ def answering(shapes: int) -> dict[str, float]:
         "normal": fl.reduction.craig_bampton(scene, [], shapes),
     }
     for name, basis in bases.items():
-        V = rest.vectors(basis.shapes).T
+        V = rest.unknowns_of(basis.modes).T
         found = V.T @ f @ np.linalg.solve(V.T @ (dynamic @ V), V.T @ f)
-        record[f"{name}_{shapes}_answer_error"] = float(abs(found / full - 1.0))
+        record[f"{name}_{modes}_answer_error"] = float(abs(found / full - 1.0))
     return record
 
 

@@ -6,7 +6,7 @@ Each scene is run by generalised-alpha with the policy ``Automatic``, the same s
 - own: in the nodes' axes, which go along with tangents by the smallest rotation; those of places
   stay as they are, and rods have those of their frames and edges
 - following, of what has no frames: in axes from which the mean rotation of the body has been taken
-  out, ``follow()``
+  out, ``convect_axes()``
 
 Besides matrices and iterations it prints the largest distance of any node at any time from the
 first of the runs, over the size of the body: they have the same error.
@@ -124,7 +124,7 @@ def run(name: str, axes: str, steps: int) -> fl.Result:
     scene, body, step = SCENES[name]()
     if axes == "following":
         assert not isinstance(body, fl.Rod)
-        body.follow()
+        body.convect_axes()
     components = (
         fl.schemes.MatrixFrame.INERTIAL if axes == "fixed" else fl.schemes.MatrixFrame.LOCAL
     )

@@ -9,7 +9,7 @@ from fem_lie import lie
 from fem_lie.attachments.at_nodes import along_tangent, at_node, on_section
 from fem_lie.attachments.attachment import bend, changes, cores, locate, spread
 from fem_lie.attachments.between_frames import interpolated, on_geodesic
-from fem_lie.attachments.patch import in_the_mean
+from fem_lie.attachments.patch import averaging_attachment
 from fem_lie.attachments.surface import on_surface
 from fem_lie.extend import node_types
 from fem_lie.system.nodes.numbering import MasterMap
@@ -51,7 +51,7 @@ PATCHES = {"patch": PLACES, "flat patch": PLACES[:4] * [1, 1, 0]}
 
 def patch(places):
     axes = lie.se3_exp(np.array([0, 0, 0, 0.3, -0.5, 0.2]))[1:]
-    return in_the_mean(range(len(places)), places, np.arange(1.0, 1.0 + len(places)), axes)
+    return averaging_attachment(range(len(places)), places, np.arange(1.0, 1.0 + len(places)), axes)
 
 
 def near_patch(places, rng):
@@ -232,7 +232,7 @@ def test_an_unloaded_patch_is_where_it_was_with_its_axes():
 def test_a_patch_on_a_line_is_refused():
     places = np.outer([0.0, 1.0, 2.5], [1.0, 2.0, 3.0])
     with pytest.raises(ValueError, match="not collinear"):
-        in_the_mean(range(3), places, np.ones(3), np.eye(3))
+        averaging_attachment(range(3), places, np.ones(3), np.eye(3))
 
 
 # --- rigid attachments ---

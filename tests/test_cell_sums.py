@@ -13,7 +13,7 @@ import fem_lie as fl
 from demos.space_net import square_net
 from fem_lie import lie
 from fem_lie.forms.cell_sums import CellSum, Pattern
-from fem_lie.forms.cells import VISCOUS, CellTable, viscous_forces
+from fem_lie.forms.cells import VISCOUS, CellArrays, viscous_forces
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.vector_cells.cells import Energies, Nodes, energies_at
 from fem_lie.solve.conserving.vector_cells.position_cells import add_position_cells
@@ -106,7 +106,7 @@ def test_pattern():
     pattern = Pattern.of(np.array([[4, 1], [1, 2]]), 5)
     rows = [pattern.indices[a:b].tolist() for a, b in pairwise(pattern.indptr)]
     assert rows == [[0], [1, 2, 4], [1, 2], [3], [1, 4]]
-    assert pattern.place.tolist() == [8, 7, 3, 1, 1, 2, 4, 5]
+    assert pattern.pair_index.tolist() == [8, 7, 3, 1, 1, 2, 4, 5]
 
 
 def test_too_little_data_is_refused():
@@ -142,7 +142,7 @@ def test_viscous_forces_have_room_for_all_nodes_of_a_cell():
     c[:, VISCOUS], at[:, VISCOUS] = constant.ctypes.data, 12 * np.array(NODES)
     rng, first = np.random.default_rng(0), np.cumsum([0, *NODES])
     nodes = np.concatenate([rng.permutation(max(NODES))[:n] for n in NODES])
-    table = CellTable(kernel, w, c, at, one + x.ctypes.data, one, one + 6, one, first, nodes)
+    table = CellArrays(kernel, w, c, at, one + x.ctypes.data, one, one + 6, one, first, nodes)
     H, v = np.zeros((max(NODES), 4, 3)), rng.normal(size=(max(NODES), 6))
     F = np.full((len(nodes), 6), np.nan)
     viscous_forces(table, H, v, F)
@@ -212,7 +212,7 @@ def energy(run: Run, step: np.ndarray) -> float:
     """Of all cells, where nodes have gone by these increments (n, 6)."""
     H, W = run.s.H.copy(), np.zeros(len(run.s.W))
     H[: len(step), 0] += step[:, :3]
-    energies_at(run.model.rows, H, run.s.rest, W)
+    energies_at(run.model.vector_cells, H, run.s.rest, W)
     return float(W.sum())
 
 
@@ -221,7 +221,7 @@ def forces(run: Run, step: np.ndarray) -> np.ndarray:
     out, (W, account) = np.zeros_like(step), (run.s.W, run.s.account)
     energies = Energies(W, account, np.zeros_like(W), np.zeros_like(W))
     add_position_cells(
-        run.model.rows, Nodes(run.s.H, run.s.rest, step), energies, (0.0, 0.0, 0.0), out
+        run.model.vector_cells, Nodes(run.s.H, run.s.rest, step), energies, (0.0, 0.0, 0.0), out
     )
     assert not out[:, 3:].any()
     np.testing.assert_allclose(energies.work, energies.end - W, atol=1e-12 * STIFFNESS)

@@ -273,7 +273,7 @@ def test_tangent_is_the_derivative_of_the_forces(one, two):
     of = model(one, two)
     of.forces(of.H)
     rows, columns = of.term.pairs
-    blocks, h = of.term.tangent(of.H, of.term.room()), of.increment()
+    blocks, h = of.term.tangent(of.H, of.term.workspace()), of.increment()
     found = np.zeros((of.count, 6))
     np.add.at(found, rows, np.einsum("pij,pj->pi", blocks, h[columns]))
     ahead, back = (of.forces(of.moved(of.H, h, s * STEP)) for s in (1, -1))

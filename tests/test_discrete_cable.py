@@ -193,7 +193,7 @@ def test_forces_and_matrix_are_derivatives_of_the_energy(natural):
     slope = (bent.springs.energy(ahead) - bent.springs.energy(behind)) / (2 * step)
     assert np.vdot(bent.forces(bent.H), bent.h) == pytest.approx(slope, rel=1e-7)
     change = (bent.forces(ahead) - bent.forces(behind)) / (2 * step)
-    blocks, product = bent.springs.tangent(bent.H, bent.springs.room()), np.zeros((6, 6))
+    blocks, product = bent.springs.tangent(bent.H, bent.springs.workspace()), np.zeros((6, 6))
     for row, column, block in zip(*bent.springs.pairs, blocks, strict=True):
         product[row] += block @ bent.h[column]
     np.testing.assert_allclose(product, change, atol=1e-6 * np.abs(change).max())

@@ -163,7 +163,7 @@ def test_matrix_is_the_derivative_of_the_residual(links):
     scene.add(fl.joints.Revolute(scene.bodies[0].point("11"), fl.ground(), axis=(1, 2, 3)))
     rng, equations = np.random.default_rng(4), fl.extend.Equations(scene, dynamics=False)
     unknowns = equations.unknowns
-    assert unknowns.uncoupled.sum() >= 15
+    assert unknowns.separates_director.sum() >= 15
     equations.prescribed(1.0).act(1.0)
     H, weights = equations.start.frames.copy(), 0.1 * rng.normal(size=unknowns.m)
     dx = 0.1 * rng.normal(size=unknowns.size)
@@ -206,7 +206,7 @@ def test_newton_converges_quadratically_and_needs_few_steps_with_linearised_stre
 
 def ways_of(unknowns) -> tuple[np.ndarray, ...]:
     """What is held, moves uncoupled, and straight otherwise."""
-    return unknowns.held, unknowns.uncoupled, unknowns.straight
+    return unknowns.held, unknowns.separates_director, unknowns.separates_rotation
 
 
 def derivative_error(equations: fl.extend.Equations, H, weights, *, along_motion: bool) -> float:
@@ -231,7 +231,7 @@ def derivative_error(equations: fl.extend.Equations, H, weights, *, along_motion
     values, columns, pointers = equations.matrix.csr
     A, free = sp.csr_matrix((values, columns, pointers)).toarray(), ~unknowns.held
     if not along_motion:
-        for i in np.flatnonzero(unknowns.uncoupled):
+        for i in np.flatnonzero(unknowns.separates_director):
             block = np.zeros((6, 6))
             add_turning(forces[i], 1.0, block)
             at = slice(6 * i, 6 * i + 6)

@@ -143,7 +143,7 @@ def test_derivatives(make, friction):
     H = np.concatenate([b.frames for b in bodies])
     H = lie.se3_retract(H, 1e-3 * np.random.default_rng(1).normal(size=(len(H), 6)))
     wanted, found = np.zeros((2, 6 * len(H), 6 * len(H)))
-    for block, i, j in zip(term.tangent(H, term.room()), *term.pairs, strict=True):
+    for block, i, j in zip(term.tangent(H, term.workspace()), *term.pairs, strict=True):
         found[6 * i : 6 * i + 6, 6 * j : 6 * j + 6] += block
     for q in range(6 * len(H)):
         ends = []

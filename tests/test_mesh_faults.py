@@ -217,7 +217,7 @@ def test_points_at_one_place_are_said(caplog):
     points = [(0, 0, 0), (1, 0, 0), (1, 0, 0), (2, 0, 0)]
     with caplog.at_level(logging.WARNING, logger="fem_lie"):
         fl.Beam(fl.mesh.LineMesh.from_cells(points, [(0, 1), (2, 3)]), SECTION, name="two")
-    assert "two has 1 pairs of points at the same place, the first are 1 and 2" in caplog.text
+    assert "two has 1 pairs of points at the same position, the first are 1 and 2" in caplog.text
 
 
 # --- gmsh -----------------------------------------------------------------------------------------

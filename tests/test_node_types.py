@@ -253,7 +253,7 @@ def test_carried_axes_stay_unit_vectors_without_twist():
 def test_clamps_hold_place_and_direction():
     """A clamped slope may still be stretched."""
     node = Node(POSITION_GRADIENT)
-    h = np.where(TRAITS[fl.extend.NodeType.POSITION_GRADIENT].clamped, 0.0, node.h)
+    h = np.where(TRAITS[fl.extend.NodeType.POSITION_GRADIENT].clamp_holds, 0.0, node.h)
     moved = node.follow(h)
     np.testing.assert_array_equal(moved[0, 0], node.H[0, 0])
     assert np.abs(np.cross(moved[0, 1], node.H[0, 1])).max() < 1e-15

@@ -179,7 +179,7 @@ def test_inertial_shapes_have_unit_mass_and_are_in_the_order_of_stiffness(spinni
     basis = fl.reduction.inertial_modes(
         scene, [beam.point("start"), beam.point("end")], 4, spinning=spinning
     )
-    M, K = mass_and_stiffness(scene, basis.shapes)
+    M, K = mass_and_stiffness(scene, basis.modes)
     np.testing.assert_allclose(M, np.eye(len(M)), atol=1e-6)
     np.testing.assert_allclose(K, np.diag(K.diagonal()), atol=1e-6 * np.abs(K).max())
     assert len(M) == (16 if spinning else 10)
@@ -324,7 +324,7 @@ def test_bad_input():
         body.model.interfaces,
         body.model.stiffness,
         body.model.density,
-        body.model.shapes,
+        body.model.modes,
         beam,
     )
     with pytest.raises(ValueError, match="quadratic must have shape"):

@@ -66,7 +66,7 @@ def values(mesh, cells, at, *order):
 def basis(mesh):
     """Values of all functions at points of Gauss of all cells, (m g, 4 n), and their weights."""
     body, (x, w) = fl.ThinShell(mesh, LAYER), gauss_points(4)
-    parts = bicubic(x) @ body.model.extraction()
+    parts = bicubic(x) @ body.model.hermite_matrices()
     points = body.model.connectivity[:, :4]
     found = np.zeros((*parts.shape[:2], body.model.points_count, 4))
     for corner in range(4):

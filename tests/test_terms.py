@@ -539,7 +539,7 @@ class Model:
 
     def tangent(self) -> np.ndarray:
         """Of the forces in the present state, blocks of pairs."""
-        kept = self.term.room()
+        kept = self.term.workspace()
         self.forces(self.H, kept)
         self.reset_stress()
         blocks, more = self.term.tangent(self.H, kept), self.term.geometric(self.H)
@@ -587,9 +587,9 @@ def test_tangent_depends_on_what_it_is_given_alone(name):
     """Not on what forces were asked for last."""
     model = Model(name)
     before = model.tangent()
-    kept = model.term.room()
+    kept = model.term.workspace()
     model.forces(model.H, kept)
-    model.forces(model.moved(model.H, model.increment(), 0.1), model.term.room())
+    model.forces(model.moved(model.H, model.increment(), 0.1), model.term.workspace())
     model.reset_stress()
     blocks, more = model.term.tangent(model.H, kept), model.term.geometric(model.H)
     close(blocks if more is None else blocks + more, before, 1e-13)
@@ -638,7 +638,7 @@ def test_linearised_stress_is_restored(name):
     stress, path = model.term.stress_update, model.term.path
     if stress is None:
         return
-    kept, values = model.term.room(), stress.linearised_values.copy()
+    kept, values = model.term.workspace(), stress.linearised_values.copy()
     model.forces(model.H, kept)
     before = model.term.tangent(model.H, kept).copy()
     if path is not None:  # what friction has waits for accepted states

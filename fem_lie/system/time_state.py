@@ -20,7 +20,7 @@ from fem_lie.system.nodes.numbering import Numbering
 
 
 class FrameRows:
-    """Frames of all rows at the start, and properties of the moving nodes.
+    """Initial frames of nodes, ground and prescribed motions; properties of the moving nodes.
 
     Attributes:
         kinds: Type of each moving node, shape (n,), see :mod:`fem_lie.lie.node_types`.
@@ -66,7 +66,7 @@ class FrameRows:
         self.kinds: Indices = node_types_of(numbering.kinds, groups, parametrisation)
         self.held: Flags = numbering.held.copy()
         clamped = [numbering.node(clamp.point) for clamp in scene.clamps]
-        self.held[clamped] |= numbering.clamped[clamped]
+        self.held[clamped] |= numbering.clamp_holds[clamped]
         self.supported: Indices = np.union1d(numbering.supported, clamped).astype(np.int64)
         # reactions of supports in a node's own axes rotate with them
         self.turning: Flags = ~self.held
@@ -75,8 +75,8 @@ class FrameRows:
         for body, nodes in numbering.nodes.items():
             lengths[nodes] = body.model.node_lengths
         self.lengths: Flags = lengths[numbering.master_map.masters]
-        places = self.frames[: numbering.count, 0]
-        self.length = max(diameter(places), *(body.model.size for body in scene.bodies))
+        positions = self.frames[: numbering.count, 0]
+        self.length = max(diameter(positions), *(body.model.size for body in scene.bodies))
 
     def prescribed(self, time: float) -> Array:
         """Frames of the prescribed motions at ``time``, shape (p, 4, 3).
@@ -100,7 +100,7 @@ class TimeState(NamedTuple):
     """State of a scene at one time.
 
     Attributes:
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
         v: Local velocities of the moving nodes, shape (≥ n, 6).
         a: Their rates, shape (≥ n, 6).
         multipliers: Lagrange multipliers (forces and moments), shape (m,).

@@ -204,7 +204,7 @@ class GeodesicBeam(BeamFormulation):
     degree: ClassVar[int] = 1  # type: ignore[misc]
     bows: ClassVar[bool] = True
 
-    def place(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
+    def attachment_frame(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
         """Attachment frame on the geodesic from end to end."""
         a, b = nodes
         return on_geodesic(int(a), int(b), ξ)

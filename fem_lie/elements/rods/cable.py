@@ -244,9 +244,9 @@ class HermiteCable(BeamFormulation):
 
     def placed(self, frames: Array, stretch: float) -> Array:
         """Coordinates whose gradients are as long as the ratio of line and cable."""
-        rows = frames.copy()
-        rows[:, 1] *= stretch
-        return rows
+        coordinates = frames.copy()
+        coordinates[:, 1] *= stretch
+        return coordinates
 
     def attachment(self, node: int) -> AttachmentFrame:
         """Attachment frame with position and tangent, without rotation about the tangent.

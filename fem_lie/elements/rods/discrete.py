@@ -26,8 +26,8 @@ from fem_lie.forms.kernels.addresses import FrameMap
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.lie.node_types import NodeType
 
-# the rows of places are unit vectors, and forces and increments of theirs are nil
-_PLACES = FrameMap(None, pull_back_vectors, push_forward_vectors, None, values=12, unknowns=6)
+# the axes of position nodes are unit vectors without forces or increments
+_POSITIONS = FrameMap(None, pull_back_vectors, push_forward_vectors, None, values=12, unknowns=6)
 
 
 @dataclass(frozen=True)
@@ -80,4 +80,4 @@ class DiscreteCable(BeamFormulation):
             dx=ufl.Measure("dx", mesh, metadata={"quadrature_degree": 0}),
             weight=length / ufl.CellVolume(mesh),
         )
-        return LocalFrameForms(energy, nodal.function, nodal.increment, _PLACES)
+        return LocalFrameForms(energy, nodal.function, nodal.increment, _POSITIONS)

@@ -108,7 +108,7 @@ class KirchhoffRod(BeamFormulation):
         """
         return _FOLDS
 
-    def place(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
+    def attachment_frame(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
         """Attachment frame on the geodesic from end to end."""
         a, b = nodes
         return on_geodesic(int(a), int(b), ξ)

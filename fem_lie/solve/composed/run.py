@@ -71,7 +71,7 @@ class ComposedRun(DividedIntegration[History]):
 
     @property
     def frames(self) -> Array:
-        """Current frames of all rows."""
+        """Current frames of all nodes, ground and prescribed motions."""
         return self._parts[0].frames
 
     @property

@@ -65,7 +65,7 @@ class CoupledBodies:
             TimeState(start.frames, none, none, np.zeros(self._m)), np.ones(self._m), self._r
         )
 
-    def follow(self, rule: Rule) -> None:
+    def set_rule(self, rule: Rule) -> None:
         """Change the relation of velocities and accelerations to the increment."""
         self._rule, self._h = rule, rule.h
         self._impulses.resize(rule.h)

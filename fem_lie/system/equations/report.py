@@ -53,7 +53,7 @@ class ConstraintsAt:
 
         Args:
             system: The equations.
-            H: Frames of all rows.
+            H: Frames of all nodes, ground and prescribed motions.
         """
         self._system, self._H = system, H
 

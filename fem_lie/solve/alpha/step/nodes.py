@@ -60,7 +60,7 @@ class State(NamedTuple):
     """Start of a step, and its end with index 1.
 
     Attributes:
-        H: Frames of all rows, (rows, 4, 3).
+        H: Frames of all nodes, ground and prescribed motions, (rows, 4, 3).
         H1: Those of the end.
         motion: :class:`Motion`, shape (8, n, 6); one array, because a compiled function takes the
             longer to call the more there are.
