@@ -32,11 +32,11 @@ def line(cells: int) -> fl.mesh.LineMesh:
 def first(arm: int = 4) -> fl.mesh.LineMesh:
     """So many elements for the arm, one for its soft end."""
 
-    def place(s: float) -> np.ndarray:
+    def position(s: float) -> np.ndarray:
         s *= arm + 1
         return np.array([0.0, 0.0, -(SOFT * s / arm if s < arm else SOFT + (1 - SOFT) * (s - arm))])
 
-    return fl.mesh.curve(place, arm + 1)
+    return fl.mesh.curve(position, arm + 1)
 
 
 def push(time: float) -> float:

@@ -123,9 +123,9 @@ def main() -> None:
                 except fl.ConvergenceError as error:
                     print(f"{scene_name:9} {name}, {axes.name}: {error}", flush=True)
                     continue
-                places = result.frames[:, :, 0]
-                first = places if first is None else first
-                gap = np.abs(places - first).max()
+                positions = result.frames[:, :, 0]
+                first = positions if first is None else first
+                gap = np.abs(positions - first).max()
                 mean = int(result.iterations[-1]) / options.steps
                 label = f"{name}, {axes.name.lower()}"
                 print(f"{scene_name:9} {label:22} {result.k_updates:7} {mean:20.1f}  {gap:8.1e}")

@@ -205,11 +205,11 @@ def rope_in_hand() -> fl.Scene:
     scene = fl.Scene(gravity=DOWN)
     brick = scene.add(block(0.0))
     held = brick.point("a=0")
-    place = held.position
+    position = held.position
 
     def motion(t: float) -> np.ndarray:
         c, s = np.cos(0.5 * np.sin(2.0 * t) ** 2), np.sin(0.5 * np.sin(2.0 * t) ** 2)
-        x, y, z = place
+        x, y, z = position
         return np.array([(x, y, z + 0.1 * np.sin(t) ** 2), (c, 0, -s), (0, 1, 0), (s, 0, c)])
 
     scene.add(fl.PrescribedMotion(held, motion))
@@ -296,8 +296,8 @@ def compared(name: str, steps: int) -> str:
     made, step = SCENES[name]
     plan = {"duration": steps * step, "step": step, "save_every": max(steps // 200, 1)}
     own, fixed = (scheme.run(made(), **plan) for scheme in (fl.EnergyMomentum(), FixedAxes()))
-    places = [run.frames[:, :, 0] for run in (own, fixed)]
-    apart = np.abs(places[0] - places[1]).max(axis=(1, 2))
+    positions = [run.frames[:, :, 0] for run in (own, fixed)]
+    apart = np.abs(positions[0] - positions[1]).max(axis=(1, 2))
     return (
         f"| {name} | {steps} | {own.factorisations} | {fixed.factorisations} | "
         f"{own.iterations[-1] / steps:.1f} | {fixed.iterations[-1] / steps:.1f} | "

@@ -62,8 +62,8 @@ def solid_hub() -> fl.Scene:
     return scene
 
 
-def shell_and_thread() -> fl.Scene:
-    """A shell that turns, and a thread without bending on one of its corners."""
+def shell_and_cable() -> fl.Scene:
+    """A shell that turns, and a cable without bending on one of its corners."""
     scene = fl.Scene()
     layer = fl.ShellSection.layer(0.02, fl.Material(2e4, 0.3, 50.0))
     sheet = scene.add(
@@ -72,9 +72,9 @@ def shell_and_thread() -> fl.Scene:
     corner = sheet.points("a=1")[-1]
     end = corner.position + np.array([0.6, 0.0, 0.0])
     shape = straight_line(corner.position, end, 6)
-    thread = scene.add(fl.Cable(shape, SOFT, formulation=fl.elements.DiscreteCable()))
-    scene.add(fl.joints.Spherical(corner, thread.point("start")))
-    for body in (sheet, thread):
+    cable = scene.add(fl.Cable(shape, SOFT, formulation=fl.elements.DiscreteCable()))
+    scene.add(fl.joints.Spherical(corner, cable.point("start")))
+    for body in (sheet, cable):
         body.add_velocity(omega=(2.0, 1.0, 3.0), about=(0.5, 0.2, 0))
     return scene
 
@@ -123,7 +123,7 @@ SCENES: dict[str, Callable[[], fl.Scene]] = {
     "crane": crane,
     "rod with twist and cable": rod_and_cable,
     "solid hub, beams, cable, weight": solid_hub,
-    "shell and thread": shell_and_thread,
+    "shell and cable": shell_and_cable,
     "wheel on a motor, cable, beam with damping": driven_body,
     "thin shell on a beam": thin_shell_on_beam,
 }

@@ -48,7 +48,7 @@ def bodies(derived: bool = False) -> dict[str, Callable[[], Any]]:
     import fem_lie as fl
 
     steel = fl.Material(E=2e11, nu=0.3, density=7800.0)
-    thread = fl.Section.circle(0.01, steel)
+    cord = fl.Section.circle(0.01, steel)
     section = fl.Section.rectangle(0.02, 0.03, steel)
     layer = fl.ShellSection.layer(0.01, steel)
     side = int(np.sqrt(CELLS))
@@ -86,12 +86,12 @@ def bodies(derived: bool = False) -> dict[str, Callable[[], Any]]:
 
     return {
         "bends of a discrete cable": lambda: fl.Cable(
-            fl.mesh.curve(wave, cells=CELLS), thread, formulation=fl.elements.DiscreteCable()
+            fl.mesh.curve(wave, cells=CELLS), cord, formulation=fl.elements.DiscreteCable()
         ),
         "corners of a discrete rod": lambda: fl.Rod.curve(
             wave, section, cells=CELLS, formulation=fl.elements.DiscreteRod()
         ),
-        "cable": page if derived else lambda: fl.Cable.curve(wave, thread, cells=CELLS),
+        "cable": page if derived else lambda: fl.Cable.curve(wave, cord, cells=CELLS),
         "geodesic beam": lambda: fl.Beam.curve(
             wave, section, cells=CELLS, formulation=fl.elements.GeodesicBeam()
         ),

@@ -99,7 +99,7 @@ def _global(rotation: np.ndarray, local: np.ndarray) -> np.ndarray:
     return np.einsum("...ij,...j->...i", rotation, local)
 
 
-def places(way: Way, info: SceneInfo, frames: np.ndarray) -> Numbers:
+def positions(way: Way, info: SceneInfo, frames: np.ndarray) -> Numbers:
     """Positions over the size, and directors, of all nodes of each body."""
     found, size = {}, way.data.size
     shift = way.units.length(way.shift) / size
@@ -148,7 +148,7 @@ def motion(scheme: Integrator) -> Callable[[Way], Numbers]:
             # that of a load with a history depends on where the origin is
             energies["potential energy"] = result.potential - result.potential[0]
         return {
-            **places(way, result.info, result.frames),
+            **positions(way, result.info, result.frames),
             **joint_forces(way, result.info, result.joint_forces),
             **speeds,
             **{name: Values(back.energy(e), "energy") for name, e in energies.items()},
@@ -162,7 +162,7 @@ def equilibrium(way: Way) -> Numbers:
     built = build(way.data, static=True)
     result = fl.statics(built.scene)
     return {
-        **places(way, result.info, result.frames[-1]),
+        **positions(way, result.info, result.frames[-1]),
         **joint_forces(way, result.info, result.joint_forces[-1]),
     }
 

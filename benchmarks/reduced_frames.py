@@ -57,7 +57,7 @@ def put_in(scene: fl.Scene, rods: Sequence[fl.reduction.ReducedOrderBody]) -> No
         scene.add(fl.joints.Fixed(one.point("end"), other.point("start")))
 
 
-def places(result: fl.Result, rods: Sequence[fl.reduction.ReducedOrderBody]) -> np.ndarray:
+def positions(result: fl.Result, rods: Sequence[fl.reduction.ReducedOrderBody]) -> np.ndarray:
     """Of all nodes of the full rods, (s, n, 3); those that two have come once."""
     shown = fl.reduction.recover_full_motion(result, *rods)
     each = [shown.frames[:, shown.info.body(rod.name).nodes, 0] for rod in rods]
@@ -73,7 +73,7 @@ def swung(
     scene.add(fl.joints.Spherical(fl.ground(), rods[0].point("start")))
     for rod in rods:
         rod.add_velocity(omega=spin, about=(0, 0, 0))
-    return places(fl.GeneralisedAlpha().run(scene, duration=2.0, step=step), rods)
+    return positions(fl.GeneralisedAlpha().run(scene, duration=2.0, step=step), rods)
 
 
 def largest(x: np.ndarray, full: fl.Result, name: str = "rod") -> float:
@@ -149,7 +149,7 @@ def cranks(modulus: float) -> dict[str, float]:
     for parts, modes in ((1, 8), (2, 2), (4, 0)):
         rods = pieces(whole, whole.model.sections[0], parts, modes, last=True)
         found = scheme.run(cranked(rods), duration=1.0, step=5e-4)
-        record[f"crank_{modulus:g}_{parts}"] = largest(places(found, rods), full) / size
+        record[f"crank_{modulus:g}_{parts}"] = largest(positions(found, rods), full) / size
     return record
 
 

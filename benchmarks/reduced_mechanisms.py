@@ -37,8 +37,8 @@ WEIGHT = np.array([0.0, 0.0, -9.81])
 
 def away(found: fl.Result, full: fl.Result, name: str = "rod") -> np.ndarray:
     """Largest distance of a node of a body from its place, over time."""
-    places = [r.frames[:, r.info.body(name).nodes, 0] for r in (found, full)]
-    return np.asarray(np.linalg.norm(places[0] - places[1], axis=2).max(axis=1))
+    positions = [r.frames[:, r.info.body(name).nodes, 0] for r in (found, full)]
+    return np.asarray(np.linalg.norm(positions[0] - positions[1], axis=2).max(axis=1))
 
 
 def part_of(

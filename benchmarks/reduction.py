@@ -216,7 +216,7 @@ def answering(shapes: int) -> dict[str, float]:
     for name, basis in bases.items():
         V = rest.unknowns_of(basis.modes).T
         found = V.T @ f @ np.linalg.solve(V.T @ (dynamic @ V), V.T @ f)
-        record[f"{name}_{modes}_answer_error"] = float(abs(found / full - 1.0))
+        record[f"{name}_{shapes}_answer_error"] = float(abs(found / full - 1.0))
     return record
 
 

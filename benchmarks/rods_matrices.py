@@ -66,9 +66,9 @@ def rod(
     if formulation is None:
         u = np.linspace(0, 1, 21)
         s, rate = 0.6 * u + 0.4 * u * u, 0.6 + 0.8 * u
-        places = np.stack([s, bow[1] * s**3, bow[0] * s * s], axis=1)
+        positions = np.stack([s, bow[1] * s**3, bow[0] * s * s], axis=1)
         slopes = np.stack([rate, 3 * bow[1] * s * s * rate, 2 * bow[0] * s * rate], axis=1)
-        body = fl.Rod(fl.mesh.Spline.checked(u, places, slopes).mesh(), own)
+        body = fl.Rod(fl.mesh.Spline.checked(u, positions, slopes).mesh(), own)
     else:
         body = fl.Rod.curve(
             lambda s: (s, bow[1] * s**3, bow[0] * s * s), own, cells=20, formulation=formulation

@@ -90,13 +90,13 @@ class Interpolated:
             left = U[:, k] - U[:, :k] @ np.linalg.solve(U[chosen, :k], U[chosen, k])
             chosen.append(int(np.abs(left).argmax()))
         cells, self.which = np.divmod(chosen, self.m)
-        self.cells, self.place = np.unique(cells, return_inverse=True)
+        self.cells, self.position = np.unique(cells, return_inverse=True)
         self.matrix = U.reshape(count, self.m, rank).sum(axis=0) @ np.linalg.inv(U[chosen])
         self.some = ReducedCells(basis, self.cells, np.ones(len(self.cells)))
 
     def forces(self, η: np.ndarray) -> np.ndarray:
         """Of all cells, as they are interpolated."""
-        return self.matrix @ self.some.of_each(η)[self.place, self.which]
+        return self.matrix @ self.some.of_each(η)[self.position, self.which]
 
     def forces_and_matrix(self, η: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """And their derivative, by differences."""
@@ -115,8 +115,8 @@ class Case:
         began = time.perf_counter()
         full = fl.statics(self.scene, levels=LEVELS)
         self.milliseconds = 1e3 * (time.perf_counter() - began)
-        self.place = full.frames[-1, full.info.body(name).nodes, 0]
-        self.away = float(np.linalg.norm(self.place - self.body.frames[:, 0], axis=1).max())
+        self.position = full.frames[-1, full.info.body(name).nodes, 0]
+        self.away = float(np.linalg.norm(self.position - self.body.frames[:, 0], axis=1).max())
         training, self.trained_body = self.make(1.2)
         self.trained = fl.statics(training, levels=np.linspace(0.1, 1.0, 10))
 
@@ -139,7 +139,7 @@ class Case:
             found = equilibria(cells, loads, basis, LEVELS)
             best = min(best, time.perf_counter() - began)
         K = cells.forces_and_matrix(found.coordinates[-1])[1]
-        error = np.linalg.norm(found.frames[-1, :, 0] - self.place, axis=1).max() / self.away
+        error = np.linalg.norm(found.frames[-1, :, 0] - self.position, axis=1).max() / self.away
         asymmetry = float(np.abs(K - K.T).max() / np.abs(K).max())
         return Row(self.name, shapes, len(basis), count, float(error), 1e3 * best, asymmetry)
 

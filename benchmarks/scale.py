@@ -68,8 +68,8 @@ def weave(bodies: int) -> fl.Scene:
                 scene.add(rod)
                 for k in range(begin, end):
                     found[(row, k) if way else (k, row)] = rod.point(k - begin)
-    for place in crossing[0].keys() & crossing[1].keys():
-        scene.add(fl.joints.Spherical(crossing[0][place], crossing[1][place]))
+    for position in crossing[0].keys() & crossing[1].keys():
+        scene.add(fl.joints.Spherical(crossing[0][position], crossing[1][position]))
     return scene
 
 

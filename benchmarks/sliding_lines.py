@@ -35,10 +35,10 @@ def force(angle: float, x: float) -> np.ndarray:
 
 def main() -> dict[float, float]:
     """Largest change of the force over its mean, for each angle in degrees."""
-    places = np.linspace(-0.5, 0.5, 321) * ELEMENTS * CELL
+    positions = np.linspace(-0.5, 0.5, 321) * ELEMENTS * CELL
     found = {}
     for degrees in ANGLES:
-        sizes = np.array([-force(np.radians(degrees), x)[2] for x in places])
+        sizes = np.array([-force(np.radians(degrees), x)[2] for x in positions])
         found[degrees] = float(np.ptp(sizes) / sizes.mean())
         print(f"{degrees:5} degrees: {sizes.mean():10.4f} N, changes by {found[degrees]:.1e}")
     return found

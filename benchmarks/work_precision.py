@@ -129,7 +129,7 @@ def run(problem: Problem, scheme: Integrator, steps: int) -> fl.Result:
     return scheme.run(problem.scene(), duration=duration, step=duration / steps, save_every=steps)
 
 
-def places(result: fl.Result) -> np.ndarray:
+def positions(result: fl.Result) -> np.ndarray:
     """Of all nodes at the end, shape (N, 3)."""
     return np.asarray(result.frames[-1, :, 0])
 
@@ -140,7 +140,7 @@ def make_references() -> None:
         table = csv.writer(file)
         for name, problem in PROBLEMS.items():
             near, far = (
-                places(run(problem, fl.schemes.Composed(), n)) for n in (FINEST, FINEST // 2)
+                positions(run(problem, fl.schemes.Composed(), n)) for n in (FINEST, FINEST // 2)
             )
             gap = float(np.linalg.norm(near - far, axis=1).max() / problem.length)
             print(f"{name}: {FINEST} and {FINEST // 2} composed steps differ by {gap:.1e}")
@@ -177,7 +177,7 @@ def measure(repeats: int) -> list[Row]:
                 failed.add(plan)
                 print(f"{plan}: {error}")
                 continue
-            error = np.linalg.norm(places(made) - exact[name], axis=1).max() / problem.length
+            error = np.linalg.norm(positions(made) - exact[name], axis=1).max() / problem.length
             counts = int(made.iterations[-1]), made.factorisations
             row = Row(*plan, float(error), made.seconds, *counts)
             if plan not in best or row.seconds < best[plan].seconds:

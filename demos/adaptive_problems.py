@@ -61,11 +61,11 @@ def eighth(pad: int = CELLS, cells: int = CELLS) -> fl.mesh.SurfaceMesh:
     The pad is one of so many parts of each side; cells there are cut until it is made of them.
     """
 
-    def place(a: float, b: float) -> np.ndarray:
+    def position(a: float, b: float) -> np.ndarray:
         angle = a * np.pi / 2
         return RADIUS * np.array([b, -np.sin(angle), np.cos(angle)])
 
-    mesh, parts = fl.mesh.parametric_surface(place, (cells, cells), cell="triangle"), cells
+    mesh, parts = fl.mesh.parametric_surface(position, (cells, cells), cell="triangle"), cells
     while parts < pad:
         mesh, parts = fl.adaptivity.refine(mesh, under(mesh, parts), onto=on_cylinder), 2 * parts
     return replace(mesh, groups={"pad": under(mesh, pad)})

@@ -45,14 +45,14 @@ def strip(q: float, elements: int, *, guided: bool) -> tuple[fl.Scene, fl.extend
     """
     h, part = q * THICKNESS, 0.5 if guided else 1.0
 
-    def place(s: float) -> tuple[float, float, float]:
+    def position(s: float) -> tuple[float, float, float]:
         x = part * s
         return LENGTH * x, 0.0, 0.5 * h * (1.0 - np.cos(2 * np.pi * x))
 
     section = fl.Section.rectangle(WIDTH, THICKNESS, MATERIAL)
     count = elements // 2 if guided else elements
     scene = fl.Scene()
-    beam = scene.add(fl.Beam.curve(place, section, cells=count, up=(0, 0, 1), name="strip"))
+    beam = scene.add(fl.Beam.curve(position, section, cells=count, up=(0, 0, 1), name="strip"))
     scene.add(fl.Clamp(beam.point("start")))
     if guided:
         # a pin on the middle stays upright

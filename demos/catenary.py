@@ -66,9 +66,9 @@ def laid(element: str, elements: int) -> Cable:
     """The cable at the start."""
     made, own = ELEMENTS[element], section()
     if isinstance(made, fl.elements.IsogeometricCable):
-        place, s = parabola(1.0), np.linspace(0, 1, elements + 1)
-        rates = place(s + 0.5) - place(s - 0.5)  # exact on a parabola
-        return fl.SplineCable(s, place(s), rates, own, formulation=made, name="cable")
+        position, s = parabola(1.0), np.linspace(0, 1, elements + 1)
+        rates = position(s + 0.5) - position(s - 0.5)  # exact on a parabola
+        return fl.SplineCable(s, position(s), rates, own, formulation=made, name="cable")
     start = parabola(LONGER) if element != "slack" else lambda s: (SPAN * s, RISE * s, 0.0)
     mesh = fl.mesh.curve(start, elements)
     if isinstance(made, fl.elements.AncfElement):
@@ -92,8 +92,8 @@ def hang(element: str, elements: int) -> tuple[dict[str, Any], fl.StaticResult, 
         cable.pin(cable.point("start"), cable.point("end"))
     if isinstance(cable, fl.AncfBeam):
         cable.model.held[len(s), 2] = True  # likewise: its section's second axis stays in the plane
-    result, (places, H, V) = fl.statics(scene), catenary()
-    error = np.linalg.norm(result.frames[-1][: len(s), 0, :2] - places(s), axis=1).max()
+    result, (positions, H, V) = fl.statics(scene), catenary()
+    error = np.linalg.norm(result.frames[-1][: len(s), 0, :2] - positions(s), axis=1).max()
     gap = np.linalg.norm(result.reactions[-1][0, :2] - (-H, V))
     record = {
         "element": element,

@@ -57,7 +57,7 @@ import fem_lie as fl
 UNITS = fl.post.Units(length="a")
 
 
-def place(a: float, b: float) -> np.ndarray:
+def position(a: float, b: float) -> np.ndarray:
     """A quarter of the cap from a square; its rim is a = 1 and b = 1."""
     x, y = RIM * a * np.sqrt(1 - b * b / 2), RIM * b * np.sqrt(1 - a * a / 2)
     return np.array([x, y, np.sqrt(RADIUS**2 - x * x - y * y) - RADIUS + RISE])
@@ -66,7 +66,7 @@ def place(a: float, b: float) -> np.ndarray:
 def cap(thickness: float, mesh: int) -> tuple[fl.Scene, fl.extend.Point]:
     """A quarter of the cap under the classical pressure, and its top."""
     shell = fl.Shell(
-        fl.mesh.parametric_surface(place, (mesh, mesh)),
+        fl.mesh.parametric_surface(position, (mesh, mesh)),
         fl.ShellSection.layer(thickness, MATERIAL),
         director=lambda x: (x - [0.0, 0.0, RISE - RADIUS]) / RADIUS,
         name="cap",

@@ -76,8 +76,8 @@ def main(
         "time_of_largest_lag": float(times[tip[:, 1].argmin()]),
         "final_swing": float(np.abs(tip[after, 1]).max()) if after.any() else 0.0,
         "extensions": {
-            name: float(places[later > RISE + 1e-9, 0].mean()) if duration > RISE else 0.0
-            for name, (later, places) in found.items()
+            name: float(positions[later > RISE + 1e-9, 0].mean()) if duration > RISE else 0.0
+            for name, (later, positions) in found.items()
         },
         "extension_exact": float(LENGTH * (np.tan(k) / k - 1)),
     }

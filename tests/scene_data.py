@@ -132,12 +132,12 @@ class SlenderData:
 
 @dataclass(frozen=True)
 class NetData:
-    """A net; ``points`` have shape (n, 3), and ``threads`` are their numbers along each."""
+    """A net; ``points`` have shape (n, 3), and ``cables`` are their numbers along each."""
 
     name: str
     section: RectangleData
     points: Annotated[np.ndarray, Quantity(1, moves=POINT)]
-    threads: tuple[tuple[int, ...], ...]
+    cables: tuple[tuple[int, ...], ...]
     clamped: str | None = None
     drag: Annotated[float, Quantity(time=-1)] = 0.0
 

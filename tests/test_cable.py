@@ -77,14 +77,14 @@ def elastic_catenary(EA: float):
     H. M. Irvine, Cable Structures (1981), §1.3: tension over EA is the strain.
     """
 
-    def places(s, H, V):
+    def positions(s, H, V):
         x = H / WEIGHT * (np.arcsinh(V / H) - np.arcsinh((V - WEIGHT * s) / H)) + H * s / EA
         tension = np.hypot(H, V - WEIGHT * s)
         z = (tension - np.hypot(H, V)) / WEIGHT - (V * s - 0.5 * WEIGHT * s**2) / EA
         return np.stack([x, z], axis=-1)
 
-    H, V = fsolve(lambda f: places(LENGTH, *f) - END, (34.0, 44.0), xtol=1e-13)
-    return (lambda s: places(s, H, V)), (H, V)
+    H, V = fsolve(lambda f: positions(LENGTH, *f) - END, (34.0, 44.0), xtol=1e-13)
+    return (lambda s: positions(s, H, V)), (H, V)
 
 
 def hung(cells: int, EA: float, EI: float) -> tuple[fl.Scene, fl.Cable]:
@@ -435,7 +435,7 @@ MOVED = {
 @pytest.mark.parametrize("name", MOVED)
 def test_moves_as_an_independent_program_has_it(name):
     (make, _), (part, expected, bound) = swinging_cable.SCENES[name], MOVED[name]
-    found = swinging_cable.places(make(16, "cable"), np.array([0.5]), 1e-3)[0, part]
+    found = swinging_cable.positions(make(16, "cable"), np.array([0.5]), 1e-3)[0, part]
     assert np.linalg.norm(found - expected) < bound * swinging_cable.LENGTH
 
 
@@ -509,7 +509,7 @@ def test_between_the_times_that_were_kept():
     np.testing.assert_allclose(*linear, atol=0.02 * np.abs(linear[1]).max())
 
 
-def test_velocities_of_results_are_those_of_places():
+def test_velocities_of_results_are_those_of_positions():
     result = free_flight(2e-3)
     node, k, h = 2, 100, 2e-3
     moved = (result.frames[k + 1, node, 0] - result.frames[k - 1, node, 0]) / (2 * h)

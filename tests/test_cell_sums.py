@@ -150,7 +150,7 @@ def test_viscous_forces_have_room_for_all_nodes_of_a_cell():
     np.testing.assert_array_equal(F, factors[:, np.newaxis] * v[nodes])
 
 
-def test_parts_of_places_are_one():
+def test_shares_of_positions_sum_to_one():
     """To their columns A and K have the same blocks, and the sum is that of parts kept separate."""
     scene = square_net(2, cells=3)
     scene.gravity = (0, 0, -GRAVITY)
@@ -188,7 +188,7 @@ STIFFNESS = 1e3
 
 
 def started(clamped: bool) -> Run:
-    """A run of two threads that cross and are bent, or of a cable that is clamped."""
+    """A run of two cables that cross and are bent, or of a cable that is clamped."""
     scene, s = fl.Scene(), np.linspace(-1.0, 1.0, 13)
     one = np.column_stack([s, 0.2 * s**2, 0.1 * np.sin(3.0 * s)])
     section = fl.Section.from_stiffness([STIFFNESS] * 3 + [2.0] * 3, mass=1.0)
@@ -199,9 +199,9 @@ def started(clamped: bool) -> Run:
         cable.clamp(cable.point("start"))
     else:
         points = np.vstack([one, np.delete(one, 6, axis=0)[:, [1, 0, 2]]])
-        threads = [range(13), [*range(13, 19), 6, *range(19, 25)]]
+        cables = [range(13), [*range(13, 19), 6, *range(19, 25)]]
         own = fl.elements.DiscreteCable(natural=True)
-        scene.add(fl.Net(points, threads, section, formulation=own))
+        scene.add(fl.Net(points, cables, section, formulation=own))
     scheme = fl.EnergyMomentum()
     run = Run(scheme.options(), scheme.equations(scene), 1e-3)
     run.start()
@@ -263,7 +263,7 @@ def test_forces_of_a_small_step_are_the_gradient(clamped):
 
 
 def test_a_rigid_step_has_no_forces():
-    """Of threads that are naturally as they are: a third of a turn about any axis, and on."""
+    """Of cables that are naturally as they are: a third of a turn about any axis, and on."""
     run = started(clamped=False)
     turn = lie.so3_exp(2.0 * np.pi / 9.0 * np.array([2.0, -1.0, 2.0]))
     step, before = np.zeros_like(run.this.step), run.s.H[: len(run.this.step), 0]

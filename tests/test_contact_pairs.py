@@ -58,81 +58,83 @@ Place = Callable[[float, float, float], np.ndarray]
 """Position for local coordinates of which the third is the height into the body."""
 
 
-def rigid(place: Place, height: float) -> fl.RigidBody:
+def rigid(position: Place, height: float) -> fl.RigidBody:
     """A body whose centre is in the surface's body."""
-    return fl.RigidBody(0.5, np.diag([2e-3, 3e-3, 4e-3]), place(0, 0, height), _axes(place))
+    return fl.RigidBody(0.5, np.diag([2e-3, 3e-3, 4e-3]), position(0, 0, height), _axes(position))
 
 
-def _axes(place: Place) -> np.ndarray:
-    origin = place(0, 0, 0)
-    return np.column_stack([place(*row) - origin for row in np.eye(3)])
+def _axes(position: Place) -> np.ndarray:
+    origin = position(0, 0, 0)
+    return np.column_stack([position(*row) - origin for row in np.eye(3)])
 
 
-def ball(place: Place) -> Part:
-    body = rigid(place, RADIUS)
+def ball(position: Place) -> Part:
+    body = rigid(position, RADIUS)
     return Part(body, fl.contact.Sphere(body.point("centre"), RADIUS))
 
 
-def plane(place: Place) -> Part:
-    body = rigid(place, 0.1)
-    out = place(0, 0, 0) - place(0, 0, 1)
-    return Part(body, fl.contact.Plane(body.point("centre"), out, at=place(0, 0, 0)))
+def plane(position: Place) -> Part:
+    body = rigid(position, 0.1)
+    out = position(0, 0, 0) - position(0, 0, 1)
+    return Part(body, fl.contact.Plane(body.point("centre"), out, at=position(0, 0, 0)))
 
 
-def hollow(place: Place) -> Part:
-    body = rigid(place, 0.1)
-    return Part(body, fl.contact.Sphere(body.point(place(0, 0, -WIDE)), WIDE, hollow=True))
+def hollow(position: Place) -> Part:
+    body = rigid(position, 0.1)
+    return Part(body, fl.contact.Sphere(body.point(position(0, 0, -WIDE)), WIDE, hollow=True))
 
 
-def knob(place: Place) -> Part:
-    body = rigid(place, 0.1)
-    return Part(body, Knob(body.point(place(0, 0, ROUND)), ROUND))
+def knob(position: Place) -> Part:
+    body = rigid(position, 0.1)
+    return Part(body, Knob(body.point(position(0, 0, ROUND)), ROUND))
 
 
-def box(place: Place) -> Part:
-    body = rigid(place, 0.1)
+def box(position: Place) -> Part:
+    body = rigid(position, 0.1)
     return Part(body, fl.contact.Box(body.point("centre"), (0.3, 0.36, 0.2)))
 
 
-def bar(place: Place) -> Part:
-    body = rigid(place, RADIUS)
-    along = place(0.5, 0, 0) - place(0, 0, 0)
+def bar(position: Place) -> Part:
+    body = rigid(position, RADIUS)
+    along = position(0.5, 0, 0) - position(0, 0, 0)
     return Part(body, fl.contact.Cylinder(body.point("centre"), along, RADIUS))
 
 
-def beam(place: Place, cells: int) -> fl.Beam:
-    points = place(-HALF, 0, RADIUS), place(HALF, 0, RADIUS)
+def beam(position: Place, cells: int) -> fl.Beam:
+    points = position(-HALF, 0, RADIUS), position(HALF, 0, RADIUS)
     return fl.Beam.straight(*points, fl.Section.circle(RADIUS, SOFT), cells=cells)
 
 
-def line(place: Place) -> Part:
-    body = beam(place, 3)
+def line(position: Place) -> Part:
+    body = beam(position, 3)
     return Part(body, fl.contact.Line(body, RADIUS))
 
 
-def vertices(place: Place) -> Part:
-    body = beam(place, 2)
+def vertices(position: Place) -> Part:
+    body = beam(position, 2)
     return Part(body, fl.contact.Vertices([fl.extend.Point(body, k) for k in range(3)], RADIUS))
 
 
-def sheet(place: Place, smooth: bool, cell: str = "quadrilateral") -> Part:
+def sheet(position: Place, smooth: bool, cell: str = "quadrilateral") -> Part:
     mesh = fl.mesh.parametric_surface(
-        lambda a, b: place(a - 0.5, b - 0.47, 0.01), (3, 3), cell=cell
+        lambda a, b: position(a - 0.5, b - 0.47, 0.01), (3, 3), cell=cell
     )
     shell = fl.Shell(mesh, LAYER)
     return Part(shell, fl.contact.ShellSurface(shell, smooth=smooth))
 
 
-def block(place: Place, cell: str, degree: int = 1) -> Part:
+def block(position: Place, cell: str, degree: int = 1) -> Part:
     mesh = fl.mesh.parametric_volume(
-        lambda a, b, c: place(0.6 * a - 0.3, 0.6 * b - 0.28, 0.005 + 0.2 * c), (2, 2, 1), cell=cell
+        lambda a, b, c: position(0.6 * a - 0.3, 0.6 * b - 0.28, 0.005 + 0.2 * c),
+        (2, 2, 1),
+        cell=cell,
     )
     body = fl.Solid(mesh, RUBBER, degree=degree)
     return Part(body, fl.contact.Facets(body, 0.01))
 
 
-def smooth_sheet(place: Place, of: type) -> Part:
-    patch = fl.mesh.smooth_patch(lambda a, b: place(a - 0.5, b - 0.47, 0.01), (3, 3))
+def smooth_sheet(position: Place, of: type) -> Part:
+    patch = fl.mesh.smooth_patch(lambda a, b: position(a - 0.5, b - 0.47, 0.01), (3, 3))
     body = of(patch, LAYER)
     return Part(body, fl.contact.Facets(body))
 
@@ -146,13 +148,13 @@ SURFACES: dict[str, Callable[[Place], Part]] = {
     "box": box,
     "bar": bar,
     "line": line,
-    "shell": lambda place: sheet(place, smooth=True),
-    "bilinear shell": lambda place: sheet(place, smooth=False),
-    "triangles of a shell": lambda place: sheet(place, smooth=False, cell="triangle"),
-    "hexahedra": lambda place: block(place, "hexahedron"),
-    "tetrahedra": lambda place: block(place, "tetrahedron", 2),
-    "thin shell": lambda place: smooth_sheet(place, fl.ThinShell),
-    "ANCF shell": lambda place: smooth_sheet(place, fl.AncfShell),
+    "shell": lambda position: sheet(position, smooth=True),
+    "bilinear shell": lambda position: sheet(position, smooth=False),
+    "triangles of a shell": lambda position: sheet(position, smooth=False, cell="triangle"),
+    "hexahedra": lambda position: block(position, "hexahedron"),
+    "tetrahedra": lambda position: block(position, "tetrahedron", 2),
+    "thin shell": lambda position: smooth_sheet(position, fl.ThinShell),
+    "ANCF shell": lambda position: smooth_sheet(position, fl.AncfShell),
 }
 REFUSED = {
     frozenset(names): message

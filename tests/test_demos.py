@@ -35,14 +35,14 @@ def test_bend45(elements, bound):
     assert record["iterations"] <= 20
 
 
-def test_catenary_by_places_and_three_slopes():
+def test_catenary_by_positions_and_three_slopes():
     record = main("catenary", element="ancf", elements=16)
     # its law is linear in Green's strain, of which 1.5 (0.005)² counts
     assert record["sag_error"] <= 1.2e-4
     assert record["iterations"] <= 5 and record["failed_iterations"] == 0
 
 
-def test_bend45_by_places_and_slopes():
+def test_bend45_by_positions_and_slopes():
     record = main("bend45", elements=16, formulation="ancf")
     assert record["tip_error"] <= 3e-4
     assert record["iterations"] <= 15 and record["failed_iterations"] == 0

@@ -108,10 +108,10 @@ def along(s: float) -> np.ndarray:
     return np.array([[np.sin(s), 1 - np.cos(s), 0.0], [0.0, s, 0.2 * s * s]])
 
 
-def walk(places: list[np.ndarray], factors: list[float], turned: int = 99) -> list[bool]:
+def walk(positions: list[np.ndarray], factors: list[float], turned: int = 99) -> list[bool]:
     """``turned``: from this step on the twists are against the displacements."""
-    passed = Passed(places[0])
-    steps = enumerate(zip(factors[1:], places[1:], places[:-1], strict=True))
+    passed = Passed(positions[0])
+    steps = enumerate(zip(factors[1:], positions[1:], positions[:-1], strict=True))
     return [
         passed.again(factor, here, (here - before) * (1 if k < turned else -1))
         for k, (factor, here, before) in steps

@@ -29,11 +29,11 @@ def with_cell(cell: int, points) -> np.ndarray:
     return cells
 
 
-def quadratic(cell: str, node: int, place) -> fl.mesh.SurfaceMesh:
+def quadratic(cell: str, node: int, position) -> fl.mesh.SurfaceMesh:
     """A cell of degree 2 with one of its nodes moved."""
     mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0), (1, 1), cell=cell, degree=2)
     points = mesh.points.copy()
-    points[mesh.cells[0, node]] = place
+    points[mesh.cells[0, node]] = position
     return fl.mesh.SurfaceMesh.from_cells(points, mesh.cells, cell)
 
 
@@ -213,7 +213,7 @@ def test_a_director_between_is_said(caplog):
     assert "plate" not in caplog.text and "30° off" in caplog.text
 
 
-def test_points_at_one_place_are_said(caplog):
+def test_points_at_one_position_are_said(caplog):
     points = [(0, 0, 0), (1, 0, 0), (1, 0, 0), (2, 0, 0)]
     with caplog.at_level(logging.WARNING, logger="fem_lie"):
         fl.Beam(fl.mesh.LineMesh.from_cells(points, [(0, 1), (2, 3)]), SECTION, name="two")

@@ -250,7 +250,7 @@ def test_carried_axes_stay_unit_vectors_without_twist():
     np.testing.assert_allclose(H[0, 1:], [[2, 0, 0], [0, 0, 1], [0, -1, 0]], atol=1e-14)
 
 
-def test_clamps_hold_place_and_direction():
+def test_clamps_hold_position_and_direction():
     """A clamped slope may still be stretched."""
     node = Node(POSITION_GRADIENT)
     h = np.where(TRAITS[fl.extend.NodeType.POSITION_GRADIENT].clamp_holds, 0.0, node.h)

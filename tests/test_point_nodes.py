@@ -125,7 +125,7 @@ def test_flight_of_a_string(group):
     assert result.energy_error < 1e-4
 
 
-def test_blocks_have_nothing_of_what_a_place_lacks():
+def test_blocks_have_nothing_of_what_a_position_lacks():
     cable = string((1, 0, 0), cells=2)
     scene = fl.Scene()
     scene.add(cable)

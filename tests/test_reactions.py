@@ -230,7 +230,7 @@ def test_guides_and_edges_of_a_shell_carry_what_loads_it(drills):
     assert abs(planes[4]) == pytest.approx(load * 2.0**2 / 2, rel=2e-2)
 
 
-def test_a_clamp_of_what_follows_rigidly_is_about_its_own_place():
+def test_a_clamp_of_an_attached_node_is_about_its_own_position():
     scene, beam, _ = cantilever()
     scene.clamps.clear()
     block = scene.add(fl.RigidBody(1.0, 3 * [1e-3], position=(0.4, 0.1, -0.5), name="block"))

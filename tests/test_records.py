@@ -44,7 +44,7 @@ def given() -> dict[str, Any]:
     scene = build(random_scene(0, replace(CONSERVING, steps=1))).scene
     equations = fl.extend.Equations(scene, dynamics=True)
     cells = Cells(list(equations.tables.assemblies))
-    incidences = incidences_of(equations, follows=True)
+    incidences = incidences_of(equations, current_jacobian=True)
     rows = vector_cells_of(equations)
     room = equations, cells, rows, incidences
     return {

@@ -65,10 +65,10 @@ class Case:
         )
         scene.add(fl.loads.PressureLoad(beam, self.pressure, history=self.pressed))
         scene.add(fl.loads.Eigenstrain(beam, (0, 0, 0, 0, self.strain, 0)))
-        place = carrier.point("centre").frame
+        position = carrier.point("centre").frame
 
         def moved(t: float) -> np.ndarray:
-            frame = place.copy()
+            frame = position.copy()
             frame[0, 0] += self.motion(t)
             return frame
 

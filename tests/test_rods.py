@@ -261,7 +261,7 @@ def loaded_off(off: tuple[float, float], cells: int, across: float) -> np.ndarra
 
 @pytest.mark.parametrize("off", OFF)
 def test_an_axis_anywhere_in_the_section_is_the_same_rod(off):
-    found, expected = (loaded_off(place, 4, 1.0) for place in (off, (0.0, 0.0)))
+    found, expected = (loaded_off(position, 4, 1.0) for position in (off, (0.0, 0.0)))
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10)
 
 

@@ -536,14 +536,14 @@ def test_rubber_swells_without_locking():
     a, b, pressure = 1.0, 2.0, 1e-4
     material = fl.sections.NeoHooke(3 * (1 - 1e-5), 0.5 - 5e-6)
 
-    def place(r, angle, c):
+    def position(r, angle, c):
         radius, turn = a + (b - a) * r, 0.5 * np.pi * angle
         return radius * np.cos(turn), radius * np.sin(turn), 0.1 * c
 
     found = {}
     for formulation in (fl.elements.MeanDilatation(), fl.elements.Isoparametric()):
         tube = fl.Solid(
-            fl.mesh.parametric_volume(place, (10, 16, 1)), material, formulation=formulation
+            fl.mesh.parametric_volume(position, (10, 16, 1)), material, formulation=formulation
         )
         for part, normal in (("b=0", (0, 1, 0)), ("b=1", (1, 0, 0)), ("c=0", (0, 0, 1))):
             tube.roller(part, normal)

@@ -149,9 +149,9 @@ class Joint(Connection):
         if gap > _COINCIDENT * size:
             middle = ", ".join(f"{x:.9g}" for x in 0.5 * (positions[0] + positions[-1]))
             raise ValueError(
-                f"{self.label}: the points are {gap:g} apart, at {positions[0]} and {positions[-1]}, "
-                f"more than {_COINCIDENT:g} of the size {size:g} of their bodies; let them "
-                f"coincide, or give at=... to join them there by rigid links over any gap, such as "
-                f"at=({middle})"
+                f"{self.label}: the points are {gap:g} apart, at {positions[0]} and "
+                f"{positions[-1]}, more than {_COINCIDENT:g} of the size {size:g} of their "
+                f"bodies; let them coincide, or give at=... to join them there by rigid links over "
+                f"any gap, such as at=({middle})"
             )
         return positions[0]

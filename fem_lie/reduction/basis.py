@@ -128,7 +128,8 @@ class Basis(Summarised):
 
     Attributes:
         body: The body.
-        modes: Modes: translation and rotation of each node in its initial frame, shape (m, n, 6).
+        modes: Translation and rotation of each node in each mode, along its initial axes, shape
+            (m, n, 6).
     """
 
     body: Body

@@ -56,8 +56,8 @@ def quadratic_strains(rest: LinearisedBody, frame: Array, mode_vectors: Array, K
     Args:
         rest: The linearised full body.
         frame: Floating frame, (4, 3).
-        modes: Modes: displacement and rotation of all nodes, components along the frame, (m, n,
-            6).
+        mode_vectors: Displacement and rotation of all nodes in each mode, components along the
+            frame, (m, n, 6).
         K: Stiffness in modal coordinates, (m, m).
     """
     C = _third_derivative(_Within(rest, frame, mode_vectors))

@@ -251,7 +251,7 @@ def _gathered(
     equations: Equations,
     after: Mapping[str, Body],
 ) -> tuple[Array, Array]:
-    """Frames and twists of all nodes, ground and prescribed motions, interpolated by the elements of the old meshes."""
+    """Frames and twists of the new nodes, interpolated by the elements of the old meshes."""
     unknowns = equations.unknowns
     frames, twists = np.empty((unknowns.total, 4, 3)), np.zeros((unknowns.total, 6))
     for name, points in found.items():

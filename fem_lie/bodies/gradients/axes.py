@@ -19,8 +19,8 @@ def rotate_section_axes(coordinates: Array, moves: Flags) -> None:
     its two gradients.
 
     Args:
-        coordinates: Coordinates of the SURFACE_GRADIENT nodes, then of the MIXED_DERIVATIVE nodes, shape
-            (2 n, 4, 3).
+        coordinates: Coordinates of the SURFACE_GRADIENT nodes, then of the MIXED_DERIVATIVE nodes,
+            shape (2 n, 4, 3).
         moves: Points whose axes rotate, shape (n,).
     """
     n = moves.shape[0]

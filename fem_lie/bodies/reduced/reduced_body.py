@@ -31,7 +31,7 @@ class ReducedOrderModel(BodyModel):
         density: Mass matrix of ``(x, d_k, z_a d_k)``, see :mod:`fem_lie.lie.node_types.floating`,
             shape (4 + 3 m, 4 + 3 m).
         full: Full body.
-        modes: Modes: displacement and rotation of each node of the full body for each coordinate,
+        modes: Displacement and rotation of each node of the full body for each modal coordinate,
             in components along the frame, shape (m, n, 6).
     """
 

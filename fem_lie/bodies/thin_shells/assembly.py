@@ -52,8 +52,8 @@ def rotate_surface_axes(coordinates: Array, moves: Flags) -> None:
     """Rotate the axes of all points with the surface, and copy positions to the second nodes.
 
     Args:
-        coordinates: Coordinates of the SURFACE_GRADIENT nodes, then of the MIXED_DERIVATIVE nodes, shape
-            (2 n, 4, 3).
+        coordinates: Coordinates of the SURFACE_GRADIENT nodes, then of the MIXED_DERIVATIVE nodes,
+            shape (2 n, 4, 3).
         moves: Points whose axes rotate, shape (n,).
     """
     n = moves.shape[0]

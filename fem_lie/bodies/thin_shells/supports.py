@@ -34,8 +34,8 @@ class HeldSurfaceModel(BodyModel):
 
     Attributes:
         points_count: Number of points; their second nodes come after all first nodes.
-        has_thickness_director: Whether the fourth vector of a point is a director across the thickness,
-            and not the mixed derivative.
+        has_thickness_director: Whether the fourth vector of a point is a director across the
+            thickness, and not the mixed derivative.
     """
 
     points_count: int

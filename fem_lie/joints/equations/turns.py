@@ -47,7 +47,7 @@ def foresee(H: Array, h: Array, arrays: JointArrays) -> None:
     The angle after the increment is then the one within half a turn of its linear prediction.
 
     Args:
-        H: Frames of all nodes, ground and prescribed motions before the increment, shape (≥ n, 4, 3).
+        H: Frames of nodes, ground and prescribed motions before the increment, (≥ n, 4, 3).
         h: Increment of the moving nodes as twists, shape (n, 6).
         arrays: The joints; ``turned`` is updated.
     """

@@ -56,7 +56,8 @@ def tangents(
         motion: Nodal coordinates, local velocities and their rates.
         node_types: Type of each node.
         floating: See :class:`~fem_lie.lie.node_types.floating.Floating`.
-        block_indices: Index of each of its pairs among the blocks of derivatives in motion and in frames.
+        block_indices: Index of the block of each of its pairs, for derivatives in motion and in
+            frames.
         factors: Of the derivatives in accelerations and in velocities.
         parts: Blocks of the derivatives in accelerations and velocities, and in frames.
     """

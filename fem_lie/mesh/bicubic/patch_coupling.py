@@ -74,7 +74,7 @@ class CouplingPoints(NamedTuple):
 
     Attributes:
         nodes: Nodes of the cell on one side, then on the other, shape (b, 16).
-        sizes: Sizes of both cells, see :mod:`fem_lie.elements.thin_shells.nodal_vectors`, shape (b, 6).
+        sizes: Sizes of both cells, (b, 6), see :mod:`.thin_shells.nodal_coordinates`.
         shapes: Shape functions of ``r``, ``r₁``, ``r₂`` of one side, then of the other, (b, 6, 16).
         taken: Initial gaps ``D`` and ``C``, shape (b, 6).
         stiffness: ``w N`` and ``w M``, shape (b, 2).

@@ -132,8 +132,8 @@ def _check_slopes(nodal_vectors: Array) -> None:
         i, j = bad[0]
         raise ValueError(
             "a smooth patch needs gradients along a and b that are neither zero nor parallel; "
-            f"at {nodal_vectors[i, j, 0]} they are {first[i, j]} and {second[i, j]} (of parameters that are "
-            "lengths)"
+            f"at {nodal_vectors[i, j, 0]} they are {first[i, j]} and {second[i, j]} (of "
+            "parameters that are lengths)"
         )
 
 

@@ -7,7 +7,7 @@ finer levels (C. Giannelli, B. Jüttler & H. Speleers, CAGD 29 (2012) 485). So e
 in one vector of one point and zero in all others: a surface is still given by position, gradients
 and mixed derivative at its points, with ``4 (points that do not hang)`` functions, as J. Deng et
 al., Graphical Models 70 (2008) 76, count them. A hanging node, at the midpoint of an edge of a
-larger cell, has the values of that edge (:mod:`fem_lie.elements.thin_shells.nodal_vectors`).
+larger cell, has the values of that edge (:mod:`fem_lie.elements.thin_shells.nodal_coordinates`).
 
 Adjacent cells differ by at most one level, so that the ends of an edge with a hanging node do not
 hang.
@@ -43,7 +43,7 @@ class SplineMesh(Summarised):
     """Cells of several levels on smooth patches: :func:`spline_mesh`, ``fl.adaptivity.refine``.
 
     Attributes:
-        nodal_vectors: Position, ∂u, ∂v and ∂u∂v of each point, hanging points included, shape (n, 4, 3).
+        nodal_vectors: Position, ∂u, ∂v and ∂u∂v of each point, hanging ones included, (n, 4, 3).
         cells: Corners of each cell: (0, 0), (1, 0), (0, 1), (1, 1), shape (m, 4).
         sizes: Sizes along u and v, shape (m, 2).
         levels: Level of each cell, shape (m,).

@@ -100,7 +100,7 @@ def add_joints(
     Args:
         mean: Means of (x, d₁, d₂, d₃) of all rows, ground and prescribed frames last.
         delta: Increments.
-        packed: See :class:`~fem_lie.joints.equations.arrays.JointArrays`.
+        packed: See :class:`~fem_lie.joints.equations.joint_arrays.JointArrays`.
         multipliers: Lagrange multipliers, shape (m,).
         driven: Increments of the constraints' targets, shape (m,).
         h: Step size.

@@ -44,18 +44,18 @@ def test_a_load_beside_the_centre_is_one_on_a_body_that_is_linked_there(scheme, 
     assert np.abs(found[0][-1] - CENTRE).max() > 0.01
 
 
-def test_results_know_the_place():
+def test_results_know_the_position():
     scene, body = fl.Scene(), stone()
     scene.add(body)
     body.add_velocity(omega=(0.3, 1.0, -0.6), about=(0, 0, 0))
-    place = body.point(PLACE)
+    position = body.point(PLACE)
     result = fl.GeneralisedAlpha(radius=1.0).run(scene, duration=0.2, step=1e-3)
-    np.testing.assert_allclose(result.position(place)[0], PLACE, atol=1e-15)
-    away = np.linalg.norm(result.position(place) - result.position(body.point("centre")), axis=1)
+    np.testing.assert_allclose(result.position(position)[0], PLACE, atol=1e-15)
+    away = np.linalg.norm(result.position(position) - result.position(body.point("centre")), axis=1)
     np.testing.assert_allclose(away, np.linalg.norm(PLACE - CENTRE), rtol=1e-14)
-    np.testing.assert_array_equal(result.rotation(place), result.rotation(body.point("centre")))
-    velocity = np.einsum("tij,tj->ti", result.rotation(place), result.velocity(place)[:, :3])
-    middle = (result.position(place)[2:] - result.position(place)[:-2]) / 2e-3
+    np.testing.assert_array_equal(result.rotation(position), result.rotation(body.point("centre")))
+    velocity = np.einsum("tij,tj->ti", result.rotation(position), result.velocity(position)[:, :3])
+    middle = (result.position(position)[2:] - result.position(position)[:-2]) / 2e-3
     np.testing.assert_allclose(velocity[1:-1], middle, atol=1e-6)
 
 
