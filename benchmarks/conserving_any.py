@@ -40,7 +40,7 @@ class FixedAxesRun(Run):
 
     def axes(self) -> np.ndarray:
         """Axes of both halves of all nodes, in the middle of the step, (n, 3, 3)."""
-        rows = Span(*self.this.rows).mean[: self.moving]
+        rows = Span(*self.this.coordinates).mean[: self.moving]
         kinds = self.model.kinds[: self.moving]
         return np.array([axes(int(kind), H) for kind, H in zip(kinds, rows, strict=True)])
 

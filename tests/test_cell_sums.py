@@ -131,7 +131,7 @@ def dashpots(count: int):
     return kernel
 
 
-def test_viscous_forces_have_room_for_all_nodes_of_a_cell():
+def test_viscous_forces_have_space_for_all_nodes_of_a_cell():
     """Small cells beside large ones; nothing is written beyond what a cell has."""
     kernels, constant, x = [dashpots(n) for n in NODES], np.array([2.0]), np.zeros(1)
     packed = [np.zeros(18 * n) for n in NODES]

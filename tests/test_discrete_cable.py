@@ -294,7 +294,7 @@ def test_a_net_that_is_hit_converges():
 
 
 @pytest.mark.parametrize("cells", [4, 5, 6])
-def test_threads_that_are_naturally_as_laid_move_freely(cells):
+def test_cables_that_are_naturally_as_laid_move_freely(cells):
     """Along oblique straight lines curvature is round-off, and must not become a direction."""
     turns = np.exp(1j * np.pi / 3 * np.arange(7))
     corners = np.column_stack([turns.real, turns.imag])

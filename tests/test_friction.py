@@ -190,7 +190,7 @@ LAW = fl.contact.Penalty(1e5, friction=0.3)
 @pytest.mark.parametrize(
     ("case", "steps", "lost"), [("box", 60, 0.02), ("corners", 120, 1e-3), ("beams", 20, 1e-4)]
 )
-def test_conserving_steps_book_what_rubbing_takes(case, steps, lost):
+def test_conserving_steps_account_for_the_work_of_friction(case, steps, lost):
     """Free bodies and beams that touch: in no step is less than nothing lost, and momenta stay."""
     build, stiffness, mass, _ = conserving_contact.CASES[case]
     scene, _ = build(stiffness, 0.3)

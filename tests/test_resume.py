@@ -307,7 +307,7 @@ def test_steps_that_change_resume_to_the_last_bit(tmp_path, scheme, plan):
 
 
 @pytest.mark.parametrize("scheme", ["generalised alpha", "conserving"])
-def test_files_of_steps_that_change_have_room_for_any_number(tmp_path, scheme):
+def test_files_of_steps_that_change_have_space_for_any_number(tmp_path, scheme):
     """And the run is that in memory but for matrices that checkpoints make anew."""
     chosen, file = FELT[scheme](POLICIES["automatic"]), tmp_path / "run.h5"
     options = {"duration": 0.03, "step": fl.schemes.AdaptiveStep(1.0, first=4e-5, largest=4e-5)}
