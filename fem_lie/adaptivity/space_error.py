@@ -196,7 +196,7 @@ class SpaceError(Summarised):
         return self.total / positive(error, "error")
 
     def worst(self, part: float = 0.5) -> Indices:
-        """The fewest elements with this fraction of the squared error, the largest first.
+        """Numbers of the fewest elements with this fraction of the squared error, largest first.
 
         (W. Dörfler, SIAM J. Numer. Anal. 33 (1996) 1106.)
 

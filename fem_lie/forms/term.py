@@ -170,7 +170,7 @@ class Term(ABC):
     @property
     @abstractmethod
     def pairs(self) -> Pairs:
-        """First and second node of each block of :meth:`tangent`; both move."""
+        """First and second node of each block of :meth:`tangent`, (pairs,) each; both move."""
 
     def workspace(self) -> Array:
         """Zero array for the forces that :meth:`tangent` reads; default: empty."""
@@ -231,7 +231,9 @@ class Term(ABC):
         return None
 
     def geometric(self, H: Array) -> Array | None:
-        """Part of the derivative that :meth:`tangent` omits, of forces without stress field.
+        """Part of the tangent stiffness that :meth:`tangent` omits, shape (pairs, 6, 6).
+
+        It belongs to forces without a stress field. ``None``: there is none.
 
         Args:
             H: Frames of all nodes, shape (n, 4, 3).
@@ -263,7 +265,7 @@ class Term(ABC):
 
     @property
     def matrices(self) -> Sequence[CellMatrices]:
-        """Tangents as sums over the cells of :attr:`tables`, if they are such sums."""
+        """Tangent stiffness as sums over the cells of :attr:`tables`; empty if it is none."""
         return ()
 
     @property
@@ -290,5 +292,5 @@ class Term(ABC):
 
     @property
     def pieces(self) -> PushedPieces | None:
-        """Segments with pressure on nodes of bodies, for conserving schemes."""
+        """Line segments with pressure, for conserving schemes; ``None`` if there are none."""
         return None

@@ -192,7 +192,7 @@ class System:
     # --- equations ---
 
     def workspace(self) -> Forces:
-        """New arrays for the forces of a residual."""
+        """Zero arrays for the forces of :meth:`residual` on all moving nodes."""
         constant = None
         if not self._others and not self._any_separates_director:
             mass, loads = self.inertia, self.lasting_loads

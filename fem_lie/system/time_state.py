@@ -119,14 +119,15 @@ class Plan(NamedTuple):
         d: Increments that led to the frames, shape (n, 6).
         scale: Scale factor of each constraint, shape (m,); default: one that fits the rest of the
             matrix and the Jacobian.
-        mass: ∂a/∂d.
-        damping: ∂v/∂d.
+        mass: Derivative ∂a/∂d of accelerations in increments.
+        damping: Derivative ∂v/∂d of twists in increments.
         joint_frames: Frames of the constraint Jacobian; default: those of the state.
         forces_at: Frames of the constraint forces; default: ``joint_frames``.
         lag: Rotation vectors (n, 3) by which the axes of the unknowns lag behind the frames, along
             which nodes move; default: none.
         inertial: Whether components are along axes fixed in space instead of those of the nodes.
-        stressed: Frames whose stress the geometric stiffness has; default: the independent stress.
+        stressed: Frames at which the stress of the geometric stiffness is evaluated; default: the
+            independent stress.
         matrix_terms: Terms that are included, none of them undecided.
         constraints_only: Whether all but the constraint Jacobian stays as it was filled last.
         steady: Whether it is the stiffness in a frame in which all nodes move steadily. The plan
@@ -172,7 +173,7 @@ class Forces:
         inner: Forces of all other terms, shape (n, 6).
         own: Forces of each term whose derivative needs them.
         work: Two arrays of the shape of ``on_rows``, which is the second.
-        table: Table for compiled functions, if all forces are one sum.
+        table: Addresses of the arrays for compiled functions, if all forces are one sum.
     """
 
     def __init__(self, count: int, own: Sequence[Array], constant: Sequence[Any] | None) -> None:

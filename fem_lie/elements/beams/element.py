@@ -163,7 +163,7 @@ class BeamFormulation(ABC):
 
     @abstractmethod
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Energy, forces and tangent.
+        """DOLFINx forms of energy, nodal forces and tangent stiffness along nodal axes.
 
         Args:
             nodal: Frames of ``degree`` on a line mesh, in the unloaded configuration.

@@ -216,7 +216,7 @@ class GeodesicBeam(BeamFormulation):
         return with_bending_flexibility(stiffness, relative)
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Energy, forces and tangent of the screw motion from end to end."""
+        """DOLFINx forms of energy, forces and tangent of the screw motion from end to end."""
         mesh = nodal.function.function_space.mesh
         unloaded = _relative(nodal)
         section = cells.stiffness

@@ -69,7 +69,7 @@ class DiscreteCable(BeamFormulation):
         check_section(stiffness)
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Energy, forces and tangent of the axial strain of edges."""
+        """DOLFINx forms of energy, forces and tangent of the axial strain of edges."""
         mesh = nodal.function.function_space.mesh
         length = cellwise(mesh, cells.lengths)
         EA = cellwise(mesh, cells.stiffness[:, 0, 0])

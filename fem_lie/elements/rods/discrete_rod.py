@@ -96,7 +96,7 @@ class DiscreteRod(BeamFormulation):
             )
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Energy, forces and tangent of the axial strain of edges."""
+        """DOLFINx forms of energy, forces and tangent of the axial strain of edges."""
         mesh = nodal.function.function_space.mesh
         length, EA = cellwise(mesh, cells.lengths), cellwise(mesh, cells.stiffness[:, 0, 0])
         chord = ufl.dot(ufl.grad(nodal.position), ufl.Jacobian(mesh)[:, 0])

@@ -114,7 +114,7 @@ class KirchhoffRod(BeamFormulation):
         return on_geodesic(int(a), int(b), ξ)
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Energy, forces and tangent."""
+        """DOLFINx forms of energy, forces and tangent."""
         mesh = nodal.function.function_space.mesh
         ends = nodal.frames[nodal.function.function_space.dofmap.list]
         d = cellwise(mesh, lie.se3_relative(ends[:, 0], ends[:, 1]))
