@@ -274,7 +274,7 @@ class HermiteCable(BeamFormulation):
         return None
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """DOLFINx forms of energy, forces and tangent; of the stiffness only ``EA`` and ``EI`` are used."""
+        """DOLFINx forms of energy, forces and tangent; only ``EA`` and ``EI`` are used."""
         mesh = nodal.function.function_space.mesh
         first, second, arms = _hermite(nodal, cells)
         EA, EI = (cellwise(mesh, cells.stiffness[:, k, k]) for k in (_STRETCH, _BENDING))

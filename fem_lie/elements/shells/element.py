@@ -109,7 +109,7 @@ class HellingerReissner(ShellFormulation):
         return _MIXED
 
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
-        """DOLFINx forms of energy, forces and tangent with independent stress and the inverse law."""
+        """DOLFINx forms of energy, forces and tangent with independent stress, inverse law."""
         return hellinger_reissner(
             cells, cells.cellwise(np.asarray(np.linalg.inv(stiffness), dtype=np.float64))
         )
