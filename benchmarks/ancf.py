@@ -1,4 +1,4 @@
-"""What a beam of places and three slopes costs, and how often it needs a new matrix.
+"""What a beam of positions and three slopes costs, and how often it needs a new matrix.
 
 Residual per element, microseconds of the processor, the least of several turns. Then a rope that
 swings, hinged at one end, and one that tumbles freely, by generalised-alpha with the policy

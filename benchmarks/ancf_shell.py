@@ -1,4 +1,4 @@
-"""Plates of places and all three slopes: cost, matrices in own and in fixed axes, conservation.
+"""Plates of positions and all three slopes: cost, matrices in own and in fixed axes, conservation.
 
 ``python -m benchmarks.ancf_shell``: what the residual and the matrix of a cell cost, beside those
 of a thin shell; matrices that ``Automatic`` makes of a sheet that swings from an edge and of one

@@ -6,7 +6,7 @@ their own mass between them, and take a hundredth, as elements of a continuum wo
 are all as small as the short pieces want; those of Asynchronous only around them.
 
 Work is counted in cells whose forces are found (edges and bends) per second of the motion; errors
-are those of all places, over the largest way, against explicit steps a quarter as long.
+are those of all positions, over the largest way, against explicit steps a quarter as long.
 
     python -m benchmarks.asynchronous [--cells 20] [--pieces 2] [--duration 0.02]
     python -m benchmarks.asynchronous --cells 4 --events 10000000

@@ -151,7 +151,7 @@ def whirling_spline() -> fl.Scene:
 
 
 def tumbling_beam() -> fl.Scene:
-    """A beam of places and slopes that flies, turns and bends."""
+    """A beam of positions and slopes that flies, turns and bends."""
     stiff = fl.Section.from_stiffness([1e4, 4e3, 4e3, 1.0, 1.0, 1.0], mass=1.0, polar=1e-3)
     beam = fl.AncfBeam.curve(lambda s: (s, 0.5 * s * s, 0.2 * s**3), stiff, cells=6)
     beam.add_velocity(omega=(3.0, 4.0, 2.0), about=(0.4, 0.2, 0.0))

@@ -1,10 +1,10 @@
-"""Energy-momentum on scenes of frames and of places: beams, shells, bodies, cables, nets, solids.
+"""Energy-momentum on scenes of frames and positions: beams, shells, bodies, cables, nets, solids.
 
     RUN -m benchmarks.conserving_mixed [--steps 10000] [--only "beam and cable"] [--order]
 
 Prints a table of what the balances lack, how well joints hold, iterations, matrices and time per
 step. With --order each scene moves for 48 steps with three sizes of steps, and the table has the
-errors of places and of joint forces at the end against steps of a quarter of the smallest.
+errors of positions and of joint forces at the end against steps of a quarter of the smallest.
 """
 
 from __future__ import annotations
@@ -147,7 +147,7 @@ def measured(name: str, steps: int, step: float) -> str:
 
 
 def orders(name: str, step: float) -> str:
-    """Errors of places and joint forces with steps of 4, 2 and 1 times ``step``."""
+    """Errors of positions and joint forces with steps of 4, 2 and 1 times ``step``."""
     plan = {"duration": 48 * step, "save_every": 10**6}
     sizes = 4.0 * step, 2.0 * step, step, 0.25 * step
     runs = [fl.EnergyMomentum().run(SCENES[name](), step=h, **plan) for h in sizes]
@@ -169,7 +169,7 @@ def main() -> None:
     parser.add_argument("--order", action="store_true")
     given = parser.parse_args()
     if given.order:
-        print("| scene | places | order | joint forces | order |\n|---|---|---|---|---|")
+        print("| scene | positions | order | joint forces | order |\n|---|---|---|---|---|")
         for name in given.only or SCENES:
             print(orders(name, given.step), flush=True)
         return

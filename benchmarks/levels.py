@@ -2,9 +2,9 @@
 
     python3 -m benchmarks.levels [sets of levels] [problem ...]
 
-Ten problems that bend, roll up, coil and snap. Sets have 1 to 12 levels at random places, those of
+Ten problems that bend, roll up, coil and snap. Sets have 1 to 12 levels at random, those of
 every second set even in the logarithm, and end at 1. A state is the same as that of the first set
-if no node is farther than 1e-6 of the diameter from its place there.
+if no node is farther than 1e-6 of the diameter from its position there.
 """
 
 from __future__ import annotations

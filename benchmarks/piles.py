@@ -64,7 +64,7 @@ def jittered(positions: np.ndarray) -> np.ndarray:
 
 
 def in_box(count: int, layers: int = 0) -> tuple[np.ndarray, list[Wall]]:
-    """Centres, shape (count, 3), and places and normals of walls and floor.
+    """Centres, shape (count, 3), and positions and normals of walls and floor.
 
     So many ``layers``, or as many as there are across.
     """

@@ -1,8 +1,8 @@
 """Random small scenes: the same result in other units, turned, moved, and in another order.
 
 Each scene of :mod:`tests.random_scenes` is computed as it is and in eight other ways, and what is
-found is brought back and compared: places over the size of the scene, velocities, energies, joint
-forces and moments over the largest in the scene (or over what is small for these scenes),
+found is brought back and compared: positions over the size of the scene, velocities, energies,
+joint forces and moments over the largest in the scene (or over what is small for these scenes),
 eigenvalues and load factors over their own size.
 
     python3 -m benchmarks.random_scenes --scenes 200
@@ -60,7 +60,7 @@ NEAR = (*map(str, OTHER_SYSTEMS), "turned", "another order")
 
 
 def allowed(way: str) -> float:
-    """The target, and what is left of places at a distance in strains and so in slender beams."""
+    """The target, and the round-off of distant positions in strains, larger for slender beams."""
     return TARGET + 1e-10 * FAR.get(way, 0.0)
 
 
@@ -108,7 +108,7 @@ def positions(way: Way, info: SceneInfo, frames: np.ndarray) -> Numbers:
         H, kinds = frames[..., own.nodes, :, :], own.node_types
         assert kinds is not None
         x = (H[..., has_position(kinds), 0, :] / size - shift) @ way.rotation
-        found[f"places of {body.name}"] = Values(x, "of the size")
+        found[f"positions of {body.name}"] = Values(x, "of the size")
         if (kinds != NodeType.FRAME).any():
             continue
         # a shell's first two directors are its own choice

@@ -3,7 +3,7 @@
 The soft rod of reduced_mechanisms.py swings at ten times the angular velocity: with more shapes,
 with and without answers to centrifugal forces, with smaller steps. Then it, and the soft rod of
 slider_crank.py, in two and four reduced bodies that follow each other, each with its frame in its
-middle. Errors are the largest distance of a node from its place in the full motion, over the
+middle. Errors are the largest distance of a node from its position in the full motion, over the
 amplitude in mean axes, and over the largest deflection of the crank's rod.
 """
 
@@ -67,7 +67,7 @@ def positions(result: fl.Result, rods: Sequence[fl.reduction.ReducedOrderBody]) 
 def swung(
     rods: Sequence[fl.reduction.ReducedOrderBody], spin: np.ndarray, step: float
 ) -> np.ndarray:
-    """Places in the swing of reduction.py."""
+    """Positions in the swing of reduction.py."""
     scene = fl.Scene(gravity=WEIGHT)
     put_in(scene, rods)
     scene.add(fl.joints.Spherical(fl.ground(), rods[0].point("start")))
@@ -77,7 +77,7 @@ def swung(
 
 
 def largest(x: np.ndarray, full: fl.Result, name: str = "rod") -> float:
-    """Largest distance of a node from its place."""
+    """Largest distance of a node from its position."""
     wanted = full.frames[:, full.info.body(name).nodes, 0]
     return float(np.linalg.norm(x - wanted, axis=2).max())
 

@@ -3,13 +3,13 @@
 A soft rod swings on a ball joint under gravity: as all unknowns, as a reduced body that was made
 once, where the first posture is, and loaded into scenes in ten other postures and with ten times
 the angular velocity; and in fixed axes with the same shapes, where its matrices are constant and
-small rotations take the place of the frame. The error is the largest distance of a node from its
-place in the full motion, the amplitude that from its place in the body's mean axes.
+small rotations take the position of the frame. The error is the largest distance of a node from its
+position in the full motion, the amplitude that from its position in the body's mean axes.
 
 The slider-crank is that of slider_crank.py with a rod of 16 elements; errors are over the largest
 deflection of the rod. The truss is that of truss_deployment.py, two cells of thin tubes, a reduced
-body for each bar: largest distance of a node from its place over the largest deflection of a bar,
-and processor times per step.
+body for each bar: largest distance of a node from its position over the largest deflection of a
+bar, and processor times per step.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ WEIGHT = np.array([0.0, 0.0, -9.81])
 
 
 def away(found: fl.Result, full: fl.Result, name: str = "rod") -> np.ndarray:
-    """Largest distance of a node of a body from its place, over time."""
+    """Largest distance of a node of a body from its position, over time."""
     positions = [r.frames[:, r.info.body(name).nodes, 0] for r in (found, full)]
     return np.asarray(np.linalg.norm(positions[0] - positions[1], axis=2).max(axis=1))
 
@@ -70,7 +70,7 @@ def few_swings(few: fl.reduction.ReducedOrderBody, spin: np.ndarray, step: float
 def in_fixed_axes(
     few: fl.reduction.ReducedOrderBody, spin: np.ndarray, times: np.ndarray
 ) -> np.ndarray:
-    """Places (s, n, 3) of the same shapes with small rotations about the state at rest."""
+    """Positions (s, n, 3) of the same shapes with small rotations about the state at rest."""
     part = fl.Scene()
     body = part.add(few.model.full)
     rest, X, axes = LinearisedBody(part, None), body.frames, few.frames[0, 1:]

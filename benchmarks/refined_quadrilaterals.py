@@ -95,7 +95,7 @@ def by_gmsh(tolerance: float) -> None:
 
 
 def meshed_anew(centres: np.ndarray, size: np.ndarray) -> fl.mesh.SurfaceMesh:
-    """Quadrilaterals of the L, of the sizes of those that were at the nearest places."""
+    """Quadrilaterals of the L, of the sizes of those that were at the nearest positions."""
     tree = cKDTree(centres[:, :2])
     gmsh.initialize()
     try:

@@ -2,7 +2,7 @@
 
 10 x 10 cables of plastic, 1 cm square in section and rigidly joined where they cross, tumble
 freely over one metre; a force at a corner lasts 20 ms. Merged frames against all of them, by the
-same scheme and step: deflection is the distance of a node from its place in the mean axes, seen in
+same scheme and step: deflection is the distance of a node from its position in the mean axes, seen in
 these axes.
 """
 
@@ -54,7 +54,7 @@ def net(count: int, force: float) -> fl.Scene:
 
 
 def deflections(body: fl.extend.Body, frames: np.ndarray) -> np.ndarray:
-    """Of all nodes from their places in the mean axes, in these, (k, n, 3)."""
+    """Of all nodes from their positions in the mean axes, in these, (k, n, 3)."""
     motion = local_motion(body, frames, fl.reduction.MeanAxes())
     still = expanded(body, motion._replace(increments=np.zeros_like(motion.increments)))
     away = (frames - still)[:, :, 0]

@@ -29,7 +29,7 @@ def position(s: float) -> tuple[float, float, float]:
 
 
 def rope(kind: str) -> fl.Net | fl.Cable | fl.Beam:
-    """The same curve as places, places and slopes, frames."""
+    """The same curve as positions, positions and slopes, frames."""
     if kind == "net":
         points = [position(s) for s in np.linspace(0, 1, CELLS + 1)]
         return fl.Net(points, [range(CELLS + 1)], CABLE)

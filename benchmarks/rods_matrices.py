@@ -3,7 +3,7 @@
 Each scene is run by generalised-alpha with the policy ``Automatic``, the same step and tolerance:
 
 - fixed: equations in axes fixed in space, ``MatrixFrame.INERTIAL``
-- own: in the nodes' axes, which go along with tangents by the smallest rotation; those of places
+- own: in the nodes' axes, which go along with tangents by the smallest rotation; those of positions
   stay as they are, and rods have those of their frames and edges
 - following, of what has no frames: in axes from which the mean rotation of the body has been taken
   out, ``convect_axes()``

@@ -61,7 +61,7 @@ class Row(NamedTuple):
         shapes: By which rule they are made.
         modes: How many there are.
         cells: Which have forces.
-        error: Largest of a place, over the deflection.
+        error: Largest of a position, over the deflection.
         milliseconds: For all load steps.
         asymmetry: Of the matrix at the end.
     """
@@ -196,7 +196,7 @@ def plot(rows: list[Row], full: dict[str, float], path: Path) -> None:
         axes.axhline(0.01, color="grey", lw=0.6)
         axes.set(title=name, xlabel="ms for eight equilibria")
         axes.legend(fontsize=8)
-    both[0].set_ylabel("error of a place over the deflection")
+    both[0].set_ylabel("error of a position over the deflection")
     figure.savefig(path, dpi=110)
 
 

@@ -160,12 +160,12 @@ def solved(shell: fl.Shell, load: fl.loads.EdgeLoad) -> fl.StaticResult:
 
 
 def bending() -> None:
-    """End moment to a quarter circle: error of the end's rotation, and of its place."""
+    """End moment to a quarter circle: error of the end's rotation, and of its position."""
     elements = {
         "decoupled bending": fl.elements.HellingerReissner(fl.elements.DECOUPLED),
         "full form": HR,
     }
-    header("elements", *(f"{name}: rotation / place" for name in elements))
+    header("elements", *(f"{name}: rotation / position" for name in elements))
     for cells in (1, 2, 4, 8, 16):
         row(str(cells), *(rolled(cells, formulation) for formulation in elements.values()))
 

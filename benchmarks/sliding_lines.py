@@ -2,7 +2,7 @@
 
     python -m benchmarks.sliding_lines
 
-Both are straight, the second is moved without changing its overlap; 321 places for each angle.
+Both are straight, the second is moved without changing its overlap; 321 positions for each angle.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ SECTION = fl.Section.circle(RADIUS, fl.Material(1e9, 0.3, 1000.0))
 
 
 def force(angle: float, x: float) -> np.ndarray:
-    """On the first beam, with the second one crossing it at a place."""
+    """On the first beam, with the second one crossing it at a position."""
     half = 0.5 * ELEMENTS * CELL + 4.0  # at the smallest angle they touch along 3.6 m to each side
     cells = round(2 * half / CELL)
     one = fl.Beam.straight((-half, 0, 0), (half, 0, 0), SECTION, cells=cells)

@@ -51,7 +51,7 @@ def l_plate(mesh: fl.mesh.SurfaceMesh) -> fl.Scene:
 
 
 def on_cylinder(x: np.ndarray) -> np.ndarray:
-    """The place on the cylinder about x that is nearest."""
+    """The position on the cylinder about x that is nearest."""
     return np.array([x[0], *(RADIUS * x[1:] / np.hypot(*x[1:]))])
 
 

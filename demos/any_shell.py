@@ -21,7 +21,7 @@ PATCHES = {
     "ancf": fl.mesh.smooth_patch,
 }
 """What thin shells, without shear, lie on: the surface itself, or a spline through its nodes; and
-plates of places and three slopes."""
+plates of positions and three slopes."""
 KNOWN = [*FORMULATIONS, *PATCHES]
 
 

@@ -13,7 +13,7 @@ The force follows F1 until it meets the line of a mode. If the middle may not tu
 strips that are joined there) it falls on F3 below zero and comes back to F1: without a force the
 strip stays where it is, near D = 2, if Q > 2.31.
 
-Seen by the tangent, both places where a line of a mode is met are bifurcations:
+Seen by the tangent, both positions where a line of a mode is met are bifurcations:
 `fl.stability.switch_branch` enters the path of the mode at the first, which is unstable, and leaves
 it at the second onto the stable one. A strip whose middle may turn leaves F1 much earlier, with a
 lopsided mode, and comes back to

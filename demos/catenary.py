@@ -9,21 +9,21 @@ the vertical one V - w s; over EA it is the strain (H. M. Irvine, Cable Structur
 
 and the two ends give H = 33.73586, V = 43.99520. The computed cable is laid along a parabola first
 that is longer than it by a hundredth, so that it is taut. sag_error is the largest distance of a
-node from its place on the catenary over the sag of that below the chord, iterations are those of
+node from its position on the catenary over the sag of that below the chord, iterations are those of
 Newton's method for the whole load. Bending stiffness, which sections have, is EI = 1e-10 EA L^2.
 
 The record has the error of the frequencies of hanging_cable.py, too.
 
 The element can be chosen by --element:
 
-- cable has places and slopes, and is of fourth order,
-- discrete has places alone, with springs between its edges, and is of second order,
+- cable has positions and slopes, and is of fourth order,
+- discrete has positions alone, with springs between its edges, and is of second order,
 - spline is a parabola as long as it, cut at even steps of its parameter, which is not arc length;
   slack as the next, as nothing pulls it straight at the start,
 - rod is Kirchhoff's, whose nodes have frames: laid like the cable, a hundredth too long, which a
   strain without stress takes back. Stretch varies along an element here, and is constant in it: of
   second order,
-- ancf is a beam of places and three slopes, without residual bending flexibility, which lets
+- ancf is a beam of positions and three slopes, without residual bending flexibility, which lets
   sections turn freely where there is hardly any bending stiffness. Its stress is linear in
   Green's strain, so that at strains of half a percent its limit is 9e-5 away,
 - slack is as cable, but a weak spring where the strain is below 1e-4, instead of being pushed: it

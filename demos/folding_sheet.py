@@ -76,7 +76,7 @@ def main(
     x = result.frames[at][:, : len(shell.frames), 0]
     height = 0.5 * np.ptp(x[:, ends, 2], axis=1)
     sizes = np.bincount(found.states, np.linalg.norm(found.forces, axis=1), len(result.factors))
-    # each place is seen from both sides with half its area, and half a ring is 0.1 wide
+    # each point counts from both sides with half its area, and half a ring is 0.1 wide
     force = 2.0 * sizes[at] / 0.1
     if pictures:
         steps = [float(result.factors[k]) for k in (at[1], at[4], at[-1])]

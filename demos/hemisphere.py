@@ -14,7 +14,7 @@ fields against membrane locking. And Newton's method with stresses taken from th
 needs steps as small as the ratio of bending to membrane stiffness: here the stress is carried as an
 iterate in all of them. The load is applied by the load-capped arc length: one call, about a dozen
 linear solutions. Thin shells have bicubic patches without shear, and assumed strains, too:
-of the surface itself (thin) or of the smooth spline through its nodes (spline). Plates of places
+of the surface itself (thin) or of the smooth spline through its nodes (spline). Plates of positions
 and three slopes have shear, without rotations (ancf).
 
 ``--gmsh`` meshes meshes/hemisphere.geo instead of making the same mesh by hand.

@@ -69,7 +69,7 @@ def uniform(motion: Motion, cells: int, steps: int, duration: float) -> tuple[fl
 
 
 def strains(scene: fl.Scene, result: fl.Result, positions: Any) -> Any:
-    """Axial strain of the elements at places along the line, at the end, (k,)."""
+    """Axial strain of the elements at positions along the line, at the end, (k,)."""
     (body,) = scene.bodies
     assert isinstance(body, fl.Beam)
     frames = result.frames[-1][result.info.body(body.name).nodes]
@@ -93,7 +93,7 @@ def draw(found: fl.adaptivity.AdaptedMotion[fl.mesh.LineMesh], path: str) -> Non
     drawn = PolyCollection(boxes, array=np.log10(sizes), cmap="viridis", linewidths=0)
     axes.add_collection(drawn)
     axes.autoscale_view()
-    axes.set(xlabel="place along the line, m", ylabel="time, s")
+    axes.set(xlabel="position along the line, m", ylabel="time, s")
     figure.colorbar(drawn, label="size of elements, log₁₀ m")
     figure.savefig(path, dpi=150)
     plt.close(figure)

@@ -25,7 +25,7 @@ def corner(k: float) -> np.ndarray:
 
 
 def hexagons(rings: int, cells: int) -> tuple[np.ndarray, list[list[int]], list[int]]:
-    """Places in a plane, cables, and knots along the edge."""
+    """Positions in a plane, cables, and knots along the edge."""
     knots = {(0, 0): np.zeros(2)}
     knots |= {(r, k): r / rings * corner(k / r) for r in range(1, rings + 1) for k in range(6 * r)}
     number = {key: n for n, key in enumerate(knots)}
@@ -96,7 +96,7 @@ def rope_path(positions: np.ndarray, along: list[int], cells: int) -> np.ndarray
 
 
 def mouth(result: fl.Result, rings: int, cells: int) -> tuple[float, float]:
-    """How far the edge is from the axis, over the ball's radius, and above its lowest place."""
+    """How far the edge is from the axis, over the ball's radius, and above its lowest position."""
     _, _, edge = hexagons(rings, cells)
     positions = result.frames[-1, result.info.body("net").nodes[edge], 0]
     wide = np.hypot(positions[:, 0], positions[:, 1]).max() / BALL

@@ -39,7 +39,7 @@ def ring(radial: int, around: int, formulation: str = "HR") -> fl.Scene:
     section = fl.ShellSection.layer(THICKNESS, fl.Material(21e6, 0.0, 1.0))
     shell: fl.Shell | fl.ThinShell
     if formulation in PATCHES:
-        # its edges are at one place, and not joined
+        # its edges are at one position, and not joined
         patch = PATCHES[formulation](position, (radial, around))
         shell = fl.ThinShell(patch, section, name="ring")
     else:

@@ -57,5 +57,5 @@ def closed_loop(
 
 
 def nearest(body: fl.Shell, position: np.ndarray) -> fl.extend.Point:
-    """The node of a body that is nearest to a place."""
+    """The node of a body that is nearest to a position."""
     return body.point(int(np.linalg.norm(body.frames[:, 0] - position, axis=1).argmin()))

@@ -1,7 +1,7 @@
 """Random small scenes, as data (:mod:`tests.scene_data`), each from its seed.
 
 A scene grows from ground, or from a body that flies, one body after the other: each is attached to
-a place on what is there by a random joint, clamp or link. Then come springs, drives and gears along
+a position on what is there by a random joint, clamp or link. Then come springs, drives and gears along
 coordinates of these joints, loops that are closed through a flexible body (so that no constraint is
 redundant), and loads. Lengths are about 1, forces some tens, stiffness that of plastics; a step
 resolves the motion and not all waves.
@@ -235,7 +235,7 @@ class _Growth:
     def _body(
         self, point_at: np.ndarray, *, clamped: bool = False, parent: _Port | None = None
     ) -> _Port:
-        """A new body with one of its places there."""
+        """A new body with one of its positions there."""
         makers: list[Any] = [self._beam, self._beam, self._shell] + [self._rigid] * (not clamped)
         if self.wanted.elements:
             makers = [*makers[1:], self._slender, self._slender, self._patch, self._block]
@@ -474,7 +474,7 @@ class _Growth:
         self.actions.append(DriveData(CoordinateRef(joint.name, 0, False), None))
 
     def _join(self, parent: _Port, child: _Port) -> None:
-        """A joint or link between two ports at one place."""
+        """A joint or link between two ports at one position."""
         if self._may_link(parent, child) and self._chance(0.15):
             self.supports.append(LinkData(parent.ref, child.ref))
             return

@@ -17,7 +17,7 @@ import numpy as np
 from tests.unit_systems import UnitSystem
 
 VECTOR, POINT, AXES = "vector", "point", "axes"
-"""How numbers turn: as a free vector, as a place, as the columns of a rotation."""
+"""How numbers turn: as a free vector, as a position, as the columns of a rotation."""
 
 
 class Quantity:

@@ -1,4 +1,4 @@
-"""Beams of places and three slopes: laws of the element, statics, motion, joints, bad input."""
+"""Beams of positions and three slopes: laws of the element, statics, motion, joints, bad input."""
 
 import numpy as np
 import pytest

@@ -244,7 +244,7 @@ def test_momentum_of_a_beam_with_a_body_beside_it():
 
 
 def test_energy_of_a_dead_force_on_a_body_that_follows():
-    """Its work goes with the body's own place, not with that of its master node."""
+    """Its work goes with the body's own position, not with that of its master node."""
     scene = fl.Scene()
     beam = scene.add(rod((0, 0, 0), (1, 0, 0)))
     block = scene.add(fl.RigidBody(0.5, (0.02, 0.03, 0.04), (1.0, 0.4, 0.0)))

@@ -37,7 +37,7 @@ def moved_slopes(X, h):
 
 
 def moved_places(X, h):
-    """Nodes that are places, along axes that stay."""
+    """Nodes that are positions, along axes that stay."""
     moved = X.copy()
     moved[:, 0] += np.einsum("nij,ni->nj", X[:, 1:], h[:, :3])
     return moved
@@ -106,7 +106,7 @@ def state(name: str, seed: int):
     attachment, move = ATTACHMENTS[name]
     near = rng.normal(size=(len(attachment.nodes), 6)) * [0.5, 0.5, 0.5, 0.25, 0.25, 0.25]
     if name in ON_SURFACES:
-        near *= 0.1  # differences of places are slopes, which must not be along each other
+        near *= 0.1  # differences of positions are slopes, which must not be along each other
     X = lie.se3_compose(lie.se3_exp(rng.normal(size=6)), lie.se3_exp(near))
     if name == "tangent":
         X[:, 1] *= 0.5 + rng.random()

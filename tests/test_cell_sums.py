@@ -174,7 +174,7 @@ def test_shares_of_positions_sum_to_one():
             found.append(equations.matrix.csr[0].copy())
     for one, two in zip(found[:3], found[3:], strict=True):
         np.testing.assert_allclose(one, two, rtol=0.0, atol=1e-13 * np.abs(two).max())
-    # all but the masses at the corners are places
+    # all but the masses at the corners are positions
     pairs = len(equations.matrix.indices)
     assert len(Parts(equations.unknowns.kinds, equations.matrix.indices, separate=False).blocks) < (
         1.2 * pairs
@@ -217,7 +217,7 @@ def energy(run: Run, step: np.ndarray) -> float:
 
 
 def forces(run: Run, step: np.ndarray) -> np.ndarray:
-    """On places (n, 3), over a step by these increments (n, 6)."""
+    """On positions (n, 3), over a step by these increments (n, 6)."""
     out, (W, account) = np.zeros_like(step), (run.s.W, run.s.account)
     energies = Energies(W, account, np.zeros_like(W), np.zeros_like(W))
     add_position_cells(
@@ -229,7 +229,7 @@ def forces(run: Run, step: np.ndarray) -> np.ndarray:
 
 
 def steps(run: Run, size: float, count: int) -> np.ndarray:
-    """Increments (count, n, 6) of places, at random."""
+    """Increments (count, n, 6) of positions, at random."""
     found = np.zeros((count, len(run.this.step), 6))
     found[:, :, :3] = size * np.random.default_rng(3).standard_normal(found[:, :, :3].shape)
     return found

@@ -22,7 +22,7 @@ LAYER = fl.ShellSection.layer(0.02, SOFT)
 RADIUS, HALF, DEPTH, TURN = 0.05, 0.25, 2e-3, 0.4
 ROUND, WIDE = 20.0, 2000.0
 AT = np.array([0.003, 0.004, 0.0])
-"""Horizontal place of the upper surface."""
+"""Horizontal position of the upper surface."""
 
 
 @compiled

@@ -57,7 +57,7 @@ def test_bend45_by_other_elements(formulation, bound):
     assert np.linalg.norm(tip(record) - reference) <= bound * np.linalg.norm(reference)
     # increments of the tolerance, 1e-10 of the size, times EA = 1e7 over the force of 600
     assert record["force_error"] <= 1e-5
-    # of the tip's place
+    # of the tip's position
     root = np.array([record["root_torque"], record["root_moment"]]) / 600
     assert np.linalg.norm(root - [15.6848, -47.1504]) <= bound * np.linalg.norm(reference)
     assert record["steps"] == 3

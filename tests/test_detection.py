@@ -98,7 +98,7 @@ def test_parallel_chords_that_touch_are_not_apart():
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("shape", [(1, 1, 1), (100, 1, 0), (0, 0, 0), (1e9, 1, 1)])
 def test_pairs_are_those_of_all_pairs(seed, shape):
-    """Whatever the cells, in increasing order, and in any order of the places."""
+    """Whatever the cells, in increasing order, and in any order of the positions."""
     rng = np.random.default_rng(seed)
     X = rng.uniform(size=(300, 3)) * shape + [5.0, -3.0, 0.0]
     reach = rng.uniform(0.02, 0.06, size=300)

@@ -123,7 +123,7 @@ def test_running_back_is_noticed_and_a_limit_point_is_not():
     back = np.linspace(0.97, 0.17, 9)
     states = [along(s) for s in (*up, *back)]
     assert any(walk(states, [*up, *back]))
-    # a loop that passes the same places in the same sense goes on
+    # a loop that passes the same positions in the same sense goes on
     assert not any(walk(states, [*up, *back], turned=10))
     # the load goes down while the nodes go on
     beyond = [along(s) for s in (*up, *(2.0 - back))]

@@ -38,7 +38,7 @@ def net(cells: int = 5, pinned: bool = True) -> tuple[fl.Scene, fl.Net]:
 
 
 def hermite() -> fl.Scene:
-    """A cable of places and slopes that flies."""
+    """A cable of positions and slopes that flies."""
     scene = fl.Scene()
     rope = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), CABLE, cells=4))
     rope.velocities[:, 1] = np.sin(3 * rope.frames[:, 0, 0])

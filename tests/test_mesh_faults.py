@@ -93,7 +93,7 @@ CASES = {
         ),
         r"cells 0 and 1 lie on top of each other beside their edge from point 0 to 1",
     ),
-    "two points at one place": (
+    "two points at one position": (
         lambda: fl.mesh.SurfaceMesh.from_cells(
             [(0, 0, 0), (1, 0, 0), (1, 0, 0)], [(0, 1, 2)], "triangle"
         ),

@@ -1,4 +1,4 @@
-"""Nodes that are places alone, by an element of this file: strings, which only resist stretch.
+"""Nodes that are positions alone, by an element of this file: strings, which only resist stretch.
 
 Nothing of the package knows the element: what it is made of stands here.
 """
@@ -48,7 +48,7 @@ PLACES = fl.extend.FrameMap(None, _pull, _push, _geometric, values=12, unknowns=
 
 @dataclass(frozen=True)
 class String(fl.elements.BeamFormulation):
-    """``½ EA (|b − a|/ℓ − 1)² ℓ`` between two places."""
+    """``½ EA (|b − a|/ℓ − 1)² ℓ`` between two positions."""
 
     node_type = fl.extend.NodeType.POSITION
     viscous = False

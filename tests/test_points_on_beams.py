@@ -1,4 +1,4 @@
-"""Joints at places within elements of beams: as at nodes, in statics, in time and about states."""
+"""Joints at positions within elements of beams: as at nodes, in statics, in time and about states."""
 
 import numpy as np
 import pytest
@@ -18,13 +18,13 @@ every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMEN
 
 
 def beam_of(element, cells: int) -> tuple[fl.Beam, fl.extend.Point]:
-    """With the place within an element."""
+    """With the position within an element."""
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=cells, formulation=element)
     return beam, beam.point((PLACE, 0, 0))
 
 
 def meshed(element, cells: int) -> tuple[fl.Beam, fl.extend.Point]:
-    """With a node at the place."""
+    """With a node at the position."""
     both = [round(cells * PLACE), round(cells * (1.0 - PLACE))]
     points = [(0, 0, 0), (PLACE, 0, 0), (1, 0, 0)]
     beam = fl.Beam.polyline(points, SECTION, cells=both, formulation=element)
@@ -32,7 +32,7 @@ def meshed(element, cells: int) -> tuple[fl.Beam, fl.extend.Point]:
 
 
 def propped(beam: fl.Beam, point_at: fl.extend.Point) -> tuple[np.ndarray, np.ndarray]:
-    """Where the end of a clamped beam goes that is held at the place, and the force there."""
+    """Where the end of a clamped beam goes that is held at the position, and the force there."""
     scene = fl.Scene()
     scene.add(beam)
     scene.add(fl.Clamp(beam.point("start")))
@@ -49,7 +49,7 @@ def test_statics_converge_to_a_mesh_with_a_node_there(element):
     for cells in (4, 16):
         end, held = propped(*beam_of(element, cells))
         off.append(np.linalg.norm(end - wanted))
-    # of second order at the least, but where in its element the place is differs
+    # of second order at the least, but where in its element the position is differs
     assert off[1] < off[0] / 8.0
     assert off[1] < 2e-4
     np.testing.assert_allclose(held, force, atol=0.02 * np.linalg.norm(force))
@@ -102,7 +102,7 @@ def test_a_load_within_an_element_does_the_work_in_the_balance(element):
 
 
 def pendulum(beam, point_at, *, sprung: bool = False, scheme=None, step=1e-3, duration=0.1):
-    """A beam that swings about the place, with a spring and damper there if it is sprung."""
+    """A beam that swings about the position, with a spring and damper there if it is sprung."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(beam)
     hinge = scene.add(fl.joints.Revolute(fl.ground(), point_at, axis=(0, 1, 0), name="hinge"))
@@ -208,7 +208,7 @@ def test_vibrations_are_those_of_a_mesh_with_a_node_there(element):
 
 
 def test_a_position_that_is_moved_and_one_that_is_driven():
-    """A beam is turned about its place; another hangs on its end by a coordinate that grows."""
+    """A beam is turned about its position; another hangs on its end by a coordinate that grows."""
     scene = fl.Scene()
     beam, point_at = beam_of(None, 3)
     scene.add(beam)

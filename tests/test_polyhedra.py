@@ -194,7 +194,7 @@ def test_polyhedra_meet_when_a_linear_program_says(seed):
 
 
 def distance_to(corners: np.ndarray, point_at: np.ndarray) -> float:
-    """Of a place from a polyhedron, by its weights of the corners."""
+    """Of a position from a polyhedron, by its weights of the corners."""
     n = len(corners)
     found = minimize(
         lambda w: ((w @ corners - point_at) ** 2).sum(),

@@ -71,7 +71,7 @@ def step_arrays(table: np.ndarray) -> records.Step:
 
 @pytest.mark.parametrize("name", ["model", "state", "step"])
 def test_compiled_code_reads_each_record_as_it_was_packed(given, name):
-    """Every field has the name, the shape and the place in memory that it has in Python."""
+    """Every field has the name, the shape and the position in memory that it has in Python."""
     packed = packing.Packed(**given)
     read = {"model": model_arrays, "state": state_arrays, "step": step_arrays}[name](
         getattr(packed, name)

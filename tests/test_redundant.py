@@ -190,7 +190,7 @@ def test_rows_of_round_off_are_redundant(seed):
 
 
 def test_a_joint_within_one_rigid_body_is_redundant():
-    """Two places of one body, far from its centre: its rows are round-off."""
+    """Two positions of one body, far from its centre: its rows are round-off."""
     scene, body = fl.Scene(), fl.RigidBody(1.0, (1, 1, 1), (1 / 3, 0.1, -0.7))
     scene.add(body)
     at = (1 / 7, 1 / 9, 1 / 11)

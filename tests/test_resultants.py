@@ -296,7 +296,7 @@ def test_the_order_of_cells_and_nodes_does_not_matter():
 
 
 def test_axes_of_the_user():
-    """Other axes, the same tensor; and they may depend on the place."""
+    """Other axes, the same tensor; and they may depend on the position."""
     shell = arch_shell(along=around)
     H = crumpled(shell)
     own = fl.post.resultants(states(shell, H), shell)

@@ -62,7 +62,7 @@ def box(cell: str, degree: int, count: int = 2) -> fl.Shell:
 
 
 def deformed(system: Assembled, seed: int = 1, size: float = 0.2) -> np.ndarray:
-    """Random places and directors of what is free."""
+    """Random positions and directors of what is free."""
     H, rng = system.start, np.random.default_rng(seed)
     h = np.where(system.held, 0.0, size * rng.normal(size=(system.count, 6)))
     system.equations.supports.rotate_back(H, h)

@@ -110,7 +110,7 @@ def test_a_guide_across_the_axes():
 
 
 def test_a_face_carries_a_force_per_area():
-    """Also as a function of the place; moments about the origin of what is not uniform."""
+    """Also as a function of the position; moments about the origin of what is not uniform."""
     body = brick((3, 2, 2), lengths=(1.0, 2.0, 3.0), cell="tetrahedron", degree=2)
     forces = fl.loads.FaceLoad(body, "a=1", lambda x: (x[1], 0.0, x[2])).nodal()
     np.testing.assert_allclose(forces.sum(axis=0)[:3], (6.0, 0, 9.0), atol=1e-12)
@@ -138,7 +138,7 @@ def test_pressure_compresses_a_cube(degree):
 
 
 def test_pressure_follows_a_body_that_has_turned():
-    """The forces of a face, in its axes, are the same in any place."""
+    """The forces of a face, in its axes, are the same in any position."""
     body = brick((2, 2, 2))
     scene = scene_of(body)
     scene.add(fl.loads.FacePressure(body, "b=1", 7.0))

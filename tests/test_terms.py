@@ -87,7 +87,7 @@ def thin_shell() -> fl.Scene:
 
 
 def solid() -> fl.Scene:
-    """Nodes of places."""
+    """Nodes of positions."""
     material = fl.sections.NeoHooke(80.0, 0.3, density=2.0)
     return scene_with(fl.Solid.brick((2.0, 1.0, 1.0), material, cells=(2, 1, 1)))
 
@@ -121,14 +121,14 @@ def sprung() -> fl.Scene:
 
 
 def held(scene: fl.Scene, **options) -> fl.Scene:
-    """Force and moment on a place that is no node."""
+    """Force and moment on a position that is no node."""
     position = scene.bodies[0].point_in_cell(1, 0.3)
     scene.add(fl.PointLoad(position, (1.0, -2.0, 3.0), (0.4, 0.7, -0.2), **options))
     return scene
 
 
 def plate() -> fl.Scene:
-    """Points of a place and three slopes."""
+    """Points of a position and three slopes."""
     patch = fl.mesh.smooth_patch(lambda a, b: (2.0 * a, b, 0.3 * a * b), (2, 1))
     return scene_with(fl.AncfShell(patch, LAYER))
 
@@ -146,7 +146,7 @@ def sewn() -> fl.Scene:
 
 
 def sprung_within() -> fl.Scene:
-    """Springs and dampers of a hinge within an element and of the distance to another place."""
+    """Springs and dampers of a hinge within an element and of the distance to another position."""
     scene = beam()
     position, other = scene.bodies[0].point_in_cell(0, 0.4), scene.bodies[0].point_in_cell(1, 0.7)
     body = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.3, 0.4, 0)))

@@ -550,7 +550,7 @@ def test_damping_with_mass_slows_a_sheet_down():
 
 
 def test_a_run_restarts_from_its_file(tmp_path):
-    """And pictures show faces of places alone."""
+    """And pictures show faces of positions alone."""
     result = tumbling(5, follows=True)
     result.picture(tmp_path / "sheet.png")
     assert (tmp_path / "sheet.png").stat().st_size > 1000

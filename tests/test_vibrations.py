@@ -172,7 +172,7 @@ def test_reference_of_the_rotating_beam():
 
 
 def test_steady_rotation_stretches():
-    """``u = tan(kL)/k − L`` with ``k² = ρΩ²/E``: centrifugal force at the stretched place."""
+    """``u = tan(kL)/k − L`` with ``k² = ρΩ²/E``: centrifugal force at the stretched position."""
     scene, body = beam()
     spin = 300.0
     k = spin * np.sqrt(RHO / E)
@@ -182,7 +182,7 @@ def test_steady_rotation_stretches():
 
 
 def test_steady_rotation_converges_quadratically():
-    """A hanging, inclined beam; both iterations arrive at the same place."""
+    """A hanging, inclined beam; both iterations arrive at the same position."""
     tips = []
     for carried in (True, False):
         scene = fl.Scene(gravity=(0, 0, -G))

@@ -1,6 +1,6 @@
 """Scenes in numbers alone, for any code to build: lists and dictionaries that JSON can carry.
 
-Places, velocities and spins are in space, frames are rotation matrices whose first column is the
+Positions, velocities and spins are in space, frames are rotation matrices whose first column is the
 tangent of a beam. Stiffness is that of a section, (EA, GA₂, GA₃, GJ, EI₂, EI₃), inertia that of a
 length about its own axes.
 """

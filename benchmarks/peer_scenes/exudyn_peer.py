@@ -237,7 +237,7 @@ def ground(mbs: Any) -> Any:
 
 
 def local(request: Record, index: int | None, position: list[float]) -> Any:
-    """A place from the centre of a body, whose axes are those of space."""
+    """A position from the centre of a body, whose axes are those of space."""
     centre = [0.0, 0.0, 0.0] if index is None else request["bodies"][index]["centre"]
     return (np.array(position) - centre).tolist()
 
@@ -263,7 +263,7 @@ def hemisphere(mbs: Any, request: Record) -> Probe:
     # Lobatto points against membrane locking, as its documentation says
     mesh.CreateANCFThinPlateElements(mbs, useReducedOrderIntegration=1)
     edges = mesh.boundaryNodeNumbers
-    # coordinates 0-2 are the place, 3-5 the slope along, 6-8 the slope down
+    # coordinates 0-2 are the position, 3-5 the slope along, 6-8 the slope down
     for node in edges["left"]:
         shells.AddNodeConstraints(mbs, node, [1, 3, 5, 7])
     for node in edges["right"]:

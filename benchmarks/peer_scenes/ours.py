@@ -46,7 +46,7 @@ BEAMS: dict[str, fl.elements.BeamFormulation] = {
 
 
 class Motion(NamedTuple):
-    """A scene, and the place of its probe in a result."""
+    """A scene, and the position of its probe in a result."""
 
     scene: fl.Scene
     probe: Callable[[fl.Result], Array]
