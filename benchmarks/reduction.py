@@ -3,8 +3,8 @@
 A soft rod swings on a ball joint under gravity. Shapes of its local motion are made from one swing
 in one posture (POD), and those of its body at rest (Craig-Bampton); other swings start in ten other
 postures, and with ten times the angular velocity. The error is the largest distance of a node from
-its position over all states, the amplitude the largest distance of a node from its position in the body's
-mean axes. LowRankCorrection it the same shapes of POD in fixed axes, with small rigid motions. The
+its position over all states; the amplitude is that from its position in the mean axes of the body.
+For comparison: the same modes of POD in fixed axes, with small rigid motions. The
 blade is that of rotating_beam.py, its speeds are over the scale of its lag frequencies: reduced
 frequencies beside those of all unknowns. Last, a beam that is bent by a tenth of its length, in
 equilibrium.
@@ -198,7 +198,7 @@ def bent(modes: int) -> dict[str, float]:
 
 
 def answering(shapes: int) -> dict[str, float]:
-    """Error of the position where a load swings at half the first frequency: Krylov, normal modes."""
+    """Error where a load oscillates at half the first frequency: Krylov vectors, normal modes."""
     scene, beam = cantilever(0.0)
     rest = LinearisedBody(scene, None)
     wrench = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])

@@ -2,7 +2,7 @@
 
 10 x 10 cables of plastic, 1 cm square in section and rigidly joined where they cross, tumble
 freely over one metre; a force at a corner lasts 20 ms. Merged frames against all of them, by the
-same scheme and step: deflection is the distance of a node from its position in the mean axes, seen in
+same scheme and step: deflection is the distance of a node from its position in the mean axes, in
 these axes.
 """
 

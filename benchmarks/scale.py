@@ -5,8 +5,8 @@ under gravity by generalised-α. Set-up is all that comes before the first step:
 the equations, the search for redundant constraints, initial accelerations.
 
 A weave is of rods along both directions of a plane, each across twenty others, to which spherical
-joints bind it: ten joints for each body. Neighbours in a row begin at other positions, so that all is
-one. Without steps (--steps 0) it prints the time of bodies and joints, and of the equations.
+joints bind it: ten joints for each body. Neighbours in a row are shifted, so that all is
+connected. Without steps (--steps 0) it prints the time of bodies and joints, and of the equations.
 
     python3 -m benchmarks.scale --scene chain --bodies 1000 --json chain.json
     python3 -m benchmarks.scale --scene weave --bodies 10000 --steps 0

@@ -2,7 +2,7 @@
 
 Two scenes, both of soft bars: the double pendulum of order_four.py, and a four-bar mechanism whose
 last axis is tilted by 5 degrees, driven by one radian in 0.2 s. The error is the distance between
-the positions of all nodes at the end and those of a reference, over the length of the model, so it is
+the final positions of all nodes and those of a reference, over the length of the model, so it is
 the error in time alone. References are composed steps, iterated to round-off, of half the size of
 any other; they are kept beside the numbers (``--references`` makes them anew) with by how much
 steps of twice the size differ from them.

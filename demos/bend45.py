@@ -14,7 +14,7 @@ Seven elements can be chosen, by --formulation:
 
 - geodesic lies on the geodesic of SE(3) between its two frames: constant strain, no locking, of
   second order. In equilibrium the stress varies within an element, though, as a constant force in
-  space has another moment arm and other components at each position. The energy of that variation is
+  space has another moment arm and other components at each point. The energy of that variation is
   added to the element's flexibility (in a straight element 1/GA* = 1/GA + length^2 / (12 EI), R. H.
   MacNeal, Comput. Struct. 8 (1978) 175), which makes arcs exact for small deflections. For this
   section, as stiff in all directions, little is left at large ones, too.

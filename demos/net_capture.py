@@ -12,7 +12,7 @@ but the ball, which holds by its reaction: energy is that of the start, and mome
 reaction has taken. --rings is the number of hexagons of cables about the middle, --cells that of
 elements between knots, --pull-from when the rope begins to be pulled, --secants how many of the
 last corrections of a step the next one learns from. The mouth is the largest distance of the edge
-from the axis, over the radius of the ball, and its height that of the edge above the lowest position
+from the axis, over the radius of the ball, and its height that of the edge above the lowest point
 of the ball.
 """
 

@@ -96,7 +96,7 @@ def rope_path(positions: np.ndarray, along: list[int], cells: int) -> np.ndarray
 
 
 def mouth(result: fl.Result, rings: int, cells: int) -> tuple[float, float]:
-    """How far the edge is from the axis, over the ball's radius, and above its lowest position."""
+    """How far the edge is from the axis, over the ball's radius, and above its lowest point."""
     _, _, edge = hexagons(rings, cells)
     positions = result.frames[-1, result.info.body("net").nodes[edge], 0]
     wide = np.hypot(positions[:, 0], positions[:, 1]).max() / BALL

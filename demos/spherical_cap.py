@@ -20,7 +20,7 @@ is the snap.
 
 - The same without the word shallow: finite rotations, shear, and a pressure that stays normal to
   the surface and acts on its present area. On the unloaded meridian with arc length s and radius
-  r0 the state is (r, z, f, A, B, m): position, angle of the director, r0 times the horizontal and the
+  r0 the state is (r, z, f, A, B, m): point, angle of the director, r0 times the horizontal and the
   vertical force and the bending moment,
 
       r' = (1 + e) cos f - g sin f,   z' = (1 + e) sin f + g cos f,   f' = f0' + k,

@@ -1,7 +1,7 @@
 """Random small scenes, as data (:mod:`tests.scene_data`), each from its seed.
 
 A scene grows from ground, or from a body that flies, one body after the other: each is attached to
-a position on what is there by a random joint, clamp or link. Then come springs, drives and gears along
+a point of what is there by a random joint, clamp or link. Then come springs, drives and gears along
 coordinates of these joints, loops that are closed through a flexible body (so that no constraint is
 redundant), and loads. Lengths are about 1, forces some tens, stiffness that of plastics; a step
 resolves the motion and not all waves.

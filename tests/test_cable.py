@@ -490,7 +490,7 @@ def test_damping_with_strain():
 
 
 def test_between_the_times_that_were_kept():
-    """Positions, slopes with their lengths and velocities of every second state, from the others."""
+    """Positions, slopes with lengths and velocities of every second state, from the others."""
     result = free_flight(1e-3)
     found = free_flight(1e-3, save_every=2).resampled(result.times[1:-1:2])
     wanted = result.frames[1:-1:2]

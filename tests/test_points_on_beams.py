@@ -1,4 +1,4 @@
-"""Joints at positions within elements of beams: as at nodes, in statics, in time and about states."""
+"""Joints at points within elements of beams: as at nodes, in statics, in time and about states."""
 
 import numpy as np
 import pytest
