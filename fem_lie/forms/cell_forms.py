@@ -211,7 +211,7 @@ def of_some_cells(arrays: FormArrays, nodes: Flags) -> FormArrays:
 
     Args:
         arrays: Forms whose arrays stay alive.
-        nodes: Mask of all nodes that the table numbers.
+        nodes: Mask of all nodes that the arrays number.
     """
     return of_cells(arrays, [np.asarray(nodes[cells].any(axis=1)) for cells in _cells(arrays)])
 
@@ -249,7 +249,7 @@ def of_cells(arrays: FormArrays, chosen: Sequence[Flags]) -> FormArrays:
 
 
 def joined(tables: Sequence[FormArrays], first: Sequence[int]) -> tuple[Indices, Indices]:
-    """Concatenation of all forms in one table, as a plain tuple.
+    """Concatenation of the arrays of all forms, as a plain tuple.
 
     Args:
         tables: Forms whose arrays stay alive.

@@ -93,12 +93,12 @@ class Connections:
 
     @property
     def packed(self) -> PackedJoints:
-        """Packed table of the first set, for calls from Python."""
+        """Packed arrays of the first set, for calls from Python."""
         return self.first.packed
 
     @property
     def packed_probes(self) -> PackedJoints:
-        """Packed table of the first set whose constraints are the coordinates in results."""
+        """Packed arrays of the first set whose constraints are the coordinates in results."""
         return self.first.packed_probes
 
     @property
@@ -132,7 +132,7 @@ class Connections:
         return np.unique(np.concatenate([each.bound for each in self.sets]))
 
     def all_pairs(self, frames: Array, kinds: Indices) -> AllPairs | None:
-        """Relative motions in one table, see :func:`~.constraint_sets.all_pairs.all_pairs`.
+        """Relative motions in one record, see :func:`~.constraint_sets.all_pairs.all_pairs`.
 
         ``None`` if all nodes are frames.
         """

@@ -53,12 +53,12 @@ _ROUNDS = 3
 def with_momenta(
     equations: Equations, H: Array, v: Array, momenta: Array, free: Flags, rates: Array
 ) -> Array:
-    """Twists of all rows with given momenta.
+    """Twists of all nodes with given momenta.
 
     Args:
         equations: Equations of the scene.
         H: Frames of all nodes, ground and prescribed motions.
-        v: Twists of all rows, to which the result is closest.
+        v: Twists of all nodes, to which the result is closest.
         momenta: Linear and angular momentum about the origin, global components, shape (6,).
         free: Whether each node may change its twist, shape (n,).
         rates: Rates of all constraints, shape (m,).

@@ -1,6 +1,6 @@
 """Packed arrays of all joints of a scene, for compiled loops: twelve arrays passed as two.
 
-The time to call a compiled function from Python grows with the number of its arrays. The table is
+The time to call a compiled function from Python grows with the number of its arrays. They are
 therefore packed into one array of numbers and one of integers, with the sizes at the head; the
 twelve arrays are views of these.
 """
@@ -53,7 +53,7 @@ class JointArrays(NamedTuple):
 
 
 def pack(arrays: JointArrays) -> PackedJoints:
-    """Pack a table into two arrays; :func:`views` is the inverse."""
+    """Pack the arrays into two; :func:`views` is the inverse."""
     j, t, m, k = len(arrays.nodes), len(arrays.rows), len(arrays.targets), len(arrays.springs)
     shapes = (arrays.frames, arrays.selection, arrays.functions, arrays.angle)
     numbers = (*shapes, arrays.turned, arrays.targets, arrays.springs)
@@ -66,7 +66,7 @@ def pack(arrays: JointArrays) -> PackedJoints:
 
 
 def views(packed: PackedJoints) -> JointArrays:
-    """Table of views of the packed arrays."""
+    """Views of the packed arrays."""
     x, i = packed
     j, t, m, k = i[0], i[1], i[2], i[3]
     selection, functions = 24 * j, 24 * j + 12 * t

@@ -32,12 +32,12 @@ class RollingArrays(NamedTuple):
     Attributes:
         nodes: Nodes A and B, shape (j, 2).
         frames: Joint frames in the frames of their nodes, shape (j, 2, 4, 3).
-        first: First constraint of each pair in this table, and ``k`` at the end, shape (j + 1,).
+        first: First constraint of each pair in these arrays, and ``k`` at the end, shape (j + 1,).
         selection: ``W`` of edges, shape (k, 6).
         radius: Radius of discs, 0 for edges, shape (j,).
         incidences: Incidence of each constraint with the nodes of its sides A and B, −1: that side
             does not move, shape (k, 2).
-        start: Number of the first constraint of the table among all, shape (1,).
+        start: Number of the first of these constraints among all, shape (1,).
     """
 
     nodes: Indices

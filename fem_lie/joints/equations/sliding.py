@@ -40,7 +40,7 @@ class SlidingArrays(NamedTuple):
         offsets: End frames of the element in the frames of these nodes, shape (e, 2, 4, 3).
         starts: Arc length at the start of each element, shape (e,).
         lengths: Lengths of the elements, shape (e,).
-        first: First constraint of each sliding frame in this table, and ``k`` at the end, (j + 1,).
+        first: First constraint of each sliding frame, and ``k`` at the end, shape (j + 1,).
         selection: ``S``, shape (k, 12).
         advance: ``c``, shape (k,).
         targets: Prescribed values of the constraints, shape (k,).
@@ -50,7 +50,7 @@ class SlidingArrays(NamedTuple):
         element_incidences: Incidences with the ends of the elements, counted likewise, shape (e,
             2).
         arclength: Arc length at the last accepted state, shape (j,).
-        start: Number of the first constraint of the table among all, shape (1,).
+        start: Number of the first of these constraints among all, shape (1,).
     """
 
     nodes: Indices
@@ -212,7 +212,7 @@ def jacobian(H: Array, arrays: SlidingArrays, rows: Array) -> None:
 
 @compiled
 def state(H: Array, arrays: SlidingArrays, arclength: Array, values: Array) -> None:
-    """Arc lengths (j,) and violations of the constraints, from the first of the table on."""
+    """Arc lengths (j,) and violations of the constraints, from the first of them on."""
     d, X, z = np.empty(6), np.empty((4, 3)), np.empty(12)
     for j in range(arrays.nodes.shape[0]):
         e, ξ = _locate(H, arrays, j, -1, d, X, z)

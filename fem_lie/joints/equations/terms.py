@@ -179,7 +179,7 @@ def wrenches(
 
 @compiled
 def unwrap_both(H: Array, joints: PackedJoints, probes: PackedJoints) -> None:
-    """:func:`unwrap` for two tables."""
+    """:func:`unwrap` for two sets of joints."""
     unwrap(H, joint_arrays(joints))
     unwrap(H, joint_arrays(probes))
 

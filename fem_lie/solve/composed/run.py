@@ -239,7 +239,7 @@ class ComposedRun(DividedIntegration[History]):
         history.keep(np.array([self.index]), np.array([self._iterations]))
 
     def _end_forces(self, v: Array) -> tuple[Array, Array]:
-        """Accelerations and multipliers at the current state with twists ``v`` of all rows.
+        """Accelerations and multipliers at the current state with twists ``v`` of all nodes.
 
         They are of fourth order, and need a matrix of their own at each recorded state.
         """

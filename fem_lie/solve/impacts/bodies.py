@@ -71,7 +71,7 @@ class CoupledBodies:
         self._impulses.resize(rule.h)
 
     def _all_rows(self, v: Array, time: float) -> Array:
-        """Twists of all rows, including ground and prescribed motions, shape (rows, 6)."""
+        """Twists of all nodes, of ground and of prescribed motions, shape (r, 6)."""
         found = np.zeros((self._rows, 6))
         found[: self._n] = v
         if self._rows > self._n + 1:

@@ -1,4 +1,4 @@
-"""Relative motions of a scene, between nodes and attachment frames, in one table.
+"""Relative motions of a scene, between nodes and attachment frames, in one record.
 
 Conserving schemes use it: they compute forces over a step from the motion of frames, and need to
 know which nodes act by their position only.
@@ -29,7 +29,7 @@ class AllPairs(NamedTuple):
     """Pairs whose rows are the moving nodes, then attachments, ground and prescribed motions.
 
     Attributes:
-        joints: The table; rows of which only positions matter may rotate arbitrarily.
+        joints: The joints; frames of which only positions matter may rotate arbitrarily.
         attachments: The attachment frames.
         oriented: Nodes and attachments of which more than the position matters, shape (n + g,).
         turns: Whether any angle is counted beyond a full turn.
@@ -82,7 +82,7 @@ def all_pairs(
 
 
 def _joined(tables: Sequence[JointArrays], rows: Sequence[Indices]) -> JointArrays:
-    """Concatenate tables: constraints first, then the springs of all."""
+    """Concatenate the arrays: constraints first, then the springs of all."""
     m = sum(len(table.targets) for table in tables)
     row, springs, terms = 0, m, 0
     of_terms: list[Indices] = []

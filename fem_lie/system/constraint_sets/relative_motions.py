@@ -35,7 +35,7 @@ class Branches:
     def __init__(
         self, arrays: JointArrays, probes: JointArrays, labels: Sequence[str], item: Indices
     ) -> None:
-        """Store the two tables.
+        """Store the arrays of both sets.
 
         Args:
             arrays: Table of constraints and springs.
@@ -117,7 +117,7 @@ class RelativeMotions(ConstraintSet):
     what = "joints"
 
     def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
-        """Build the table of all definitions."""
+        """Build the arrays of all definitions."""
         assert start.row == 0, "compiled sums over all nodes count its constraints from zero"
         self.start, self._count = start, rows.count
         sizes = np.array([item.size for item, _, _ in items], dtype=np.int64)

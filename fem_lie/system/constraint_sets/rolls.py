@@ -32,7 +32,7 @@ class Rolls(ConstraintSet):
     of_velocities = True
 
     def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
-        """Build the table of all rolling discs and knife edges."""
+        """Build the arrays of all rolling discs and knife edges."""
         found = [
             (given.number, definition)
             for given in items

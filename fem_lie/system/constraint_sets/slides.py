@@ -33,7 +33,7 @@ class Slides(ConstraintSet):
     what = "joints that slide along a beam (Sliding, Collar, Sleeve)"
 
     def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
-        """Build the table of all sliding joints."""
+        """Build the arrays of all sliding joints."""
         found = [
             (given, definition)
             for given in items

@@ -1,6 +1,6 @@
 """The equations of a scene as solvers see them.
 
-States belong to the solver: frames ``H`` of all rows (moving nodes, ground, prescribed motions),
+States belong to the solver: frames ``H`` (moving nodes, ground, prescribed motions),
 local twists ``v`` and their rates ``a``, and Lagrange multipliers. Only the methods here change
 what is behind them, and solvers use nothing else.
 """

@@ -145,7 +145,7 @@ class Unknowns(NamedTuple):
 
 
 class Start(NamedTuple):
-    """Initial values of all rows: moving nodes, ground, prescribed motions.
+    """Initial values of moving nodes, ground and prescribed motions.
 
     Attributes:
         frames: Current frames at the start, shape (n + 1 + p, 4, 3).

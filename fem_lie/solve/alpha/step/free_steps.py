@@ -177,7 +177,7 @@ def observe(
     invariants: Array,
     potential: Array,
 ) -> None:
-    """Energies and momenta of all rows.
+    """Energies and momenta of all stored states.
 
     Inertia ``blocks`` (n, 4, 4), constant loads without history.
     """

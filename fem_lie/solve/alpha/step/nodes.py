@@ -134,7 +134,7 @@ class State(NamedTuple):
         """Let an accepted step end otherwise.
 
         Args:
-            frames: Of all rows, shape (rows, 4, 3).
+            frames: Of nodes, ground and prescribed motions, shape (r, 4, 3).
             twists: In the nodes' axes, shape (n, 6).
             rates: Rates of the twists that belong to the end as it is and to the other one, by
                 whose difference accelerations change, each of shape (n, 6).

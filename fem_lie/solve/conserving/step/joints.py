@@ -98,7 +98,7 @@ def add_joints(
     """Add the forces of all joints to ``out`` and set ``change``, the increments of constraints.
 
     Args:
-        mean: Means of (x, d₁, d₂, d₃) of all rows, ground and prescribed frames last.
+        mean: Means of (x, d₁, d₂, d₃) of all nodes, then of ground and prescribed frames.
         delta: Increments.
         packed: See :class:`~fem_lie.joints.equations.joint_arrays.JointArrays`.
         multipliers: Lagrange multipliers, shape (m,).
