@@ -5,7 +5,7 @@
 An arm of one metre swings about a hinge, its last twentieth four thousand times softer; after half
 a second a smooth push at its tip bends that, and errors are taken before the push is over. They are
 against many elements and steps: of the stress in the energy norm, over its largest norm in that
-run, as the tolerance is; and of the place of the tip, over the length.
+run, as the tolerance is; and of the position of the tip, over the length.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ def line(cells: int) -> fl.mesh.LineMesh:
 def first(arm: int = 4) -> fl.mesh.LineMesh:
     """So many elements for the arm, one for its soft end."""
 
-    def place(s: float) -> np.ndarray:
+    def position(s: float) -> np.ndarray:
         s *= arm + 1
         return np.array([0.0, 0.0, -(SOFT * s / arm if s < arm else SOFT + (1 - SOFT) * (s - arm))])
 
-    return fl.mesh.curve(place, arm + 1)
+    return fl.mesh.curve(position, arm + 1)
 
 
 def push(time: float) -> float:
@@ -59,7 +59,7 @@ def pendulum(mesh: fl.mesh.LineMesh) -> fl.Scene:
 
 
 def stress(scene: fl.Scene, result: fl.Result) -> np.ndarray:
-    """Strains at places along the line times the roots of the stiffness, at the end, (k, 6)."""
+    """Strains at positions along the line times the roots of the stiffness, at the end, (k, 6)."""
     (body,) = scene.bodies
     assert isinstance(body, fl.Beam)
     frames = result.frames[-1][result.info.body("arm").nodes]

@@ -1,4 +1,4 @@
-"""What a beam of places and three slopes costs, and how often it needs a new matrix.
+"""What a beam of positions and three slopes costs, and how often it needs a new matrix.
 
 Residual per element, microseconds of the processor, the least of several turns. Then a rope that
 swings, hinged at one end, and one that tumbles freely, by generalised-alpha with the policy
@@ -122,9 +122,9 @@ def main() -> None:
             scene, _ = scene_of(made)
             scheme = fl.GeneralisedAlpha(radius=0.8, matrix_frame=components)
             result = scheme.run(scene, duration=1e-3 * options.steps, step=1e-3)
-            places = result.frames[:, : CELLS + 1, 0]
-            first = places if first is None else first
-            gap = np.abs(places - first).max()
+            positions = result.frames[:, : CELLS + 1, 0]
+            first = positions if first is None else first
+            gap = np.abs(positions - first).max()
             mean = int(result.iterations[-1]) / options.steps
             print(f"{name:9} {label:20} {result.k_updates:7} {mean:20.1f}  {gap:8.1e}", flush=True)
 

@@ -1,4 +1,4 @@
-"""Plates of places and all three slopes: cost, matrices in own and in fixed axes, conservation.
+"""Plates of positions and all three slopes: cost, matrices in own and in fixed axes, conservation.
 
 ``python -m benchmarks.ancf_shell``: what the residual and the matrix of a cell cost, beside those
 of a thin shell; matrices that ``Automatic`` makes of a sheet that swings from an edge and of one
@@ -123,9 +123,9 @@ def main() -> None:
                 except fl.ConvergenceError as error:
                     print(f"{scene_name:9} {name}, {axes.name}: {error}", flush=True)
                     continue
-                places = result.frames[:, :, 0]
-                first = places if first is None else first
-                gap = np.abs(places - first).max()
+                positions = result.frames[:, :, 0]
+                first = positions if first is None else first
+                gap = np.abs(positions - first).max()
                 mean = int(result.iterations[-1]) / options.steps
                 label = f"{name}, {axes.name.lower()}"
                 print(f"{scene_name:9} {label:22} {result.k_updates:7} {mean:20.1f}  {gap:8.1e}")

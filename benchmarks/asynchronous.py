@@ -6,7 +6,7 @@ their own mass between them, and take a hundredth, as elements of a continuum wo
 are all as small as the short pieces want; those of Asynchronous only around them.
 
 Work is counted in cells whose forces are found (edges and bends) per second of the motion; errors
-are those of all places, over the largest way, against explicit steps a quarter as long.
+are those of all positions, over the largest way, against explicit steps a quarter as long.
 
     python -m benchmarks.asynchronous [--cells 20] [--pieces 2] [--duration 0.02]
     python -m benchmarks.asynchronous --cells 4 --events 10000000
@@ -21,21 +21,21 @@ import numpy as np
 
 import fem_lie as fl
 
-THREAD = fl.Section.from_stiffness([100.0] * 3 + [1e-6] * 3, mass=0.01)
+CABLE = fl.Section.from_stiffness([100.0] * 3 + [1e-6] * 3, mass=0.01)
 
 
 def net(cells: int, pieces: int, short: float = 0.01) -> fl.Scene:
     """A pinned and stretched net of side 1 m, hit in the middle."""
     x = np.linspace(0, 1, cells + 1)
-    places = [(a, b, 0.0) for a in x for b in x]
-    grid = np.arange(len(places)).reshape(cells + 1, cells + 1)
-    threads = [[int(k) for k in line] for line in [*grid, *grid.T]]
+    positions = [(a, b, 0.0) for a in x for b in x]
+    grid = np.arange(len(positions)).reshape(cells + 1, cells + 1)
+    cables = [[int(k) for k in line] for line in [*grid, *grid.T]]
     middle = cells // 2
-    one, two = np.array(places)[threads[middle][middle : middle + 2]]
+    one, two = np.array(positions)[cables[middle][middle : middle + 2]]
     for k in range(1, pieces + 1):
-        threads[middle].insert(middle + k, len(places))
-        places.append(tuple(one + k * short * (two - one)))
-    body = fl.Net(places, threads, THREAD, stretch=1.05)
+        cables[middle].insert(middle + k, len(positions))
+        positions.append(tuple(one + k * short * (two - one)))
+    body = fl.Net(positions, cables, CABLE, stretch=1.05)
     edge = np.unique([*grid[[0, -1]].ravel(), *grid[:, [0, -1]].ravel()])
     body.pin(*(body.point(int(k)) for k in edge))
     far = ((body.frames[:, 0, :2] - 0.5) ** 2).sum(axis=1)

@@ -149,10 +149,10 @@ def main() -> None:
         rows += [(name, Options(), policy) for name, policy in POLICIES.items()]
         for name, options, policy in rows:
             results = [run(build(options), step, duration, policy) for _ in range(3)]
-            result, place = min(results, key=lambda pair: pair[0].seconds)
+            result, position = min(results, key=lambda pair: pair[0].seconds)
             steps = len(result.times) - 1
             size = np.ptp(result.frames[0, :, 0], axis=0).max() or 1.0
-            error = np.linalg.norm(np.asarray(place) - np.asarray(exact)) / size
+            error = np.linalg.norm(np.asarray(position) - np.asarray(exact)) / size
             print(
                 f"| {name} | {1e3 * result.seconds / steps:.3f} | "
                 f"{result.iterations[-1] / steps:.2f} | {result.factorisations} | {error:.1e} |"

@@ -40,7 +40,7 @@ class FixedAxesRun(Run):
 
     def axes(self) -> np.ndarray:
         """Axes of both halves of all nodes, in the middle of the step, (n, 3, 3)."""
-        rows = Span(*self.this.rows).mean[: self.moving]
+        rows = Span(*self.this.coordinates).mean[: self.moving]
         kinds = self.model.kinds[: self.moving]
         return np.array([axes(int(kind), H) for kind, H in zip(kinds, rows, strict=True)])
 
@@ -151,7 +151,7 @@ def whirling_spline() -> fl.Scene:
 
 
 def tumbling_beam() -> fl.Scene:
-    """A beam of places and slopes that flies, turns and bends."""
+    """A beam of positions and slopes that flies, turns and bends."""
     stiff = fl.Section.from_stiffness([1e4, 4e3, 4e3, 1.0, 1.0, 1.0], mass=1.0, polar=1e-3)
     beam = fl.AncfBeam.curve(lambda s: (s, 0.5 * s * s, 0.2 * s**3), stiff, cells=6)
     beam.add_velocity(omega=(3.0, 4.0, 2.0), about=(0.4, 0.2, 0.0))
@@ -205,11 +205,11 @@ def rope_in_hand() -> fl.Scene:
     scene = fl.Scene(gravity=DOWN)
     brick = scene.add(block(0.0))
     held = brick.point("a=0")
-    place = held.position
+    position = held.position
 
     def motion(t: float) -> np.ndarray:
         c, s = np.cos(0.5 * np.sin(2.0 * t) ** 2), np.sin(0.5 * np.sin(2.0 * t) ** 2)
-        x, y, z = place
+        x, y, z = position
         return np.array([(x, y, z + 0.1 * np.sin(t) ** 2), (c, 0, -s), (0, 1, 0), (s, 0, c)])
 
     scene.add(fl.PrescribedMotion(held, motion))
@@ -296,8 +296,8 @@ def compared(name: str, steps: int) -> str:
     made, step = SCENES[name]
     plan = {"duration": steps * step, "step": step, "save_every": max(steps // 200, 1)}
     own, fixed = (scheme.run(made(), **plan) for scheme in (fl.EnergyMomentum(), FixedAxes()))
-    places = [run.frames[:, :, 0] for run in (own, fixed)]
-    apart = np.abs(places[0] - places[1]).max(axis=(1, 2))
+    positions = [run.frames[:, :, 0] for run in (own, fixed)]
+    apart = np.abs(positions[0] - positions[1]).max(axis=(1, 2))
     return (
         f"| {name} | {steps} | {own.factorisations} | {fixed.factorisations} | "
         f"{own.iterations[-1] / steps:.1f} | {fixed.iterations[-1] / steps:.1f} | "

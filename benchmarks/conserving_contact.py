@@ -24,8 +24,8 @@ LAYER = fl.ShellSection.layer(0.02, fl.Material(1e8, 0.3, 1000.0))
 Case = tuple[fl.Scene, fl.contact.Contact]
 
 
-def ball(place: tuple[float, ...], velocity: tuple[float, ...]) -> fl.RigidBody:
-    body = fl.RigidBody(1.0, 4e-3 * np.eye(3), place)
+def ball(position: tuple[float, ...], velocity: tuple[float, ...]) -> fl.RigidBody:
+    body = fl.RigidBody(1.0, 4e-3 * np.eye(3), position)
     body.add_velocity(velocity)
     return body
 
@@ -95,11 +95,11 @@ def lines(k: float, angle: float, μ: float) -> Case:
 def sheet(height: float, length: float, cells: int, slope: float = 0.0) -> fl.Shell:
     """Square, about the vertical axis."""
 
-    def place(a: float, b: float) -> np.ndarray:
+    def position(a: float, b: float) -> np.ndarray:
         x, y = length * (a - 0.5), length * (b - 0.5)
         return np.array([x, y, height + slope * (x + 0.5 * y)])
 
-    return fl.Shell(fl.mesh.parametric_surface(place, (cells, cells)), LAYER)
+    return fl.Shell(fl.mesh.parametric_surface(position, (cells, cells)), LAYER)
 
 
 def on_sheet(k: float, μ: float = 0.0) -> Case:

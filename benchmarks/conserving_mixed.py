@@ -1,10 +1,10 @@
-"""Energy-momentum on scenes of frames and of places: beams, shells, bodies, cables, nets, solids.
+"""Energy-momentum on scenes of frames and positions: beams, shells, bodies, cables, nets, solids.
 
     RUN -m benchmarks.conserving_mixed [--steps 10000] [--only "beam and cable"] [--order]
 
 Prints a table of what the balances lack, how well joints hold, iterations, matrices and time per
 step. With --order each scene moves for 48 steps with three sizes of steps, and the table has the
-errors of places and of joint forces at the end against steps of a quarter of the smallest.
+errors of positions and of joint forces at the end against steps of a quarter of the smallest.
 """
 
 from __future__ import annotations
@@ -62,8 +62,8 @@ def solid_hub() -> fl.Scene:
     return scene
 
 
-def shell_and_thread() -> fl.Scene:
-    """A shell that turns, and a thread without bending on one of its corners."""
+def shell_and_cable() -> fl.Scene:
+    """A shell that turns, and a cable without bending on one of its corners."""
     scene = fl.Scene()
     layer = fl.ShellSection.layer(0.02, fl.Material(2e4, 0.3, 50.0))
     sheet = scene.add(
@@ -72,9 +72,9 @@ def shell_and_thread() -> fl.Scene:
     corner = sheet.points("a=1")[-1]
     end = corner.position + np.array([0.6, 0.0, 0.0])
     shape = straight_line(corner.position, end, 6)
-    thread = scene.add(fl.Cable(shape, SOFT, formulation=fl.elements.DiscreteCable()))
-    scene.add(fl.joints.Spherical(corner, thread.point("start")))
-    for body in (sheet, thread):
+    cable = scene.add(fl.Cable(shape, SOFT, formulation=fl.elements.DiscreteCable()))
+    scene.add(fl.joints.Spherical(corner, cable.point("start")))
+    for body in (sheet, cable):
         body.add_velocity(omega=(2.0, 1.0, 3.0), about=(0.5, 0.2, 0))
     return scene
 
@@ -123,7 +123,7 @@ SCENES: dict[str, Callable[[], fl.Scene]] = {
     "crane": crane,
     "rod with twist and cable": rod_and_cable,
     "solid hub, beams, cable, weight": solid_hub,
-    "shell and thread": shell_and_thread,
+    "shell and cable": shell_and_cable,
     "wheel on a motor, cable, beam with damping": driven_body,
     "thin shell on a beam": thin_shell_on_beam,
 }
@@ -147,7 +147,7 @@ def measured(name: str, steps: int, step: float) -> str:
 
 
 def orders(name: str, step: float) -> str:
-    """Errors of places and joint forces with steps of 4, 2 and 1 times ``step``."""
+    """Errors of positions and joint forces with steps of 4, 2 and 1 times ``step``."""
     plan = {"duration": 48 * step, "save_every": 10**6}
     sizes = 4.0 * step, 2.0 * step, step, 0.25 * step
     runs = [fl.EnergyMomentum().run(SCENES[name](), step=h, **plan) for h in sizes]
@@ -169,7 +169,7 @@ def main() -> None:
     parser.add_argument("--order", action="store_true")
     given = parser.parse_args()
     if given.order:
-        print("| scene | places | order | joint forces | order |\n|---|---|---|---|---|")
+        print("| scene | positions | order | joint forces | order |\n|---|---|---|---|---|")
         for name in given.only or SCENES:
             print(orders(name, given.step), flush=True)
         return

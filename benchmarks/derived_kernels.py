@@ -19,7 +19,7 @@ import fem_lie as fl
 from fem_lie.bodies.reduced.assembly import ReducedAssembly, _cell, _kind
 from fem_lie.bodies.thin_shells.assembly import ThinShellAssembly
 from fem_lie.elements.thin_shells.bicubic import unloaded
-from fem_lie.elements.thin_shells.rows import COORDINATES, CORNERS
+from fem_lie.elements.thin_shells.nodal_coordinates import COORDINATES, CORNERS
 from fem_lie.extend import CELL_SIGNATURE, CellFunctions, NodeType, callback, cell, compiled, tuples
 from fem_lie.forms.cell_sums import CellSum
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE
@@ -119,7 +119,7 @@ def thin_shell(body: Any) -> ElementAssembly:
     rest = np.hstack([sampled, strains.transpose(0, 2, 1).reshape(len(q), -1)])
     first = _N1 + _N2 + 2 * _N3
     table = np.concatenate([rule.table[first:], rule.table[:first]])
-    T = (table @ body.extraction())[:, np.newaxis, :, COORDINATES]
+    T = (table @ body.hermite_matrices())[:, np.newaxis, :, COORDINATES]
     parameters = np.hstack([rest, C.reshape(len(q), -1)])[:, np.newaxis]
     data = fl.extend.cell_data(ELEMENT, T, parameters)
     return ElementAssembly(ELEMENT, FUNCTIONS, body.connectivity, data, len(body.frames))

@@ -99,7 +99,7 @@ def tilt(q: NodalFrames, x: np.ndarray) -> None:
 
 
 def energy(q: NodalFrames, thickness: float, degree: int) -> ufl.Form:
-    """Membrane, bending, shear and drilling energy of the unloaded place of all nodes."""
+    """Membrane, bending, shear and drilling energy of the unloaded position of all nodes."""
     mesh = q.function.function_space.mesh
     rest = fem.Function(q.function.function_space)
     rest.x.array[:] = q.function.x.array

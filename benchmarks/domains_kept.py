@@ -69,7 +69,7 @@ class Tumbling:
         return self._summed(fem.assemble_vector(self._forms.residual).array)
 
     def make(self) -> None:
-        """Matrix and preconditioner of the present place."""
+        """Matrix and preconditioner of the present position."""
         n = self._inertia.size
         part = fem.assemble_matrix(self._forms.tangent).to_scipy(ghosted=True).tocsr()[:, :n]
         # what is not symmetric are forces at nodes

@@ -10,7 +10,7 @@ a square, in cells or meshes), with *each* before it that of a subdomain. Scenes
 - *shell*, *thick*, *cylinder*: steel, a square of 1 m, thickness 0.01, 0.1 and 0.01 of that,
   flat or bent by 2 rad; clamped along an edge in statics, free in time and thrown.
 - *beams*: a net of steel bars, meshes of 0.25 m, six elements in each bar, rigidly joined.
-- *cables*: a net of threads, meshes of 0.25 m, eight elements in each, hung up at its corners in
+- *cables*: a net of cables, meshes of 0.25 m, eight elements in each, hung up at its corners in
   statics by its edges, and prestressed.
 - *antenna*: that of ``demos/hoop_antenna.py``, all 30 bays, size elements in each bar and twice as
   many in each cable; *ring*: the same without nets.
@@ -46,7 +46,7 @@ from fem_lie.linear.domains.interface import Interface
 sys.path.insert(0, str(Path(__file__).parents[1] / "demos"))
 
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7850.0)
-BAR, THREAD = fl.Section.circle(0.01, STEEL), fl.Section.circle(1e-3, STEEL)
+BAR, CABLE = fl.Section.circle(0.01, STEEL), fl.Section.circle(1e-3, STEEL)
 MESH, STRETCH, STEPS, ELEMENTS, CELLS = 0.25, 1.001, 2, 6, 8
 PREFIXES = "fem_lie_statics_", "fem_lie_dynamics_"
 
@@ -61,13 +61,13 @@ class Built(NamedTuple):
 def square(n: int, thickness: float, static: bool, radius: float = np.inf) -> Built:
     """A shell of ``n`` by ``n`` cells."""
 
-    def place(a: float, b: float) -> tuple[float, float, float]:
+    def position(a: float, b: float) -> tuple[float, float, float]:
         if np.isinf(radius):
             return (a, b, 0.0)
         return (radius * np.sin(a / radius), b, radius * (1.0 - np.cos(a / radius)))
 
     shell = fl.Shell(
-        fl.mesh.parametric_surface(place, (n, n)), fl.ShellSection.layer(thickness, STEEL)
+        fl.mesh.parametric_surface(position, (n, n)), fl.ShellSection.layer(thickness, STEEL)
     )
     scene = fl.Scene()
     if static:
@@ -84,7 +84,7 @@ def square(n: int, thickness: float, static: bool, radius: float = np.inf) -> Bu
 
 
 def lattice(meshes: int, parts: int) -> tuple[np.ndarray, list[np.ndarray], np.ndarray]:
-    """Points, threads and corners of a square net."""
+    """Points, cables and corners of a square net."""
     count, knots = meshes * parts + 1, np.arange(meshes + 1) * parts
     on_line = np.zeros((count, count), dtype=bool)
     on_line[knots], on_line[:, knots] = True, True
@@ -116,9 +116,9 @@ def beams(n: int, static: bool) -> Built:
 
 
 def cables(n: int, static: bool) -> Built:
-    """A net of ``n`` by ``n`` meshes of threads, prestressed and held along its edge."""
+    """A net of ``n`` by ``n`` meshes of cables, prestressed and held along its edge."""
     points, lines, knots = lattice(n, CELLS)
-    body = fl.Net(points, lines, THREAD, stretch=STRETCH)
+    body = fl.Net(points, lines, CABLE, stretch=STRETCH)
     edge = np.unique([*knots[[0, -1]].ravel(), *knots[:, [0, -1]].ravel()])
     body.pin(*(body.point(int(k)) for k in edge))
     scene = fl.Scene()

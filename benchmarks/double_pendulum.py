@@ -52,10 +52,10 @@ def larger_steps() -> None:
     end = None
     for step in (2.5e-5, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2):
         result = scheme.run(pendulum(1)[0], step=step, duration=1.0, progress=False)
-        place = result.position("bar II.end")[-1]
-        end = place if end is None else end
+        position = result.position("bar II.end")[-1]
+        end = position if end is None else end
         count = result.iterations[-1] / (len(result.times) - 1)
-        gap = np.linalg.norm(place - end)
+        gap = np.linalg.norm(position - end)
         print(f"{step:8.1e}  {gap:.1e}  {result.energy_error:.1e}  {count:10.2f}")
 
 

@@ -44,13 +44,13 @@ class ShellCase(NamedTuple):
         build: From the number of cells along a side to its scene.
         solve: From that to its equilibrium.
         meshes: Numbers of cells, each a divisor of the last.
-        places: From its mesh and that number, nodes in units of cells, shape (n, 2).
+        positions: From its mesh and that number, nodes in units of cells, shape (n, 2).
     """
 
     build: Callable[[int], fl.Scene]
     solve: Callable[[fl.Scene], fl.StaticResult]
     meshes: tuple[int, ...]
-    places: Callable[[fl.mesh.SurfaceMesh, int], np.ndarray]
+    positions: Callable[[fl.mesh.SurfaceMesh, int], np.ndarray]
 
 
 class Solved(NamedTuple):
@@ -69,7 +69,7 @@ class Solved(NamedTuple):
         (shell,) = scene.bodies
         result = case.solve(scene)
         (fields,) = fields_of(result, shell, scene)
-        corners = case.places(shell.model.mesh, count)[shell.model.mesh.cells]
+        corners = case.positions(shell.model.mesh, count)[shell.model.mesh.cells]
         return cls(scene, result, shell, fields, corners)
 
 
@@ -136,12 +136,12 @@ ROOF = 192
 def hole(count: int) -> fl.Scene:
     """A quarter of a square sheet of 2 x 2 with a hole of radius 0.5, pulled along x."""
 
-    def place(a: float, b: float) -> np.ndarray:
+    def position(a: float, b: float) -> np.ndarray:
         angle = a * np.pi / 2
         along = np.array([np.cos(angle), np.sin(angle), 0.0])
         return 0.5 * (1 - b) * along + b * along / np.abs(along).max()
 
-    mesh = fl.mesh.parametric_surface(place, (count, count))
+    mesh = fl.mesh.parametric_surface(position, (count, count))
     rim = mesh.curve("b=1")
     right = rim[(mesh.points[rim, 0] > 1 - 1e-9).all(axis=1)]
     mesh = replace(mesh, curves={**mesh.curves, "right": right})
@@ -188,13 +188,13 @@ def towards_edges(along: np.ndarray, count: int) -> np.ndarray:
 def roof(count: int) -> fl.Scene:
     """A quarter of the roof; the finest mesh has cells in the layer along its edges."""
 
-    def place(a: float, b: float) -> np.ndarray:
+    def position(a: float, b: float) -> np.ndarray:
         a, b = (float(towards_edges(np.array(s), count)) for s in (a, b))
         angle = np.radians(40.0 * a)
         return np.array([25.0 * b, -25.0 * np.sin(angle), 25.0 * np.cos(angle)])
 
     section = fl.ShellSection.layer(0.25, fl.Material(4.32e8, 0.0, 1.0))
-    mesh = fl.mesh.parametric_surface(place, (count, count))
+    mesh = fl.mesh.parametric_surface(position, (count, count))
     shell = fl.Shell(mesh, section, director=linear_shells.about_x, name="roof")
     shell.symmetry("b=0", (1, 0, 0))
     shell.symmetry("a=0", (0, 1, 0))
@@ -255,12 +255,12 @@ def arc(cells: int, formulation: fl.elements.BeamFormulation, force: Sequence[fl
     section = fl.Section.from_stiffness([1e7, 5e6, 5e6, 1e7 / 12, 1e7 / 12, 1e7 / 12])
     scene = fl.Scene()
 
-    def place(s: float) -> np.ndarray:
+    def position(s: float) -> np.ndarray:
         angle = s * np.pi / 4
         return 100 * np.array([np.sin(angle), 1 - np.cos(angle), 0.0])
 
     beam = scene.add(
-        fl.Beam.curve(place, section, cells=cells, formulation=formulation, name="arc")
+        fl.Beam.curve(position, section, cells=cells, formulation=formulation, name="arc")
     )
     scene.add(fl.Clamp(beam.point("start")))
     scene.add(fl.PointLoad(beam.point("end"), force=force))

@@ -48,7 +48,7 @@ def bodies(derived: bool = False) -> dict[str, Callable[[], Any]]:
     import fem_lie as fl
 
     steel = fl.Material(E=2e11, nu=0.3, density=7800.0)
-    thread = fl.Section.circle(0.01, steel)
+    cord = fl.Section.circle(0.01, steel)
     section = fl.Section.rectangle(0.02, 0.03, steel)
     layer = fl.ShellSection.layer(0.01, steel)
     side = int(np.sqrt(CELLS))
@@ -86,12 +86,12 @@ def bodies(derived: bool = False) -> dict[str, Callable[[], Any]]:
 
     return {
         "bends of a discrete cable": lambda: fl.Cable(
-            fl.mesh.curve(wave, cells=CELLS), thread, formulation=fl.elements.DiscreteCable()
+            fl.mesh.curve(wave, cells=CELLS), cord, formulation=fl.elements.DiscreteCable()
         ),
         "corners of a discrete rod": lambda: fl.Rod.curve(
             wave, section, cells=CELLS, formulation=fl.elements.DiscreteRod()
         ),
-        "cable": page if derived else lambda: fl.Cable.curve(wave, thread, cells=CELLS),
+        "cable": page if derived else lambda: fl.Cable.curve(wave, cord, cells=CELLS),
         "geodesic beam": lambda: fl.Beam.curve(
             wave, section, cells=CELLS, formulation=fl.elements.GeodesicBeam()
         ),
@@ -154,7 +154,7 @@ def measured(name: str, derived: bool) -> list[float]:
     # older packages have other names for it
     if getattr(term, "stress_update", None) is not None:
         term.stress_update.reset_stress(H)
-    out, kept = np.zeros((count, 6)), term.room()
+    out, kept = np.zeros((count, 6)), term.workspace()
     term.add_forces(H, out, kept)
     cells = len(term.over_cells[0].nodes) // term.over_cells[0].rows[0, 2]
     calls: list[Callable[[], Any]] = [
@@ -183,7 +183,7 @@ def first_calls(name: str, derived: bool) -> list[float]:
     body = bodies(derived)[name]()
     start = process_time()
     term, H = term_of(name, body, derived), body.frames
-    built, kept = process_time(), term.room()
+    built, kept = process_time(), term.workspace()
     term.add_forces(H, np.zeros((len(H), 6)), kept)
     term.energy(H)
     term.tangent(H, kept)

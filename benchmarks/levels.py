@@ -2,9 +2,9 @@
 
     python3 -m benchmarks.levels [sets of levels] [problem ...]
 
-Ten problems that bend, roll up, coil and snap. Sets have 1 to 12 levels at random places, those of
+Ten problems that bend, roll up, coil and snap. Sets have 1 to 12 levels at random, those of
 every second set even in the logarithm, and end at 1. A state is the same as that of the first set
-if no node is farther than 1e-6 of the diameter from its place there.
+if no node is farther than 1e-6 of the diameter from its position there.
 """
 
 from __future__ import annotations
@@ -96,8 +96,8 @@ PROBLEMS: dict[str, Callable[[], fl.Scene]] = {
 def levels(number: int) -> list[float]:
     """Load factors of one set."""
     random = np.random.default_rng(number)
-    places = np.sort(random.uniform(0.0, 1.0, random.integers(0, 12)))
-    return [*(places if number % 2 else 10.0 ** (2.0 * places - 2.0)), 1.0]
+    positions = np.sort(random.uniform(0.0, 1.0, random.integers(0, 12)))
+    return [*(positions if number % 2 else 10.0 ** (2.0 * positions - 2.0)), 1.0]
 
 
 @dataclass
@@ -120,11 +120,11 @@ def study(build: Callable[[], fl.Scene], sets: int) -> Tally:
         except fl.ConvergenceError:
             tally.failed.append(number)
             continue
-        places = result.frames[-1, :, 0]
-        first = places if first is None else first
+        positions = result.frames[-1, :, 0]
+        first = positions if first is None else first
         size = np.linalg.norm(np.ptp(result.info.undeformed[:, 0], axis=0))
         tally.arrived += 1
-        tally.same += bool(np.linalg.norm(places - first, axis=1).max() <= _SAME * size)
+        tally.same += bool(np.linalg.norm(positions - first, axis=1).max() <= _SAME * size)
         tally.least = min(tally.least, result.total_iterations)
         tally.most = max(tally.most, result.total_iterations)
     return tally

@@ -29,8 +29,8 @@ def fibres(count: int, seed: int) -> np.ndarray:
     along *= LENGTH / np.linalg.norm(along, axis=2, keepdims=True)
     side = (2.2 * count) ** (1 / 3)
     start = rng.uniform(0, side, size=(lines, 1, 3))
-    places = start + along * np.arange(SEGMENTS + 1)[:, np.newaxis]
-    return np.stack([places[:, :-1], places[:, 1:]], axis=2).reshape(-1, 2, 3)
+    positions = start + along * np.arange(SEGMENTS + 1)[:, np.newaxis]
+    return np.stack([positions[:, :-1], positions[:, 1:]], axis=2).reshape(-1, 2, 3)
 
 
 def pieces(ends: np.ndarray, body: fl.RigidBody) -> list[Piece]:

@@ -26,7 +26,7 @@ import fem_lie as fl
 MESHES = 12
 STRETCH, DURATION = 1.02, 0.1
 BLOW = (1.0, 0.0, 3.0)
-THREAD = fl.Section.from_stiffness([100.0] * 3 + [1e-6] * 3, mass=0.01)
+CABLE = fl.Section.from_stiffness([100.0] * 3 + [1e-6] * 3, mass=0.01)
 
 
 class Run(NamedTuple):
@@ -46,21 +46,21 @@ def net(parts: int) -> fl.Net:
     x = np.linspace(0, 1, MESHES + 1)
     points = [(a, b, 0.0) for a in x for b in x]
     knots = np.arange(len(points)).reshape(MESHES + 1, MESHES + 1)
-    threads = []
+    cables = []
     for line in (*knots, *knots.T):
-        thread = [int(line[0])]
+        cable = [int(line[0])]
         for a, b in pairwise(line):
             p, q = np.array(points[a]), np.array(points[b])
             inside = [tuple(p + k / parts * (q - p)) for k in range(1, parts)]
-            thread += [*range(len(points), len(points) + len(inside)), int(b)]
+            cable += [*range(len(points), len(points) + len(inside)), int(b)]
             points += inside
-        threads.append(thread)
-    body = fl.Net(points, threads, THREAD, stretch=STRETCH)
+        cables.append(cable)
+    body = fl.Net(points, cables, CABLE, stretch=STRETCH)
     edge = np.unique([*knots[[0, -1]].ravel(), *knots[:, [0, -1]].ravel()])
     body.pin(*(body.point(int(k)) for k in edge))
-    place = body.frames[:, 0]
-    hill = np.sin(np.pi * place[:, 0]) ** 2 * np.sin(np.pi * place[:, 1]) ** 2
-    blow = np.outer(hill * (0.5 + place[:, 0]), BLOW)
+    position = body.frames[:, 0]
+    hill = np.sin(np.pi * position[:, 0]) ** 2 * np.sin(np.pi * position[:, 1]) ** 2
+    blow = np.outer(hill * (0.5 + position[:, 0]), BLOW)
     body.velocities[:, :3] = np.einsum("nij,nj->ni", body.frames[:, 1:], blow)
     body.velocities[edge] = 0.0
     return body

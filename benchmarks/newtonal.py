@@ -146,8 +146,8 @@ def main(names: list[str]) -> None:
             for correction in ("exact", "normal"):
                 for step in STEPS:
                     begin = time.perf_counter()
-                    ended, factor, count, places = run(make(), step, correction, carried)
-                    gap = np.abs(places - path.stations[-1].positions).max()
+                    ended, factor, count, positions = run(make(), step, correction, carried)
+                    gap = np.abs(positions - path.stations[-1].positions).max()
                     size = np.ptp(path.stations[-1].positions, axis=0).max()
                     same = "yes" if gap < 1e-4 * size else "no"
                     stress = "carried" if carried else "plain"

@@ -24,7 +24,7 @@ _SMALL = 1e-6  # of the load, where all is linear
 
 
 def piece(
-    place: Place,
+    position: Place,
     a: tuple[float, float],
     b: tuple[float, float],
     cells: tuple[int, int],
@@ -34,30 +34,30 @@ def piece(
 
     def part(x: float, y: float) -> np.ndarray:
         uneven = y + skew * np.sin(np.pi * y) / np.pi
-        return place(a[0] + (a[1] - a[0]) * x, b[0] + (b[1] - b[0]) * uneven)
+        return position(a[0] + (a[1] - a[0]) * x, b[0] + (b[1] - b[0]) * uneven)
 
     return fl.mesh.smooth_patch(part, cells)
 
 
-def halves(place: Place, first: tuple[int, int], second: tuple[int, int]) -> dict[str, Any]:
+def halves(position: Place, first: tuple[int, int], second: tuple[int, int]) -> dict[str, Any]:
     """Two patches, side by side along a, and their coupling."""
     return {
         "patches": {
-            "left": piece(place, (0, 0.5), (0, 1), first, 0.0),
-            "right": piece(place, (0.5, 1), (0, 1), second, 0.5),
+            "left": piece(position, (0, 0.5), (0, 1), first, 0.0),
+            "right": piece(position, (0.5, 1), (0, 1), second, 0.5),
         },
         "couplings": [fl.mesh.PatchCoupling("left.a=1", "right.a=0")],
     }
 
 
-def quarters(place: Place, n: int) -> dict[str, Any]:
+def quarters(position: Place, n: int) -> dict[str, Any]:
     """Four patches, of other speeds and numbers of cells, around a point."""
     return {
         "patches": {
-            "left": piece(place, (0, 0.4), (0, 0.6), (n // 2, n // 2), 0.0),
-            "right": piece(place, (0.4, 1), (0, 0.6), (n // 2, n // 2), 0.4),
-            "left top": piece(place, (0, 0.4), (0.6, 1), (n // 2 + 1, n // 2), -0.3),
-            "right top": piece(place, (0.4, 1), (0.6, 1), (n // 2, n // 2), 0.3),
+            "left": piece(position, (0, 0.4), (0, 0.6), (n // 2, n // 2), 0.0),
+            "right": piece(position, (0.4, 1), (0, 0.6), (n // 2, n // 2), 0.4),
+            "left top": piece(position, (0, 0.4), (0.6, 1), (n // 2 + 1, n // 2), -0.3),
+            "right top": piece(position, (0.4, 1), (0.6, 1), (n // 2, n // 2), 0.3),
         },
         "couplings": [
             fl.mesh.PatchCoupling("left.a=1", "right.a=0"),
@@ -136,16 +136,16 @@ def vault(a: float, b: float) -> np.ndarray:
 
 def main() -> None:
     scenes: dict[str, tuple[Solve, Place]] = {
-        "hemisphere": (pinched, hemisphere.place),
-        "cylinder": (pulled, pulled_cylinder.place),
+        "hemisphere": (pinched, hemisphere.position),
+        "cylinder": (pulled, pulled_cylinder.position),
         "roof": (roof, vault),
     }
-    for name, (solve, place) in scenes.items():
+    for name, (solve, position) in scenes.items():
         for n in (8, 16):
-            cases = {"two, other speed": halves(place, (n // 2, n), (n // 2, n))}
-            cases["two, 3 cells to 2"] = halves(place, (n // 2, n), (n // 2, 2 * n // 3))
+            cases = {"two, other speed": halves(position, (n // 2, n), (n // 2, n))}
+            cases["two, 3 cells to 2"] = halves(position, (n // 2, n), (n // 2, 2 * n // 3))
             if name == "hemisphere":
-                cases["four"] = quarters(place, n)
+                cases["four"] = quarters(position, n)
             for case, made in cases.items():
                 errors, iterations = solve(made)
                 reported = ", ".join(f"{error:+.2%}" for error in errors)

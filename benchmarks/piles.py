@@ -59,12 +59,12 @@ print(json.dumps([seconds, contacts, deep]))
 """
 
 
-def jittered(places: np.ndarray) -> np.ndarray:
-    return places + 0.02 * RADIUS * np.random.default_rng(1).standard_normal(places.shape)
+def jittered(positions: np.ndarray) -> np.ndarray:
+    return positions + 0.02 * RADIUS * np.random.default_rng(1).standard_normal(positions.shape)
 
 
 def in_box(count: int, layers: int = 0) -> tuple[np.ndarray, list[Wall]]:
-    """Centres, shape (count, 3), and places and normals of walls and floor.
+    """Centres, shape (count, 3), and positions and normals of walls and floor.
 
     So many ``layers``, or as many as there are across.
     """
@@ -84,22 +84,24 @@ def in_drum(count: int) -> tuple[np.ndarray, list[Wall]]:
     radius = gap * np.sqrt(2 * count / long / np.pi) + 2 * gap
     side = range(-int(radius / gap), int(radius / gap) + 1)
     grid = np.array([(x, y, z) for z in side for x in side for y in range(long)], dtype=float)
-    places = gap * (grid - [0, 0.5 * (long - 1), 0])
-    inside = np.hypot(places[:, 0], places[:, 2]) < radius - 1.2 * RADIUS
+    positions = gap * (grid - [0, 0.5 * (long - 1), 0])
+    inside = np.hypot(positions[:, 0], positions[:, 2]) < radius - 1.2 * RADIUS
     angles = 2 * np.pi * np.arange(STAVES) / STAVES
     out = np.stack([np.cos(angles), np.zeros(STAVES), np.sin(angles)], axis=1)
     ends = [np.array([0, sign, 0.0]) for sign in (-1, 1)]
     walls = [*((radius * n, -n) for n in out), *((0.5 * long * gap * n, -n) for n in ends)]
-    return jittered(places[inside][:count]), walls
+    return jittered(positions[inside][:count]), walls
 
 
-def pile(places: np.ndarray, walls: list[Wall], spin: float = 0.0) -> fl.Scene:
+def pile(positions: np.ndarray, walls: list[Wall], spin: float = 0.0) -> fl.Scene:
     """All of them, which touch each other and the walls: ground, or a drum that turns.
 
     The drum is free, so heavy that it goes on as if it were driven, and its weight is carried.
     """
     scene, moment = fl.Scene(gravity=(0, 0, -GRAVITY)), np.full(3, 0.4 * MASS * RADIUS**2)
-    centres = [scene.add(fl.RigidBody(MASS, moment, place)).point("centre") for place in places]
+    centres = [
+        scene.add(fl.RigidBody(MASS, moment, position)).point("centre") for position in positions
+    ]
     balls, law, held_by = (
         fl.contact.Vertices(centres, RADIUS),
         fl.contact.Impact(FRICTION),
@@ -116,9 +118,9 @@ def pile(places: np.ndarray, walls: list[Wall], spin: float = 0.0) -> fl.Scene:
     return scene
 
 
-def ours(places: np.ndarray, walls: list[Wall], steps: int, spin: float = 0.0) -> str:
+def ours(positions: np.ndarray, walls: list[Wall], steps: int, spin: float = 0.0) -> str:
     """A row of the table."""
-    scene, scheme, seconds = pile(places, walls, spin), fl.GeneralisedAlpha(radius=0.8), []
+    scene, scheme, seconds = pile(positions, walls, spin), fl.GeneralisedAlpha(radius=0.8), []
     last = steps - steps // 3
     for count in (last, steps):  # the last third is what the longer run takes more
         before = process_time()
@@ -136,7 +138,7 @@ def ours(places: np.ndarray, walls: list[Wall], steps: int, spin: float = 0.0) -
     )
 
 
-def peer(places: np.ndarray, walls: list[Wall], steps: int) -> str:
+def peer(positions: np.ndarray, walls: list[Wall], steps: int) -> str:
     """A row of MuJoCo's."""
     environment.PACKAGES["mujoco"], environment.IMPORTS["mujoco"] = [PACKAGE], MODULE
     for python in environment.candidates():
@@ -146,7 +148,7 @@ def peer(places: np.ndarray, walls: list[Wall], steps: int) -> str:
     else:
         return f"MuJoCo is skipped: no Python here can have {PACKAGE} by pip"
     given = {
-        "places": places.tolist(),
+        "places": positions.tolist(),
         "walls": [(at.tolist(), normal.tolist()) for at, normal in walls],
         "radius": RADIUS,
         "mass": MASS,
@@ -154,7 +156,7 @@ def peer(places: np.ndarray, walls: list[Wall], steps: int) -> str:
         "gravity": GRAVITY,
         "step": STEP,
         "steps": steps,
-        "solver": "Newton" if len(places) <= MOST_NEWTON else "CG",
+        "solver": "Newton" if len(positions) <= MOST_NEWTON else "CG",
     }
     try:
         done = subprocess.run(
@@ -190,9 +192,9 @@ def main() -> None:
             found = ours(*in_drum(count), given.steps, SPIN)
             print(f"{count} balls, drum, fem_lie: {found}", flush=True)
             continue
-        places, walls = in_box(count, given.layers)
+        positions, walls = in_box(count, given.layers)
         for name, run in (("fem_lie", ours), ("MuJoCo", peer)):
-            found = run(places, walls, given.steps)
+            found = run(positions, walls, given.steps)
             print(f"{count} balls, box, {name}: {found}", flush=True)
 
 

@@ -57,7 +57,7 @@ def beam() -> tuple[fl.extend.Body, fl.extend.Point]:
     return body, body.point("end")
 
 
-def place() -> tuple[fl.extend.Body, fl.extend.Point]:
+def position() -> tuple[fl.extend.Body, fl.extend.Point]:
     """A beam by an attachment frame within an element."""
     body = fl.Beam.straight((0, 0, 0), (4, 0, 0), SECTION, cells=3)
     return body, body.point((1.7, 0, 0))
@@ -96,7 +96,7 @@ def rigid() -> tuple[fl.extend.Body, fl.extend.Point]:
     return body, body.point("centre")
 
 
-FREE = {"beam": beam, "place": place, "rod": rod, "ancf": ancf, "shell": shell, "solid": solid}
+FREE = {"beam": beam, "place": position, "rod": rod, "ancf": ancf, "shell": shell, "solid": solid}
 FREE["rigid"] = rigid
 
 
@@ -111,8 +111,8 @@ def free(
     R = lie.so3_exp(np.radians(degrees) * np.asarray(axis) / np.linalg.norm(axis))
     before, after = found.info.undeformed, found.frames[-1]
     size = np.ptp(before[:, 0], axis=0).max() or 1.0
-    places = start + (before[:, 0] - start) @ R.T
-    error = np.abs(after[:, 0] - places).max() / size
+    positions = start + (before[:, 0] - start) @ R.T
+    error = np.abs(after[:, 0] - positions).max() / size
     attached = found.rotation(point)[-1] - R @ np.asarray(point.frame[1:]).T
     return float(max(error, np.abs(attached).max()))
 

@@ -21,7 +21,7 @@ DEPTH, AREAL = 0.3, 2e9
 LEVELS = np.linspace(0.1, 1.0, 10)
 
 
-def place(a: float, b: float) -> np.ndarray:
+def position(a: float, b: float) -> np.ndarray:
     """From the crown to the edges."""
     x, y = SIDE * a, SIDE * b
     return np.array([x, y, np.sqrt(RADIUS**2 - x**2 - y**2)])
@@ -31,7 +31,7 @@ def press(mesh: int, load_steps: int = 60) -> tuple[np.ndarray, np.ndarray, floa
     """Depths, forces of the whole cap, the largest overlap, and iterations per step."""
     section = fl.ShellSection.layer(THICKNESS, MATERIAL)
     shell = fl.Shell(
-        fl.mesh.parametric_surface(place, (mesh, mesh)), section, director=lambda x: x / RADIUS
+        fl.mesh.parametric_surface(position, (mesh, mesh)), section, director=lambda x: x / RADIUS
     )
     shell.symmetry("a=0", (1, 0, 0))
     shell.symmetry("b=0", (0, 1, 0))

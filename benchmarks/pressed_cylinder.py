@@ -22,7 +22,7 @@ PRESSED = np.array([0.05, 0.1, 0.2, 0.3, 0.4, 0.5])
 BENDING = E * THICKNESS**3 / 12
 
 
-def place(a: float, b: float) -> np.ndarray:
+def position(a: float, b: float) -> np.ndarray:
     """From the crown to the side, and along the axis."""
     angle = 0.5 * np.pi * a
     return np.array([WIDTH * b, RADIUS * np.sin(angle), RADIUS * np.cos(angle)])
@@ -60,7 +60,7 @@ def press(
 ) -> tuple[fl.StaticResult, np.ndarray, float]:
     """States, forces of a whole ring per width, and the largest overlap."""
     section = fl.ShellSection.layer(THICKNESS, fl.Material(E, 0.0, 1.0))
-    shell = fl.Shell(fl.mesh.parametric_surface(place, (mesh, 1)), section, director=inwards)
+    shell = fl.Shell(fl.mesh.parametric_surface(position, (mesh, 1)), section, director=inwards)
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (0, 0, 1))
     shell.symmetry("b=0", (1, 0, 0))

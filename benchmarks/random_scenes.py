@@ -1,8 +1,8 @@
 """Random small scenes: the same result in other units, turned, moved, and in another order.
 
 Each scene of :mod:`tests.random_scenes` is computed as it is and in eight other ways, and what is
-found is brought back and compared: places over the size of the scene, velocities, energies, joint
-forces and moments over the largest in the scene (or over what is small for these scenes),
+found is brought back and compared: positions over the size of the scene, velocities, energies,
+joint forces and moments over the largest in the scene (or over what is small for these scenes),
 eigenvalues and load factors over their own size.
 
     python3 -m benchmarks.random_scenes --scenes 200
@@ -60,7 +60,7 @@ NEAR = (*map(str, OTHER_SYSTEMS), "turned", "another order")
 
 
 def allowed(way: str) -> float:
-    """The target, and what is left of places at a distance in strains and so in slender beams."""
+    """The target, and the round-off of distant positions in strains, larger for slender beams."""
     return TARGET + 1e-10 * FAR.get(way, 0.0)
 
 
@@ -99,7 +99,7 @@ def _global(rotation: np.ndarray, local: np.ndarray) -> np.ndarray:
     return np.einsum("...ij,...j->...i", rotation, local)
 
 
-def places(way: Way, info: SceneInfo, frames: np.ndarray) -> Numbers:
+def positions(way: Way, info: SceneInfo, frames: np.ndarray) -> Numbers:
     """Positions over the size, and directors, of all nodes of each body."""
     found, size = {}, way.data.size
     shift = way.units.length(way.shift) / size
@@ -108,7 +108,7 @@ def places(way: Way, info: SceneInfo, frames: np.ndarray) -> Numbers:
         H, kinds = frames[..., own.nodes, :, :], own.node_types
         assert kinds is not None
         x = (H[..., has_position(kinds), 0, :] / size - shift) @ way.rotation
-        found[f"places of {body.name}"] = Values(x, "of the size")
+        found[f"positions of {body.name}"] = Values(x, "of the size")
         if (kinds != NodeType.FRAME).any():
             continue
         # a shell's first two directors are its own choice
@@ -148,7 +148,7 @@ def motion(scheme: Integrator) -> Callable[[Way], Numbers]:
             # that of a load with a history depends on where the origin is
             energies["potential energy"] = result.potential - result.potential[0]
         return {
-            **places(way, result.info, result.frames),
+            **positions(way, result.info, result.frames),
             **joint_forces(way, result.info, result.joint_forces),
             **speeds,
             **{name: Values(back.energy(e), "energy") for name, e in energies.items()},
@@ -162,7 +162,7 @@ def equilibrium(way: Way) -> Numbers:
     built = build(way.data, static=True)
     result = fl.statics(built.scene)
     return {
-        **places(way, result.info, result.frames[-1]),
+        **positions(way, result.info, result.frames[-1]),
         **joint_forces(way, result.info, result.joint_forces[-1]),
     }
 

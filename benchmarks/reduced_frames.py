@@ -3,7 +3,7 @@
 The soft rod of reduced_mechanisms.py swings at ten times the angular velocity: with more shapes,
 with and without answers to centrifugal forces, with smaller steps. Then it, and the soft rod of
 slider_crank.py, in two and four reduced bodies that follow each other, each with its frame in its
-middle. Errors are the largest distance of a node from its place in the full motion, over the
+middle. Errors are the largest distance of a node from its position in the full motion, over the
 amplitude in mean axes, and over the largest deflection of the crank's rod.
 """
 
@@ -57,7 +57,7 @@ def put_in(scene: fl.Scene, rods: Sequence[fl.reduction.ReducedOrderBody]) -> No
         scene.add(fl.joints.Fixed(one.point("end"), other.point("start")))
 
 
-def places(result: fl.Result, rods: Sequence[fl.reduction.ReducedOrderBody]) -> np.ndarray:
+def positions(result: fl.Result, rods: Sequence[fl.reduction.ReducedOrderBody]) -> np.ndarray:
     """Of all nodes of the full rods, (s, n, 3); those that two have come once."""
     shown = fl.reduction.recover_full_motion(result, *rods)
     each = [shown.frames[:, shown.info.body(rod.name).nodes, 0] for rod in rods]
@@ -67,17 +67,17 @@ def places(result: fl.Result, rods: Sequence[fl.reduction.ReducedOrderBody]) -> 
 def swung(
     rods: Sequence[fl.reduction.ReducedOrderBody], spin: np.ndarray, step: float
 ) -> np.ndarray:
-    """Places in the swing of reduction.py."""
+    """Positions in the swing of reduction.py."""
     scene = fl.Scene(gravity=WEIGHT)
     put_in(scene, rods)
     scene.add(fl.joints.Spherical(fl.ground(), rods[0].point("start")))
     for rod in rods:
         rod.add_velocity(omega=spin, about=(0, 0, 0))
-    return places(fl.GeneralisedAlpha().run(scene, duration=2.0, step=step), rods)
+    return positions(fl.GeneralisedAlpha().run(scene, duration=2.0, step=step), rods)
 
 
 def largest(x: np.ndarray, full: fl.Result, name: str = "rod") -> float:
-    """Largest distance of a node from its place."""
+    """Largest distance of a node from its position."""
     wanted = full.frames[:, full.info.body(name).nodes, 0]
     return float(np.linalg.norm(x - wanted, axis=2).max())
 
@@ -149,7 +149,7 @@ def cranks(modulus: float) -> dict[str, float]:
     for parts, modes in ((1, 8), (2, 2), (4, 0)):
         rods = pieces(whole, whole.model.sections[0], parts, modes, last=True)
         found = scheme.run(cranked(rods), duration=1.0, step=5e-4)
-        record[f"crank_{modulus:g}_{parts}"] = largest(places(found, rods), full) / size
+        record[f"crank_{modulus:g}_{parts}"] = largest(positions(found, rods), full) / size
     return record
 
 

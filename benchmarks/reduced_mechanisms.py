@@ -3,13 +3,13 @@
 A soft rod swings on a ball joint under gravity: as all unknowns, as a reduced body that was made
 once, where the first posture is, and loaded into scenes in ten other postures and with ten times
 the angular velocity; and in fixed axes with the same shapes, where its matrices are constant and
-small rotations take the place of the frame. The error is the largest distance of a node from its
-place in the full motion, the amplitude that from its place in the body's mean axes.
+small rotations take the position of the frame. The error is the largest distance of a node from its
+position in the full motion, the amplitude that from its position in the body's mean axes.
 
 The slider-crank is that of slider_crank.py with a rod of 16 elements; errors are over the largest
 deflection of the rod. The truss is that of truss_deployment.py, two cells of thin tubes, a reduced
-body for each bar: largest distance of a node from its place over the largest deflection of a bar,
-and processor times per step.
+body for each bar: largest distance of a node from its position over the largest deflection of a
+bar, and processor times per step.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ WEIGHT = np.array([0.0, 0.0, -9.81])
 
 
 def away(found: fl.Result, full: fl.Result, name: str = "rod") -> np.ndarray:
-    """Largest distance of a node of a body from its place, over time."""
-    places = [r.frames[:, r.info.body(name).nodes, 0] for r in (found, full)]
-    return np.asarray(np.linalg.norm(places[0] - places[1], axis=2).max(axis=1))
+    """Largest distance of a node of a body from its position, over time."""
+    positions = [r.frames[:, r.info.body(name).nodes, 0] for r in (found, full)]
+    return np.asarray(np.linalg.norm(positions[0] - positions[1], axis=2).max(axis=1))
 
 
 def part_of(
@@ -70,11 +70,11 @@ def few_swings(few: fl.reduction.ReducedOrderBody, spin: np.ndarray, step: float
 def in_fixed_axes(
     few: fl.reduction.ReducedOrderBody, spin: np.ndarray, times: np.ndarray
 ) -> np.ndarray:
-    """Places (s, n, 3) of the same shapes with small rotations about the state at rest."""
+    """Positions (s, n, 3) of the same shapes with small rotations about the state at rest."""
     part = fl.Scene()
     body = part.add(few.model.full)
     rest, X, axes = LinearisedBody(part, None), body.frames, few.frames[0, 1:]
-    flat = few.model.shapes.reshape(*few.model.shapes.shape[:2], 2, 3) @ axes
+    flat = few.model.modes.reshape(*few.model.modes.shape[:2], 2, 3) @ axes
     turns = np.zeros((3, len(X), 2, 3))
     turns[:, :, 1] = np.eye(3)[:, np.newaxis]
     turns[:, :, 0] = np.cross(np.eye(3)[:, np.newaxis], X[:, 0] - X[0, 0])
@@ -83,7 +83,7 @@ def in_fixed_axes(
     falls = np.zeros((1, len(X), 2, 3))
     falls[0, :, 0] = WEIGHT
     own = [np.einsum("nki,mnhi->mnhk", X[:, 1:], s).reshape(-1, len(X), 6) for s in (fixed, falls)]
-    V, g = (rest.vectors(s) for s in own)
+    V, g = (rest.unknowns_of(s) for s in own)
     A = rest.pencil
     M, K, f = V @ (A.M @ V.T), V @ (A.K @ V.T), V @ (A.M @ g.T)
     k, Y = scipy.linalg.eigh(K, M)

@@ -3,8 +3,8 @@
 A soft rod swings on a ball joint under gravity. Shapes of its local motion are made from one swing
 in one posture (POD), and those of its body at rest (Craig-Bampton); other swings start in ten other
 postures, and with ten times the angular velocity. The error is the largest distance of a node from
-its place over all states, the amplitude the largest distance of a node from its place in the body's
-mean axes. LowRankCorrection it the same shapes of POD in fixed axes, with small rigid motions. The
+its position over all states; the amplitude is that from its position in the mean axes of the body.
+For comparison: the same modes of POD in fixed axes, with small rigid motions. The
 blade is that of rotating_beam.py, its speeds are over the scale of its lag frequencies: reduced
 frequencies beside those of all unknowns. Last, a beam that is bent by a tenth of its length, in
 equilibrium.
@@ -52,7 +52,7 @@ def swing(
 
 
 def amplitude(result: fl.Result, body: fl.Beam) -> float:
-    """Largest distance of a node from its place in the mean axes."""
+    """Largest distance of a node from its position in the mean axes."""
     motion = local_motion(body, result.frames, fl.reduction.MeanAxes())
     still = expanded(body, motion._replace(increments=np.zeros_like(motion.increments)))
     return float(np.linalg.norm((result.frames - still)[:, :, 0], axis=2).max())
@@ -74,7 +74,7 @@ def missed_in_fixed_axes(basis: fl.reduction.Basis, result: fl.Result) -> float:
     translations and rotations.
     """
     X = basis.body.frames
-    shapes = np.einsum("mni,nij->mnj", basis.shapes[:, :, :3], X[:, 1:])
+    shapes = np.einsum("mni,nij->mnj", basis.modes[:, :, :3], X[:, 1:])
     turns = np.cross(np.eye(3)[:, np.newaxis], X[:, 0])
     moves = np.broadcast_to(np.eye(3)[:, np.newaxis], turns.shape)
     flat = np.concatenate([shapes, turns, moves]).reshape(len(shapes) + 6, -1)
@@ -169,7 +169,7 @@ def cantilever(force: float) -> tuple[fl.Scene, fl.Beam]:
 
 
 def bent(modes: int) -> dict[str, float]:
-    """Largest error of a place over the deflection of a tenth of the length, and its estimate.
+    """Largest error of a position over the deflection of a tenth of the length, and its estimate.
 
     Linear modes, those with their derivatives, and half as many of POD, trained by the same load at
     up to 1.2 of its size.
@@ -188,7 +188,7 @@ def bent(modes: int) -> dict[str, float]:
     record = {"deflection": away}
     for name, basis in bases.items():
         found = fl.reduction.reduced_statics(
-            scene, fl.reduction.Basis(beam, basis.shapes), load_steps=8
+            scene, fl.reduction.Basis(beam, basis.modes), load_steps=8
         )
         error = np.linalg.norm(found.frames[:, 0] - full, axis=1).max()
         record[f"{name}_{modes}_shapes"] = float(len(basis))
@@ -198,7 +198,7 @@ def bent(modes: int) -> dict[str, float]:
 
 
 def answering(shapes: int) -> dict[str, float]:
-    """Error of the place where a load swings at half the first frequency: Krylov, normal modes."""
+    """Error where a load oscillates at half the first frequency: Krylov vectors, normal modes."""
     scene, beam = cantilever(0.0)
     rest = LinearisedBody(scene, None)
     wrench = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
@@ -214,7 +214,7 @@ def answering(shapes: int) -> dict[str, float]:
         "normal": fl.reduction.craig_bampton(scene, [], shapes),
     }
     for name, basis in bases.items():
-        V = rest.vectors(basis.shapes).T
+        V = rest.unknowns_of(basis.modes).T
         found = V.T @ f @ np.linalg.solve(V.T @ (dynamic @ V), V.T @ f)
         record[f"{name}_{shapes}_answer_error"] = float(abs(found / full - 1.0))
     return record

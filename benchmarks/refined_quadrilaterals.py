@@ -95,7 +95,7 @@ def by_gmsh(tolerance: float) -> None:
 
 
 def meshed_anew(centres: np.ndarray, size: np.ndarray) -> fl.mesh.SurfaceMesh:
-    """Quadrilaterals of the L, of the sizes of those that were at the nearest places."""
+    """Quadrilaterals of the L, of the sizes of those that were at the nearest positions."""
     tree = cKDTree(centres[:, :2])
     gmsh.initialize()
     try:
@@ -120,15 +120,15 @@ def meshed_anew(centres: np.ndarray, size: np.ndarray) -> fl.mesh.SurfaceMesh:
         number = np.zeros(int(tags.max()) + 1, dtype=np.int64)
         number[tags.astype(int)] = np.arange(len(tags))
         cells = number[nodes[0].astype(int)].reshape(-1, 4)[:, [0, 1, 3, 2]]
-        places = x.reshape(-1, 3)
+        positions = x.reshape(-1, 3)
     finally:
         gmsh.finalize()
     used = np.unique(cells)
-    cells, places = np.searchsorted(used, cells), places[used]
+    cells, positions = np.searchsorted(used, cells), positions[used]
     sides = np.sort(cells[:, [[0, 1], [0, 2], [1, 3], [2, 3]]].reshape(-1, 2), axis=1)
     edges, met = np.unique(sides, axis=0, return_counts=True)
     rim = edges[met == 1]
-    return fl.mesh.SurfaceMesh.from_cells(places, cells, "quadrilateral", curves={"rim": rim})
+    return fl.mesh.SurfaceMesh.from_cells(positions, cells, "quadrilateral", curves={"rim": rim})
 
 
 def main() -> None:

@@ -1,8 +1,8 @@
 """Frames merged and split while running: a tumbling net of beams that is struck at one corner.
 
-10 x 10 threads of plastic, 1 cm square in section and rigidly joined where they cross, tumble
+10 x 10 cables of plastic, 1 cm square in section and rigidly joined where they cross, tumble
 freely over one metre; a force at a corner lasts 20 ms. Merged frames against all of them, by the
-same scheme and step: deflection is the distance of a node from its place in the mean axes, seen in
+same scheme and step: deflection is the distance of a node from its position in the mean axes, in
 these axes.
 """
 
@@ -23,11 +23,11 @@ STRUCK, LASTS = 0.5, 0.02
 STEP = 2e-3
 
 
-def threads(count: int) -> fl.mesh.LineMesh:
+def cables(count: int) -> fl.mesh.LineMesh:
     """So many in each direction over a square of 1 m, one element from crossing to crossing."""
     number = np.arange(count * count).reshape(count, count)
-    places = np.linspace(0.0, 1.0, count)
-    points = np.array([(x, y, 0.0) for x in places for y in places])
+    positions = np.linspace(0.0, 1.0, count)
+    points = np.array([(x, y, 0.0) for x in positions for y in positions])
     both = [(number[:-1], number[1:], (1.0, 0.0, 0.0)), (number[:, :-1], number[:, 1:], (0, 1, 0))]
     cells = np.concatenate([np.column_stack([a.ravel(), b.ravel()]) for a, b, _ in both])
     along = [np.tile(direction, (a.size, 2, 1)) for a, _, direction in both]
@@ -40,7 +40,7 @@ def net(count: int, force: float) -> fl.Scene:
     scene = fl.Scene()
     section = fl.Section.rectangle(0.01, 0.01, PLASTIC)
     damping = fl.sections.Damping(stiffness=0.05)
-    body = fl.Beam(threads(count), section, up=(0, 0, 1), damping=damping, name="net")
+    body = fl.Beam(cables(count), section, up=(0, 0, 1), damping=damping, name="net")
     scene.add(body)
     body.add_velocity(omega=(1.0, 0.3, 2.0), about=(0.5, 0.5, 0.0))
     body.add_velocity((0.2, 0.1, 0.3))
@@ -54,7 +54,7 @@ def net(count: int, force: float) -> fl.Scene:
 
 
 def deflections(body: fl.extend.Body, frames: np.ndarray) -> np.ndarray:
-    """Of all nodes from their places in the mean axes, in these, (k, n, 3)."""
+    """Of all nodes from their positions in the mean axes, in these, (k, n, 3)."""
     motion = local_motion(body, frames, fl.reduction.MeanAxes())
     still = expanded(body, motion._replace(increments=np.zeros_like(motion.increments)))
     away = (frames - still)[:, :, 0]
@@ -77,7 +77,7 @@ def main(
     rows = np.rint(merged.times / STEP).astype(int)
     wanted = deflections(body, full.frames[:, nodes])[rows]
     error = np.linalg.norm(deflections(body, merged.frames[:, nodes]) - wanted, axis=2)
-    places = np.linalg.norm((merged.frames - full.frames[rows])[:, nodes, 0], axis=2)
+    positions = np.linalg.norm((merged.frames - full.frames[rows])[:, nodes, 0], axis=2)
     largest = float(np.linalg.norm(wanted, axis=2).max())
     stretches = merged.segments
     record = {
@@ -85,7 +85,7 @@ def main(
         "share": merged.active_fraction,
         "deflection": largest,
         "deflection_error": float(error.max()) / largest,
-        "place_error": float(places.max()) / largest,
+        "place_error": float(positions.max()) / largest,
         "momentum_error": merged.momentum_error,
         "energy_change": abs(merged.energy_change) / float(stretches[-1].result.kinetic[-1]),
         "stretches": float(len(stretches)),

@@ -7,7 +7,7 @@ through load steps; its other end is held by a force of 1 N. From ring to ring i
 ``exp(μφ)`` times, if that part is small. Tension is that of the last two elements that slide
 through, on the average, for a rope of elements pulls a little more or less where it is in them.
 
-*Motion.* A ring on a free body or thread is thrown along a free rope of 20 elements at 2.2 m/s,
+*Motion.* A ring on a free body or cable is thrown along a free rope of 20 elements at 2.2 m/s,
 0.1 s with steps of 5e-4 s, without and with friction.
 """
 
@@ -20,31 +20,31 @@ import numpy as np
 
 import fem_lie as fl
 
-THREAD = fl.Section.circle(1e-3, fl.Material(E=1e9, nu=0.3, density=1000.0))
+CABLE = fl.Section.circle(1e-3, fl.Material(E=1e9, nu=0.3, density=1000.0))
 CELLS = 20
 
 
-def place(s: float) -> tuple[float, float, float]:
+def position(s: float) -> tuple[float, float, float]:
     return (s, 0.05 * np.sin(3.0 * s), 0.02 * s * s)
 
 
 def rope(kind: str) -> fl.Net | fl.Cable | fl.Beam:
-    """The same curve as places, places and slopes, frames."""
+    """The same curve as positions, positions and slopes, frames."""
     if kind == "net":
-        points = [place(s) for s in np.linspace(0, 1, CELLS + 1)]
-        return fl.Net(points, [range(CELLS + 1)], THREAD)
-    return (fl.Cable if kind == "cable" else fl.Beam).curve(place, THREAD, cells=CELLS)
+        points = [position(s) for s in np.linspace(0, 1, CELLS + 1)]
+        return fl.Net(points, [range(CELLS + 1)], CABLE)
+    return (fl.Cable if kind == "cable" else fl.Beam).curve(position, CABLE, cells=CELLS)
 
 
 def free(kind: str, ring: str, friction: float = 0.0) -> fl.Scene:
-    """A free rope, and a free body or thread with a ring on it that is thrown along it."""
-    scene, one, at = fl.Scene(), rope(kind), np.array(place(0.52))
+    """A free rope, and a free body or cable with a ring on it that is thrown along it."""
+    scene, one, at = fl.Scene(), rope(kind), np.array(position(0.52))
     scene.add(one)
     if ring == "body":
         other = scene.add(fl.RigidBody(0.01, 1e-5 * np.eye(3), at - [0, 0, 0.03]))
         rings = fl.contact.Rings([other.point("centre")], at=[at])
     else:
-        other = scene.add(fl.Net([at, at - [0, 0, 0.2], at - [0, 0, 0.4]], [[0, 1, 2]], THREAD))
+        other = scene.add(fl.Net([at, at - [0, 0, 0.2], at - [0, 0, 0.4]], [[0, 1, 2]], CABLE))
         rings = fl.contact.Rings([other.point(0)])
     other.add_velocity((2.0, 0, -1.0))
     scene.add(
@@ -63,7 +63,7 @@ def arc(angle: float, cells: int) -> fl.Beam:
     tail = TAIL * element
     length = angle * RADIUS + 2 * tail
 
-    def place(s: float) -> tuple[float, float, float]:
+    def position(s: float) -> tuple[float, float, float]:
         along = s * length - tail
         turned = min(max(along / RADIUS, 0.0), angle)
         beyond, c, n = along - turned * RADIUS, np.cos(turned), np.sin(turned)
@@ -72,7 +72,7 @@ def arc(angle: float, cells: int) -> fl.Beam:
     stiffness = [EXTENSION, EXTENSION / 3, EXTENSION / 3, BENDING, BENDING, BENDING]
     element_law = fl.elements.GeodesicBeam(bending_flexibility=False)
     section = fl.Section.from_stiffness(stiffness)
-    return fl.Beam.curve(place, section, cells=cells + 2 * TAIL, formulation=element_law)
+    return fl.Beam.curve(position, section, cells=cells + 2 * TAIL, formulation=element_law)
 
 
 def capstan(degrees: float, rings: int, cells: int, friction: float) -> dict[str, float]:

@@ -18,7 +18,7 @@ import fem_lie as fl
 from fem_lie.mesh.curves import curve
 
 ELEMENTS: dict[str, fl.elements.BeamFormulation] = {
-    "places and slopes": fl.elements.HermiteCable(),
+    "positions and slopes": fl.elements.HermiteCable(),
     "discrete": fl.elements.DiscreteCable(),
     "Kirchhoff rod": fl.elements.KirchhoffRod(),
     "discrete rod": fl.elements.DiscreteRod(),

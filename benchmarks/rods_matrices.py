@@ -3,10 +3,10 @@
 Each scene is run by generalised-alpha with the policy ``Automatic``, the same step and tolerance:
 
 - fixed: equations in axes fixed in space, ``MatrixFrame.INERTIAL``
-- own: in the nodes' axes, which go along with tangents by the smallest rotation; those of places
+- own: in the nodes' axes, which go along with tangents by the smallest rotation; those of positions
   stay as they are, and rods have those of their frames and edges
 - following, of what has no frames: in axes from which the mean rotation of the body has been taken
-  out, ``follow()``
+  out, ``convect_axes()``
 
 Besides matrices and iterations it prints the largest distance of any node at any time from the
 first of the runs, over the size of the body: they have the same error.
@@ -66,9 +66,9 @@ def rod(
     if formulation is None:
         u = np.linspace(0, 1, 21)
         s, rate = 0.6 * u + 0.4 * u * u, 0.6 + 0.8 * u
-        places = np.stack([s, bow[1] * s**3, bow[0] * s * s], axis=1)
+        positions = np.stack([s, bow[1] * s**3, bow[0] * s * s], axis=1)
         slopes = np.stack([rate, 3 * bow[1] * s * s * rate, 2 * bow[0] * s * rate], axis=1)
-        body = fl.Rod(fl.mesh.Spline.checked(u, places, slopes).mesh(), own)
+        body = fl.Rod(fl.mesh.Spline.checked(u, positions, slopes).mesh(), own)
     else:
         body = fl.Rod.curve(
             lambda s: (s, bow[1] * s**3, bow[0] * s * s), own, cells=20, formulation=formulation
@@ -124,7 +124,7 @@ def run(name: str, axes: str, steps: int) -> fl.Result:
     scene, body, step = SCENES[name]()
     if axes == "following":
         assert not isinstance(body, fl.Rod)
-        body.follow()
+        body.convect_axes()
     components = (
         fl.schemes.MatrixFrame.INERTIAL if axes == "fixed" else fl.schemes.MatrixFrame.LOCAL
     )

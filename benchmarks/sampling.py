@@ -61,7 +61,7 @@ class Row(NamedTuple):
         shapes: By which rule they are made.
         modes: How many there are.
         cells: Which have forces.
-        error: Largest of a place, over the deflection.
+        error: Largest of a position, over the deflection.
         milliseconds: For all load steps.
         asymmetry: Of the matrix at the end.
     """
@@ -90,13 +90,13 @@ class Interpolated:
             left = U[:, k] - U[:, :k] @ np.linalg.solve(U[chosen, :k], U[chosen, k])
             chosen.append(int(np.abs(left).argmax()))
         cells, self.which = np.divmod(chosen, self.m)
-        self.cells, self.place = np.unique(cells, return_inverse=True)
+        self.cells, self.position = np.unique(cells, return_inverse=True)
         self.matrix = U.reshape(count, self.m, rank).sum(axis=0) @ np.linalg.inv(U[chosen])
         self.some = ReducedCells(basis, self.cells, np.ones(len(self.cells)))
 
     def forces(self, η: np.ndarray) -> np.ndarray:
         """Of all cells, as they are interpolated."""
-        return self.matrix @ self.some.of_each(η)[self.place, self.which]
+        return self.matrix @ self.some.of_each(η)[self.position, self.which]
 
     def forces_and_matrix(self, η: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """And their derivative, by differences."""
@@ -115,14 +115,14 @@ class Case:
         began = time.perf_counter()
         full = fl.statics(self.scene, levels=LEVELS)
         self.milliseconds = 1e3 * (time.perf_counter() - began)
-        self.place = full.frames[-1, full.info.body(name).nodes, 0]
-        self.away = float(np.linalg.norm(self.place - self.body.frames[:, 0], axis=1).max())
+        self.position = full.frames[-1, full.info.body(name).nodes, 0]
+        self.away = float(np.linalg.norm(self.position - self.body.frames[:, 0], axis=1).max())
         training, self.trained_body = self.make(1.2)
         self.trained = fl.statics(training, levels=np.linspace(0.1, 1.0, 10))
 
     def here(self, basis: fl.reduction.Basis) -> fl.reduction.Basis:
         """The same shapes of the body of the scene."""
-        return fl.reduction.Basis(self.body, basis.shapes)
+        return fl.reduction.Basis(self.body, basis.modes)
 
     def pod(self, modes: int) -> tuple[fl.reduction.Basis, fl.reduction.ReducedStates]:
         """Shapes of the training, and its states in them."""
@@ -139,7 +139,7 @@ class Case:
             found = equilibria(cells, loads, basis, LEVELS)
             best = min(best, time.perf_counter() - began)
         K = cells.forces_and_matrix(found.coordinates[-1])[1]
-        error = np.linalg.norm(found.frames[-1, :, 0] - self.place, axis=1).max() / self.away
+        error = np.linalg.norm(found.frames[-1, :, 0] - self.position, axis=1).max() / self.away
         asymmetry = float(np.abs(K - K.T).max() / np.abs(K).max())
         return Row(self.name, shapes, len(basis), count, float(error), 1e3 * best, asymmetry)
 
@@ -196,7 +196,7 @@ def plot(rows: list[Row], full: dict[str, float], path: Path) -> None:
         axes.axhline(0.01, color="grey", lw=0.6)
         axes.set(title=name, xlabel="ms for eight equilibria")
         axes.legend(fontsize=8)
-    both[0].set_ylabel("error of a place over the deflection")
+    both[0].set_ylabel("error of a position over the deflection")
     figure.savefig(path, dpi=110)
 
 

@@ -5,8 +5,8 @@ under gravity by generalised-α. Set-up is all that comes before the first step:
 the equations, the search for redundant constraints, initial accelerations.
 
 A weave is of rods along both directions of a plane, each across twenty others, to which spherical
-joints bind it: ten joints for each body. Neighbours in a row begin at other places, so that all is
-one. Without steps (--steps 0) it prints the time of bodies and joints, and of the equations.
+joints bind it: ten joints for each body. Neighbours in a row are shifted, so that all is
+connected. Without steps (--steps 0) it prints the time of bodies and joints, and of the equations.
 
     python3 -m benchmarks.scale --scene chain --bodies 1000 --json chain.json
     python3 -m benchmarks.scale --scene weave --bodies 10000 --steps 0
@@ -68,8 +68,8 @@ def weave(bodies: int) -> fl.Scene:
                 scene.add(rod)
                 for k in range(begin, end):
                     found[(row, k) if way else (k, row)] = rod.point(k - begin)
-    for place in crossing[0].keys() & crossing[1].keys():
-        scene.add(fl.joints.Spherical(crossing[0][place], crossing[1][place]))
+    for position in crossing[0].keys() & crossing[1].keys():
+        scene.add(fl.joints.Spherical(crossing[0][position], crossing[1][position]))
     return scene
 
 

@@ -102,13 +102,13 @@ class Layer(NamedTuple):
         x, w = hermite.gauss(POINTS)
         table = hermite.table(hermite.products(x, x))
         lying, moved = shell.model.hermite_vectors(), shell.model.hermite_vectors(result.frames[-1])
-        places = np.einsum("ga,maj->mgj", table[:, hermite.VALUE], lying)
+        positions = np.einsum("ga,maj->mgj", table[:, hermite.VALUE], lying)
         a, b = shell.model.sizes[:, 0], shell.model.sizes[:, 1]
         spans = np.stack([a * a, b * b, a * b])[:, :, np.newaxis]
         found = np.einsum("gka,ma->kmg", table[:, hermite.BENT_ALONG :], moved[:, :, 2]) / spans
         at = np.vectorize(deflection)
         orders = (2, 0), (0, 2), (1, 1)
-        true = np.stack([at(places[..., 0], places[..., 1], self.steep, *k) for k in orders])
+        true = np.stack([at(positions[..., 0], positions[..., 1], self.steep, *k) for k in orders])
         twice = np.array([1.0, 1.0, 2.0])[:, np.newaxis, np.newaxis]
         weights = (a * b)[:, np.newaxis] * np.outer(w, w).ravel()
         fields = np.stack([twice * (found - true), twice * true])

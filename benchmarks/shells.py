@@ -129,12 +129,12 @@ def strip_deflection(
 ) -> float:
     """The edges across the strip turn to and fro by ``distortion`` cells."""
 
-    def place(a: float, b: float) -> list[float]:
+    def position(a: float, b: float) -> list[float]:
         angle = (a + distortion / cells * np.sin(pi * a) * (2 * b - 1)) * pi / 2
         return [radius * np.sin(angle), b, radius * np.cos(angle)]
 
     shell = fl.Shell(
-        fl.mesh.parametric_surface(place, (cells, 1), cell=cell),
+        fl.mesh.parametric_surface(position, (cells, 1), cell=cell),
         fl.ShellSection.layer(t, fl.Material(1e6, 0.0, 1.0)),
         director=lambda x: np.array([x[0], 0.0, x[2]]) / np.hypot(x[0], x[2]),
         formulation=formulation,
@@ -160,12 +160,12 @@ def solved(shell: fl.Shell, load: fl.loads.EdgeLoad) -> fl.StaticResult:
 
 
 def bending() -> None:
-    """End moment to a quarter circle: error of the end's rotation, and of its place."""
+    """End moment to a quarter circle: error of the end's rotation, and of its position."""
     elements = {
         "decoupled bending": fl.elements.HellingerReissner(fl.elements.DECOUPLED),
         "full form": HR,
     }
-    header("elements", *(f"{name}: rotation / place" for name in elements))
+    header("elements", *(f"{name}: rotation / position" for name in elements))
     for cells in (1, 2, 4, 8, 16):
         row(str(cells), *(rolled(cells, formulation) for formulation in elements.values()))
 
@@ -188,8 +188,8 @@ def rolled(cells: int, formulation: fl.elements.ShellFormulation) -> str:
     director = result.rotation("strip.10")[-1, :, 2]
     turned = np.arctan2(-director[0], director[2]) - angle
     radius = ROLLED / angle
-    place = result.position("strip.10")[-1] - [radius, 0.0, radius]
-    return f"{abs(turned):.0e} / {np.linalg.norm(place) / ROLLED:.1e}"
+    position = result.position("strip.10")[-1] - [radius, 0.0, radius]
+    return f"{abs(turned):.0e} / {np.linalg.norm(position) / ROLLED:.1e}"
 
 
 # --- ill-shaped cells -----------------------------------------------------------------------------
@@ -211,7 +211,7 @@ def shapes() -> None:
     header("element", *flat, *curved)
     for name, (formulation, cell) in ELEMENTS.items():
         cells = [cantilever(*mesh, formulation, cell) for mesh in flat.values()]
-        cells += [hemisphere(place, formulation, cell) for place in curved.values()]
+        cells += [hemisphere(position, formulation, cell) for position in curved.values()]
         row(name, *cells)
 
 
@@ -230,31 +230,31 @@ def noise(a: float, b: float, n: int, m: int) -> tuple[float, float]:
 def strip_at(shift: Callable[[float, float], tuple[float, float]]) -> Place:
     """A strip of 10 x 1 with shifted nodes."""
 
-    def place(a: float, b: float) -> list[float]:
+    def position(a: float, b: float) -> list[float]:
         da, db = shift(a, b)
         return [10 * (a + da), b + db, 0.0]
 
-    return place
+    return position
 
 
 def sphere_at(shift: Callable[[float, float], tuple[float, float]]) -> Place:
     """The quarter of the hemisphere with shifted nodes."""
 
-    def place(a: float, b: float) -> list[float]:
+    def position(a: float, b: float) -> list[float]:
         da, db = shift(a, b)
         azimuth, height = (a + da) * pi / 2, (b + db) * np.radians(72)
         level = RADIUS * np.cos(height)
         return [level * np.cos(azimuth), level * np.sin(azimuth), RADIUS * np.sin(height)]
 
-    return place
+    return position
 
 
 def cantilever(
-    cells: tuple[int, int], place: Place, formulation: fl.elements.ShellFormulation, cell: str
+    cells: tuple[int, int], position: Place, formulation: fl.elements.ShellFormulation, cell: str
 ) -> str:
     """Shortening and deflection under the full load of demos/cantilever_shear.py."""
     shell = fl.Shell(
-        fl.mesh.parametric_surface(place, cells, cell=cell),
+        fl.mesh.parametric_surface(position, cells, cell=cell),
         fl.ShellSection.layer(0.1, fl.Material(1.2e6, 0.0, 1.0)),
         formulation=formulation,
         name="strip",
@@ -265,9 +265,9 @@ def cantilever(
     return errors(-moved[0] / 3.289678, moved[2] / 6.700108)
 
 
-def hemisphere(place: Place, formulation: fl.elements.ShellFormulation, cell: str) -> str:
+def hemisphere(position: Place, formulation: fl.elements.ShellFormulation, cell: str) -> str:
     """Deflections of demos/hemisphere.py, t = 0.04."""
-    scene = pinched(0.04, fl.mesh.parametric_surface(place, (16, 16), cell=cell), formulation)
+    scene = pinched(0.04, fl.mesh.parametric_surface(position, (16, 16), cell=cell), formulation)
     result = fl.follow_loads(scene)
     _, outward, inward = CASES[0.04]
     a = result.position("hemisphere.00")[-1, 0] - RADIUS

@@ -310,9 +310,9 @@ def thrown_plate() -> fl.Scene:
 
 def rope_and_ball() -> fl.Scene:
     """A cable that flies with a ball at its end, held off its centre."""
-    thread = fl.Section.from_stiffness([100.0] * 3 + [1e-3] * 3, mass=0.01)
+    cord = fl.Section.from_stiffness([100.0] * 3 + [1e-3] * 3, mass=0.01)
     scene = fl.Scene()
-    cable = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), thread, cells=8))
+    cable = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), cord, cells=8))
     ball = scene.add(fl.RigidBody(0.02, (1e-5, 2e-5, 2e-5), (1.1, 0, 0)))
     ball.velocities[0, [1, 5]] = 0.2, 2.0
     scene.add(fl.joints.Spherical(cable.point("end"), ball.point("centre"), at=(1, 0, 0)))
@@ -330,7 +330,7 @@ def hung_cable() -> fl.Scene:
 
 def membrane() -> fl.Scene:
     """Cook's membrane of compressible rubber."""
-    cells = fl.mesh.parametric_volume(cooks_membrane.place, (24, 24, 1))
+    cells = fl.mesh.parametric_volume(cooks_membrane.position, (24, 24, 1))
     panel = fl.Solid(cells, fl.sections.NeoHooke(240.0, 0.3), name="panel")
     panel.clamp("a=0")
     panel.model.held[:, 2] = True

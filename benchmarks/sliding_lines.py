@@ -2,7 +2,7 @@
 
     python -m benchmarks.sliding_lines
 
-Both are straight, the second is moved without changing its overlap; 321 places for each angle.
+Both are straight, the second is moved without changing its overlap; 321 positions for each angle.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ SECTION = fl.Section.circle(RADIUS, fl.Material(1e9, 0.3, 1000.0))
 
 
 def force(angle: float, x: float) -> np.ndarray:
-    """On the first beam, with the second one crossing it at a place."""
+    """On the first beam, with the second one crossing it at a position."""
     half = 0.5 * ELEMENTS * CELL + 4.0  # at the smallest angle they touch along 3.6 m to each side
     cells = round(2 * half / CELL)
     one = fl.Beam.straight((-half, 0, 0), (half, 0, 0), SECTION, cells=cells)
@@ -35,10 +35,10 @@ def force(angle: float, x: float) -> np.ndarray:
 
 def main() -> dict[float, float]:
     """Largest change of the force over its mean, for each angle in degrees."""
-    places = np.linspace(-0.5, 0.5, 321) * ELEMENTS * CELL
+    positions = np.linspace(-0.5, 0.5, 321) * ELEMENTS * CELL
     found = {}
     for degrees in ANGLES:
-        sizes = np.array([-force(np.radians(degrees), x)[2] for x in places])
+        sizes = np.array([-force(np.radians(degrees), x)[2] for x in positions])
         found[degrees] = float(np.ptp(sizes) / sizes.mean())
         print(f"{degrees:5} degrees: {sizes.mean():10.4f} N, changes by {found[degrees]:.1e}")
     return found

@@ -32,11 +32,11 @@ def arc(mesh: int, x: float, cell: str) -> fl.Shell:
     """Bent about an axis along the flat plate's edges, shifted to ``x``."""
     middle = THICK * (1 - OVERLAP) + RADIUS
 
-    def place(a: float, b: float) -> np.ndarray:
+    def position(a: float, b: float) -> np.ndarray:
         φ = ARC * (a - 0.5)
         return np.array([x + RADIUS * np.sin(φ), 0.1 + 0.2 * b, middle - RADIUS * np.cos(φ)])
 
-    return fl.Shell(fl.mesh.parametric_surface(place, (mesh, 2), cell=cell), LAYER)
+    return fl.Shell(fl.mesh.parametric_surface(position, (mesh, 2), cell=cell), LAYER)
 
 
 def force(contact: fl.contact.Contact) -> np.ndarray:

@@ -19,7 +19,7 @@ from time import process_time
 import numpy as np
 
 import fem_lie as fl
-from demos.cooks_membrane import place
+from demos.cooks_membrane import position
 
 STEP, LAW = 1e-3, fl.sections.NeoHooke(1e4, 0.3, 1.0)
 BRICKS = {1: (4, 3, 2), 2: (2, 2, 1)}
@@ -113,7 +113,7 @@ def tetrahedra(_: int) -> None:
 def rise(nu: float, mesh: int, degree: int) -> float:
     """In plane strain."""
     panel = fl.Solid(
-        fl.mesh.parametric_volume(place, (mesh, mesh, 1), cell="tetrahedron"),
+        fl.mesh.parametric_volume(position, (mesh, mesh, 1), cell="tetrahedron"),
         fl.sections.SaintVenantKirchhoff(1.0, nu),
         degree=degree,
         formulation=fl.elements.Isoparametric(),

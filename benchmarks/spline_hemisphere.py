@@ -23,7 +23,7 @@ def main() -> None:
     _, outward, inward = hemisphere.CASES[given.thickness]
     print("| | cells | unknowns | estimated error | deflections outward, inward |")
     for way, part in (("equal cells", 1.0), ("cut by the estimate", 0.5)):
-        mesh = fl.mesh.spline_mesh(fl.mesh.smooth_patch(hemisphere.place, (4, 4)))
+        mesh = fl.mesh.spline_mesh(fl.mesh.smooth_patch(hemisphere.position, (4, 4)))
         while True:
             scene = hemisphere.pinched(given.thickness, mesh)
             unknowns = 6 * len(scene.bodies[0].frames)

@@ -96,7 +96,7 @@ def own_axes(cable: fl.Cable) -> np.ndarray:
     return axes
 
 
-def places(cable: fl.Cable, times: np.ndarray, step: float) -> np.ndarray:
+def positions(cable: fl.Cable, times: np.ndarray, step: float) -> np.ndarray:
     """Of ends of equal parts at these times, shape (times, parts + 1, 3)."""
     scene = fl.Scene(gravity=GRAVITY)
     scene.add(cable)
@@ -144,7 +144,7 @@ def main() -> None:
         own = float(np.linalg.norm(coarse - exact, axis=-1).max()) / LENGTH
         for element in ELEMENTS:
             errors = [
-                np.linalg.norm(places(make(n, element), times, options.step) - exact, axis=-1)
+                np.linalg.norm(positions(make(n, element), times, options.step) - exact, axis=-1)
                 for n in (8, 16, 32, 64)
             ]
             table = "".join(f"{error.max() / LENGTH:9.1e}" for error in errors)

@@ -86,8 +86,8 @@ def shear() -> None:
         for mesh in meshes:
             found = deflections(mesh, factor, formulation)
             errors = ", ".join(f"{x:+.2%}" for x in found / wanted - 1.0)
-            places = ", ".join(f"{x:.5f}" for x in found)
-            print(f"| {name} | {mesh} | {places} | {errors} |", flush=True)
+            positions = ", ".join(f"{x:.5f}" for x in found)
+            print(f"| {name} | {mesh} | {positions} | {errors} |", flush=True)
 
 
 def deflections(mesh: int, factor: float, formulation: str) -> np.ndarray:

@@ -295,7 +295,7 @@ _NAMES = {
     r"got \w+ between [\w, ]+;": "got something else;",
     r"\bbody\.(start|end|node \d|\d\d|a=\d)": "a point of body",
     r"\bnode \d+ of body": "a node of body",
-    r"have places( and slopes)?( of a surface)?:": "have places:",
+    r"have positions( and (position|surface) gradients)?:": "have positions:",
 }
 """What messages name, and what notes have instead, so that there are few of them."""
 

@@ -2,7 +2,7 @@
 
 Two scenes, both of soft bars: the double pendulum of order_four.py, and a four-bar mechanism whose
 last axis is tilted by 5 degrees, driven by one radian in 0.2 s. The error is the distance between
-the places of all nodes at the end and those of a reference, over the length of the model, so it is
+the final positions of all nodes and those of a reference, over the length of the model, so it is
 the error in time alone. References are composed steps, iterated to round-off, of half the size of
 any other; they are kept beside the numbers (``--references`` makes them anew) with by how much
 steps of twice the size differ from them.
@@ -129,7 +129,7 @@ def run(problem: Problem, scheme: Integrator, steps: int) -> fl.Result:
     return scheme.run(problem.scene(), duration=duration, step=duration / steps, save_every=steps)
 
 
-def places(result: fl.Result) -> np.ndarray:
+def positions(result: fl.Result) -> np.ndarray:
     """Of all nodes at the end, shape (N, 3)."""
     return np.asarray(result.frames[-1, :, 0])
 
@@ -140,7 +140,7 @@ def make_references() -> None:
         table = csv.writer(file)
         for name, problem in PROBLEMS.items():
             near, far = (
-                places(run(problem, fl.schemes.Composed(), n)) for n in (FINEST, FINEST // 2)
+                positions(run(problem, fl.schemes.Composed(), n)) for n in (FINEST, FINEST // 2)
             )
             gap = float(np.linalg.norm(near - far, axis=1).max() / problem.length)
             print(f"{name}: {FINEST} and {FINEST // 2} composed steps differ by {gap:.1e}")
@@ -148,7 +148,7 @@ def make_references() -> None:
 
 
 def references() -> dict[str, np.ndarray]:
-    """Places at the end, of each problem."""
+    """Positions at the end, of each problem."""
     with REFERENCES.open(newline="") as file:
         return {row[0]: np.array(row[2:], dtype=float).reshape(-1, 3) for row in csv.reader(file)}
 
@@ -177,7 +177,7 @@ def measure(repeats: int) -> list[Row]:
                 failed.add(plan)
                 print(f"{plan}: {error}")
                 continue
-            error = np.linalg.norm(places(made) - exact[name], axis=1).max() / problem.length
+            error = np.linalg.norm(positions(made) - exact[name], axis=1).max() / problem.length
             counts = int(made.iterations[-1]), made.factorisations
             row = Row(*plan, float(error), made.seconds, *counts)
             if plan not in best or row.seconds < best[plan].seconds:

@@ -51,7 +51,7 @@ def l_plate(mesh: fl.mesh.SurfaceMesh) -> fl.Scene:
 
 
 def on_cylinder(x: np.ndarray) -> np.ndarray:
-    """The place on the cylinder about x that is nearest."""
+    """The position on the cylinder about x that is nearest."""
     return np.array([x[0], *(RADIUS * x[1:] / np.hypot(*x[1:]))])
 
 
@@ -61,11 +61,11 @@ def eighth(pad: int = CELLS, cells: int = CELLS) -> fl.mesh.SurfaceMesh:
     The pad is one of so many parts of each side; cells there are cut until it is made of them.
     """
 
-    def place(a: float, b: float) -> np.ndarray:
+    def position(a: float, b: float) -> np.ndarray:
         angle = a * np.pi / 2
         return RADIUS * np.array([b, -np.sin(angle), np.cos(angle)])
 
-    mesh, parts = fl.mesh.parametric_surface(place, (cells, cells), cell="triangle"), cells
+    mesh, parts = fl.mesh.parametric_surface(position, (cells, cells), cell="triangle"), cells
     while parts < pad:
         mesh, parts = fl.adaptivity.refine(mesh, under(mesh, parts), onto=on_cylinder), 2 * parts
     return replace(mesh, groups={"pad": under(mesh, pad)})

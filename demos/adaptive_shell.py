@@ -3,7 +3,7 @@
 Where a solution is singular, as at the corner of the plate, equal elements waste nearly all of
 themselves. Both problems are in adaptive_problems.py.
 
-The goal J, a deflection, has a dual solution z, the motion under a unit force at its place. What an
+The goal J, a deflection, has a dual solution z, the motion under a unit force at its point. What an
 element adds to the error of J is the product of two errors of its stress, in the solution and in z
 (R. Becker & R. Rannacher, Acta Numerica 10 (2001) 1), each estimated by the difference from a
 stress that is averaged over the patch around each node, in local frames. Of the plate each mesh is

@@ -34,9 +34,9 @@ POINTS = 8000
 """Places at which strains are compared."""
 
 
-def exact(places: Any, time: float) -> Any:
+def exact(positions: Any, time: float) -> Any:
     """Axial strain of the wave."""
-    there, back = time - places / SPEED, time - (2 * LENGTH - places) / SPEED
+    there, back = time - positions / SPEED, time - (2 * LENGTH - positions) / SPEED
     force = [FORCE * (push(b) - push(a)) for a, b in zip(there, back, strict=True)]
     return np.array(force) / STIFFNESS
 
@@ -52,7 +52,7 @@ def main(
         raise ValueError(f"case must be one of {', '.join(MOTIONS)}, got {case!r}")
     motion = MOTIONS[case]
     end = motion.duration if duration is None else duration
-    places = (np.arange(POINTS) + 0.5) / POINTS * motion.length
+    positions = (np.arange(POINTS) + 0.5) / POINTS * motion.length
     found = fl.adaptivity.adapt_motion(
         motion.build,
         line(motion, motion.cells),
@@ -64,10 +64,10 @@ def main(
         space_fraction=0.6,
     )
     last = found.segments[-1]
-    true = exact(places, end)
+    true = exact(positions, end)
 
     def error(scene: fl.Scene, result: fl.Result) -> float:
-        gap = strains(scene, result, places) - true
+        gap = strains(scene, result, positions) - true
         return float(np.linalg.norm(gap) / np.linalg.norm(true))
 
     record = {

@@ -91,9 +91,9 @@ def nets(laid: Cables, cells: int, slack: float) -> fl.Net:
     first, last = laid.knots[laid.ends.T]
     within = first[:, np.newaxis] + inner * (last - first)[:, np.newaxis]
     numbers = len(laid.knots) + np.arange(within[..., 0].size).reshape(len(within), -1)
-    threads = np.concatenate([laid.ends[:, :1], numbers, laid.ends[:, 1:]], axis=1)
-    places = np.concatenate([laid.knots, within.reshape(-1, 3)])
+    lines = np.concatenate([laid.ends[:, :1], numbers, laid.ends[:, 1:]], axis=1)
+    positions = np.concatenate([laid.knots, within.reshape(-1, 3)])
     element = fl.elements.DiscreteCable(slack=slack)
     return fl.Net(
-        places, threads.tolist(), CORD, stretch=1.0 + strains, formulation=element, name="net"
+        positions, lines.tolist(), CORD, stretch=1.0 + strains, formulation=element, name="net"
     )

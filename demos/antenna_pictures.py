@@ -18,12 +18,12 @@ UPRIGHT, LONGERON, TELESCOPE, CORD = "#444444", "#D55E00", "#56B4E9", "#999999"
 
 def lines(antenna: Antenna, result: fl.Result, row: int) -> list[tuple[np.ndarray, str, float]]:
     """Places of the nodes along all bars and cables, colours and widths."""
-    places, info = result.frames[row, :, 0], result.info
+    positions, info = result.frames[row, :, 0], result.info
     bays, found = len(antenna.uprights), []
     if antenna.net is not None:
         ends = antenna.net.model.elements
-        found.append((places[info.body("net").nodes[ends]], CORD, 0.3))
-    bars = np.array([places[info.body(bar.name).nodes] for bar in antenna.bars])
+        found.append((positions[info.body("net").nodes[ends]], CORD, 0.3))
+    bars = np.array([positions[info.body(bar.name).nodes] for bar in antenna.bars])
     found.append((bars[:bays], UPRIGHT, 1.2))
     folding = bars[bays:].reshape(bays, 4, *bars.shape[1:])
     found.append((folding[:, :2].reshape(-1, *bars.shape[1:]), LONGERON, 1.2))
@@ -32,8 +32,10 @@ def lines(antenna: Antenna, result: fl.Result, row: int) -> list[tuple[np.ndarra
 
 
 def draw(panel: Axes, of: list[tuple[np.ndarray, str, float]], view: np.ndarray) -> None:
-    for places, colour, width in of:
-        panel.add_collection(LineCollection(list(places @ view), colors=colour, linewidths=width))
+    for positions, colour, width in of:
+        panel.add_collection(
+            LineCollection(list(positions @ view), colors=colour, linewidths=width)
+        )
     panel.set(aspect="equal")
     panel.autoscale_view()
 

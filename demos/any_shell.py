@@ -21,13 +21,13 @@ PATCHES = {
     "ancf": fl.mesh.smooth_patch,
 }
 """What thin shells, without shear, lie on: the surface itself, or a spline through its nodes; and
-plates of places and three slopes."""
+plates of positions and three slopes."""
 KNOWN = [*FORMULATIONS, *PATCHES]
 
 
 def any_shell(
     formulation: str,
-    place: Callable[[float, float], np.ndarray],
+    position: Callable[[float, float], np.ndarray],
     cells: tuple[int, int],
     section: fl.ShellSection,
     director: Callable[[np.ndarray], np.ndarray],
@@ -37,11 +37,11 @@ def any_shell(
 ) -> AnyShell:
     """On a mesh, or a thin one on a patch; edges and corners have the same names."""
     if formulation in PATCHES:
-        patch = PATCHES[formulation](place, cells)
+        patch = PATCHES[formulation](position, cells)
         make = fl.AncfShell if formulation == "ancf" else fl.ThinShell
         return make(patch, section, along=along, name=name)
     return fl.Shell(
-        fl.mesh.parametric_surface(place, cells),
+        fl.mesh.parametric_surface(position, cells),
         section,
         director=director,
         along=along,

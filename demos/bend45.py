@@ -14,7 +14,7 @@ Seven elements can be chosen, by --formulation:
 
 - geodesic lies on the geodesic of SE(3) between its two frames: constant strain, no locking, of
   second order. In equilibrium the stress varies within an element, though, as a constant force in
-  space has a different lever and other components at each place. The energy of that variation is
+  space has another moment arm and other components at each point. The energy of that variation is
   added to the element's flexibility (in a straight element 1/GA* = 1/GA + length^2 / (12 EI), R. H.
   MacNeal, Comput. Struct. 8 (1978) 175), which makes arcs exact for small deflections. For this
   section, as stiff in all directions, little is left at large ones, too.
@@ -27,8 +27,8 @@ Seven elements can be chosen, by --formulation:
   that varies along an element. Without shear the tip is 5e-5 from the reference.
 - spline is such a rod along the cubic spline through the nodes, once continuously differentiable,
   with tangents and twist at its knots.
-- discrete has places, and edges that bend and twist against each other, of second order.
-- ancf has places and all three slopes, without rotations, and sections that deform. Bent, they
+- discrete has positions, and edges that bend and twist against each other, of second order.
+- ancf has positions and all three slopes, without rotations, and sections that deform. Bent, they
   become thinner: its limit differs by 1.7e-4, of the order of (thickness/radius)^2.
 
 studies/elements_on_a_bend.py has a table of all of them, and of the geodesic element without the

@@ -13,7 +13,7 @@ The force follows F1 until it meets the line of a mode. If the middle may not tu
 strips that are joined there) it falls on F3 below zero and comes back to F1: without a force the
 strip stays where it is, near D = 2, if Q > 2.31.
 
-Seen by the tangent, both places where a line of a mode is met are bifurcations:
+Seen by the tangent, both positions where a line of a mode is met are bifurcations:
 `fl.stability.switch_branch` enters the path of the mode at the first, which is unstable, and leaves
 it at the second onto the stable one. A strip whose middle may turn leaves F1 much earlier, with a
 lopsided mode, and comes back to
@@ -45,14 +45,14 @@ def strip(q: float, elements: int, *, guided: bool) -> tuple[fl.Scene, fl.extend
     """
     h, part = q * THICKNESS, 0.5 if guided else 1.0
 
-    def place(s: float) -> tuple[float, float, float]:
+    def position(s: float) -> tuple[float, float, float]:
         x = part * s
         return LENGTH * x, 0.0, 0.5 * h * (1.0 - np.cos(2 * np.pi * x))
 
     section = fl.Section.rectangle(WIDTH, THICKNESS, MATERIAL)
     count = elements // 2 if guided else elements
     scene = fl.Scene()
-    beam = scene.add(fl.Beam.curve(place, section, cells=count, up=(0, 0, 1), name="strip"))
+    beam = scene.add(fl.Beam.curve(position, section, cells=count, up=(0, 0, 1), name="strip"))
     scene.add(fl.Clamp(beam.point("start")))
     if guided:
         # a pin on the middle stays upright

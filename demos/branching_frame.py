@@ -55,8 +55,8 @@ def frame(elements: int, joints: bool) -> tuple[fl.Scene, fl.extend.Point]:
     else:
         parts = dict.fromkeys(SECTIONS, scene.add(fl.Beam(mesh, SECTIONS, up=UP, name="frame")))
     end = parts["outrigger"].point("end")
-    place = end.position + np.array([0.3, 0.3, -0.5])
-    weight = scene.add(fl.RigidBody(300.0, (10, 10, 10), place))
+    position = end.position + np.array([0.3, 0.3, -0.5])
+    weight = scene.add(fl.RigidBody(300.0, (10, 10, 10), position))
     if joints:
         scene.add(fl.joints.Fixed(end, weight.point("centre"), at=end.position, name="weight"))
     else:

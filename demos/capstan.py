@@ -31,7 +31,7 @@ def laid(angle: float) -> fl.Beam:
     tail = TAILS * angle * radius / cells
     length = angle * radius + 2 * tail
 
-    def place(s: float) -> tuple[float, float, float]:
+    def position(s: float) -> tuple[float, float, float]:
         along = s * length - tail
         turned = min(max(along / radius, 0.0), angle)
         beyond = along - turned * radius
@@ -40,7 +40,7 @@ def laid(angle: float) -> fl.Beam:
 
     stiffness = [EXTENSION, EXTENSION / 3, EXTENSION / 3, BENDING, BENDING, BENDING]
     section = fl.Section.from_stiffness(stiffness)
-    return fl.Beam.curve(place, section, cells=cells + 2 * TAILS, formulation=ELEMENT)
+    return fl.Beam.curve(position, section, cells=cells + 2 * TAILS, formulation=ELEMENT)
 
 
 def main(

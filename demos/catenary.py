@@ -9,21 +9,21 @@ the vertical one V - w s; over EA it is the strain (H. M. Irvine, Cable Structur
 
 and the two ends give H = 33.73586, V = 43.99520. The computed cable is laid along a parabola first
 that is longer than it by a hundredth, so that it is taut. sag_error is the largest distance of a
-node from its place on the catenary over the sag of that below the chord, iterations are those of
+node from its position on the catenary over the sag of that below the chord, iterations are those of
 Newton's method for the whole load. Bending stiffness, which sections have, is EI = 1e-10 EA L^2.
 
 The record has the error of the frequencies of hanging_cable.py, too.
 
 The element can be chosen by --element:
 
-- cable has places and slopes, and is of fourth order,
-- discrete has places alone, with springs between its edges, and is of second order,
+- cable has positions and slopes, and is of fourth order,
+- discrete has positions alone, with springs between its edges, and is of second order,
 - spline is a parabola as long as it, cut at even steps of its parameter, which is not arc length;
   slack as the next, as nothing pulls it straight at the start,
 - rod is Kirchhoff's, whose nodes have frames: laid like the cable, a hundredth too long, which a
   strain without stress takes back. Stretch varies along an element here, and is constant in it: of
   second order,
-- ancf is a beam of places and three slopes, without residual bending flexibility, which lets
+- ancf is a beam of positions and three slopes, without residual bending flexibility, which lets
   sections turn freely where there is hardly any bending stiffness. Its stress is linear in
   Green's strain, so that at strains of half a percent its limit is 9e-5 away,
 - slack is as cable, but a weak spring where the strain is below 1e-4, instead of being pushed: it
@@ -66,9 +66,9 @@ def laid(element: str, elements: int) -> Cable:
     """The cable at the start."""
     made, own = ELEMENTS[element], section()
     if isinstance(made, fl.elements.IsogeometricCable):
-        place, s = parabola(1.0), np.linspace(0, 1, elements + 1)
-        rates = place(s + 0.5) - place(s - 0.5)  # exact on a parabola
-        return fl.SplineCable(s, place(s), rates, own, formulation=made, name="cable")
+        position, s = parabola(1.0), np.linspace(0, 1, elements + 1)
+        rates = position(s + 0.5) - position(s - 0.5)  # exact on a parabola
+        return fl.SplineCable(s, position(s), rates, own, formulation=made, name="cable")
     start = parabola(LONGER) if element != "slack" else lambda s: (SPAN * s, RISE * s, 0.0)
     mesh = fl.mesh.curve(start, elements)
     if isinstance(made, fl.elements.AncfElement):
@@ -92,8 +92,8 @@ def hang(element: str, elements: int) -> tuple[dict[str, Any], fl.StaticResult, 
         cable.pin(cable.point("start"), cable.point("end"))
     if isinstance(cable, fl.AncfBeam):
         cable.model.held[len(s), 2] = True  # likewise: its section's second axis stays in the plane
-    result, (places, H, V) = fl.statics(scene), catenary()
-    error = np.linalg.norm(result.frames[-1][: len(s), 0, :2] - places(s), axis=1).max()
+    result, (positions, H, V) = fl.statics(scene), catenary()
+    error = np.linalg.norm(result.frames[-1][: len(s), 0, :2] - positions(s), axis=1).max()
     gap = np.linalg.norm(result.reactions[-1][0, :2] - (-H, V))
     record = {
         "element": element,

@@ -53,7 +53,7 @@ def rubber(C: Any, shear: Any, bulk: Any) -> Any:
     return volumetric + 0.5 * shear * (J ** (-2 / 3) * ufl.tr(C) - 3)
 
 
-def place(a: float, b: float, c: float) -> tuple[float, float, float]:
+def position(a: float, b: float, c: float) -> tuple[float, float, float]:
     """Of the panel, a and b from 0 to 1 along and up, c across."""
     low, high = 44 * a, 44 + 16 * a
     return 48 * a, low + b * (high - low), c
@@ -68,7 +68,7 @@ def solve(
     load, unit, reference = (
         (SMALL * SMALL_LOAD, SMALL, PUBLISHED) if small else (LOAD, 1, REFERENCE)
     )
-    cells = fl.mesh.parametric_volume(place, (mesh, mesh, 1))
+    cells = fl.mesh.parametric_volume(position, (mesh, mesh, 1))
     panel = fl.Solid(cells, material, degree=degree, formulation=formulation, name="panel")
     panel.clamp("a=0")
     panel.model.held[:, 2] = True

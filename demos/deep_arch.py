@@ -41,12 +41,12 @@ def arch(elements: int, variant: str, *, across: float = 100.0) -> tuple[fl.Scen
     stiffness = [EA, GA, GA, across * BENDING, across * BENDING, BENDING]
     section = fl.Section.from_stiffness(stiffness, outline=strip)
 
-    def place(s: float) -> tuple[float, float, float]:
+    def position(s: float) -> tuple[float, float, float]:
         angle = ANGLE * (s - 0.5)
         return RADIUS * np.sin(angle), RADIUS * np.cos(angle), 0.0
 
     scene = fl.Scene()
-    beam = scene.add(fl.Beam.curve(place, section, cells=elements, up=(0, 0, 1), name="arch"))
+    beam = scene.add(fl.Beam.curve(position, section, cells=elements, up=(0, 0, 1), name="arch"))
     scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
     scene.add(fl.Clamp(beam.point("end")))
     crown = beam.point(elements // 2)

@@ -34,8 +34,10 @@ def dominoes(count: int, floor_friction: float) -> tuple[fl.Scene, list[fl.Rigid
     floor = fl.contact.Plane(fl.ground(), (0, 0, 1))
     bodies, surfaces = [], []
     for k in range(count):
-        place = k * (ROW.spacing + ROW.thickness) - ROW.thickness / 2, 0, ROW.height / 2
-        body = scene.add(fl.RigidBody(1.0, box_inertia(1.0, edges), place, name=f"domino {k + 1}"))
+        position = k * (ROW.spacing + ROW.thickness) - ROW.thickness / 2, 0, ROW.height / 2
+        body = scene.add(
+            fl.RigidBody(1.0, box_inertia(1.0, edges), position, name=f"domino {k + 1}")
+        )
         surfaces.append(fl.contact.Box(body.point("centre"), edges))
         scene.add(fl.contact.Contact(surfaces[-1], floor, fl.contact.Impact(floor_friction)))
         bodies.append(body)

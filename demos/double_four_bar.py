@@ -51,10 +51,10 @@ def mechanism(angle: float = np.pi / 2, speed: float = 1.0, pins: bool = False) 
         upright.append(bar.point("centre"))
         scene.add(fl.joints.Revolute(fl.ground(), upright[k], at=foot, axis=z))
     for k in range(2):
-        place = np.array([k + 0.5, 0.0, 0.0]) + along
-        bar = scene.add(fl.RigidBody(1.0, INERTIA, place, name=f"top {k}"))
+        position = np.array([k + 0.5, 0.0, 0.0]) + along
+        bar = scene.add(fl.RigidBody(1.0, INERTIA, position, name=f"top {k}"))
         bar.add_velocity(np.cross(-speed * z, along))
-        left, right, top = place - HALF, place + HALF, bar.point("centre")
+        left, right, top = position - HALF, position + HALF, bar.point("centre")
         scene.add(fl.joints.Revolute(upright[k], top, at=left, axis=z))
         if pins:
             for normal in np.eye(3)[:2]:

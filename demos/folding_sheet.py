@@ -29,7 +29,7 @@ PRESSURES = np.array([4.0, 4.5, 5.0, 6.0, 8.0, 12.0, 16.0, 20.0])
 UNITS = fl.post.Units(length="R")
 
 
-def place(a: float, b: float) -> np.ndarray:
+def position(a: float, b: float) -> np.ndarray:
     """Half a ring from the top to the bottom, and along the axis."""
     angle = np.pi * a
     radius = 1.0 - ROUND * np.cos(2 * angle)
@@ -48,7 +48,7 @@ def outwards(x: np.ndarray) -> np.ndarray:
 def tube(mesh: int, stiffness: float) -> tuple[fl.Scene, fl.Shell, fl.contact.Contact]:
     """The scene, its shell with EI = 1 per width, and how it touches itself."""
     section = fl.ShellSection.layer(THICKNESS, fl.Material(12 / THICKNESS**3, 0.0, 1.0))
-    shell = fl.Shell(fl.mesh.parametric_surface(place, (mesh, 1)), section, director=outwards)
+    shell = fl.Shell(fl.mesh.parametric_surface(position, (mesh, 1)), section, director=outwards)
     for curve, normal in (("a=0", (1, 0, 0)), ("a=1", (1, 0, 0)), ("b=0", (0, 1, 0))):
         shell.symmetry(curve, normal)
     scene, surface = fl.Scene(), fl.contact.ShellSurface(shell)
@@ -76,7 +76,7 @@ def main(
     x = result.frames[at][:, : len(shell.frames), 0]
     height = 0.5 * np.ptp(x[:, ends, 2], axis=1)
     sizes = np.bincount(found.states, np.linalg.norm(found.forces, axis=1), len(result.factors))
-    # each place is seen from both sides with half its area, and half a ring is 0.1 wide
+    # each point counts from both sides with half its area, and half a ring is 0.1 wide
     force = 2.0 * sizes[at] / 0.1
     if pictures:
         steps = [float(result.factors[k]) for k in (at[1], at[4], at[-1])]

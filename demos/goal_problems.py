@@ -30,11 +30,11 @@ def arch(mesh: fl.mesh.LineMesh) -> fl.Scene:
 def arch_line() -> fl.mesh.LineMesh:
     """Eight cells, and the name of the crown."""
 
-    def place(s: float) -> tuple[float, float, float]:
+    def position(s: float) -> tuple[float, float, float]:
         angle = ANGLE * (s - 0.5)
         return RADIUS * np.sin(angle), RADIUS * np.cos(angle), 0.0
 
-    mesh = fl.mesh.curve(place, 8)
+    mesh = fl.mesh.curve(position, 8)
     return replace(mesh, named_points={**mesh.named_points, "crown": 4})
 
 
@@ -53,11 +53,11 @@ def plate(mesh: fl.mesh.SurfaceMesh) -> fl.Scene:
 def quarter() -> fl.mesh.SurfaceMesh:
     """From the hole to the sides of the square."""
 
-    def place(a: float, b: float) -> np.ndarray:
+    def position(a: float, b: float) -> np.ndarray:
         along = np.array([np.cos(a * np.pi / 2), np.sin(a * np.pi / 2), 0.0])
         return HOLE * (1 - b) * along + b * along / np.abs(along).max()
 
-    return fl.mesh.parametric_surface(place, (4, 4), cell="triangle")
+    return fl.mesh.parametric_surface(position, (4, 4), cell="triangle")
 
 
 def out_of_hole(x: np.ndarray) -> np.ndarray:

@@ -70,7 +70,7 @@ def governor(speed: float) -> fl.Scene:
 
 
 def motion(result: fl.Result, times: Any) -> Any:
-    """Height of the slider above its lowest place and angle of a rod in degrees, shape (T, 2)."""
+    """Height of the slider above its lowest position, angle of a rod in degrees, shape (T, 2)."""
     there = result.resampled(times)
     along = there.rotation("rod +1.centre")[:, :, 0]
     theta = np.degrees(np.arctan2(np.hypot(along[:, 0], along[:, 1]), -along[:, 2]))

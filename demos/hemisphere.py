@@ -14,7 +14,7 @@ fields against membrane locking. And Newton's method with stresses taken from th
 needs steps as small as the ratio of bending to membrane stiffness: here the stress is carried as an
 iterate in all of them. The load is applied by the load-capped arc length: one call, about a dozen
 linear solutions. Thin shells have bicubic patches without shear, and assumed strains, too:
-of the surface itself (thin) or of the smooth spline through its nodes (spline). Plates of places
+of the surface itself (thin) or of the smooth spline through its nodes (spline). Plates of positions
 and three slopes have shear, without rotations (ancf).
 
 ``--gmsh`` meshes meshes/hemisphere.geo instead of making the same mesh by hand.
@@ -38,7 +38,7 @@ RADIUS, HOLE = 10.0, np.radians(18)
 CASES = {0.04: (400.0, 4.0753, 8.1524), 0.01: (5.0, 3.8267, 7.0991)}
 
 
-def place(a: float, b: float) -> np.ndarray:
+def position(a: float, b: float) -> np.ndarray:
     """Point of the quarter: azimuth from x to y, height from the equator to the hole."""
     azimuth, height = a * np.pi / 2, b * (np.pi / 2 - HOLE)
     level = np.cos(height)
@@ -50,10 +50,10 @@ def quarter(
 ) -> fl.mesh.SurfaceMesh | fl.mesh.SmoothPatch:
     """Mesh of the quarter, by gmsh or by hand, or a patch for thin shells."""
     if formulation in PATCHES:
-        return PATCHES[formulation](place, (mesh, mesh))
+        return PATCHES[formulation](position, (mesh, mesh))
     if gmsh:
         return fl.mesh.read_gmsh_surface(fl.mesh.run_gmsh_script(MODEL, {"cells": mesh}))
-    return fl.mesh.parametric_surface(place, (mesh, mesh))
+    return fl.mesh.parametric_surface(position, (mesh, mesh))
 
 
 def pinched(

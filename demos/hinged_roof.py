@@ -33,7 +33,7 @@ PUBLISHED = {  # deflections and load factors of Sze, Liu & Lo, some of them
 UNITS = fl.post.Units(length="mm")
 
 
-def place(a: float, b: float) -> np.ndarray:
+def position(a: float, b: float) -> np.ndarray:
     """From the crown (a = 0) to the hinged edge, from the middle (b = 0) to the free edge."""
     angle = HALF_ANGLE * a
     return np.array([RADIUS * np.sin(angle), HALF_LENGTH * b, RADIUS * (np.cos(angle) - 1.0)])
@@ -42,7 +42,7 @@ def place(a: float, b: float) -> np.ndarray:
 def roof(thickness: float, mesh: int) -> tuple[fl.Scene, fl.extend.Point]:
     """A quarter with its supports and a quarter of the load, and the centre."""
     shell = fl.Shell(
-        fl.mesh.parametric_surface(place, (mesh, mesh)),
+        fl.mesh.parametric_surface(position, (mesh, mesh)),
         fl.ShellSection.layer(thickness, fl.Material(3102.75, 0.3, 1.0)),
         director=lambda x: np.array([x[0], 0.0, x[2] + RADIUS]) / RADIUS,
         name="roof",

@@ -68,8 +68,8 @@ def uniform(motion: Motion, cells: int, steps: int, duration: float) -> tuple[fl
     return scene, scheme.run(scene, duration=duration, step=step, save_every=steps)
 
 
-def strains(scene: fl.Scene, result: fl.Result, places: Any) -> Any:
-    """Axial strain of the elements at places along the line, at the end, (k,)."""
+def strains(scene: fl.Scene, result: fl.Result, positions: Any) -> Any:
+    """Axial strain of the elements at positions along the line, at the end, (k,)."""
     (body,) = scene.bodies
     assert isinstance(body, fl.Beam)
     frames = result.frames[-1][result.info.body(body.name).nodes]
@@ -77,7 +77,7 @@ def strains(scene: fl.Scene, result: fl.Result, places: Any) -> Any:
     d = fl.lie.se3_relative(frames[start], frames[end]) / body.model.lengths[:, np.newaxis]
     edges = np.sort(body.frames[:, 0, 0])
     order = np.argsort(body.frames[start, 0, 0])
-    which = order[np.clip(np.searchsorted(edges, places) - 1, 0, len(order) - 1)]
+    which = order[np.clip(np.searchsorted(edges, positions) - 1, 0, len(order) - 1)]
     return d[which, 0] - 1.0
 
 
@@ -93,7 +93,7 @@ def draw(found: fl.adaptivity.AdaptedMotion[fl.mesh.LineMesh], path: str) -> Non
     drawn = PolyCollection(boxes, array=np.log10(sizes), cmap="viridis", linewidths=0)
     axes.add_collection(drawn)
     axes.autoscale_view()
-    axes.set(xlabel="place along the line, m", ylabel="time, s")
+    axes.set(xlabel="position along the line, m", ylabel="time, s")
     figure.colorbar(drawn, label="size of elements, log₁₀ m")
     figure.savefig(path, dpi=150)
     plt.close(figure)

@@ -1,6 +1,6 @@
 """A net catches a ball, and its rope closes it.
 
-A hexagonal net of threads without torsion has masses at its corners and flies towards a fixed rigid
+A hexagonal net of cables without torsion has masses at its corners and flies towards a fixed rigid
 ball. A rope runs through rings at the points of its edge; both its ends are tied to a mass beside
 the net, which is pulled after the ball is met, and the edge is drawn together below the ball:
 within its outline in the end, so that it does not come out. Cables and rope are discrete cables,
@@ -9,10 +9,10 @@ without length that slide along it, without friction.
 
 Steps are those of the energy-momentum scheme. Until the rope is pulled nothing acts from outside
 but the ball, which holds by its reaction: energy is that of the start, and momenta are what the
-reaction has taken. --rings is the number of hexagons of threads about the middle, --cells that of
+reaction has taken. --rings is the number of hexagons of cables about the middle, --cells that of
 elements between knots, --pull-from when the rope begins to be pulled, --secants how many of the
 last corrections of a step the next one learns from. The mouth is the largest distance of the edge
-from the axis, over the radius of the ball, and its height that of the edge above the lowest place
+from the axis, over the radius of the ball, and its height that of the edge above the lowest point
 of the ball.
 """
 
@@ -43,12 +43,12 @@ def picture(result: fl.Result, scene: fl.Scene) -> None:
     assert isinstance(rope, fl.Net)
     for panel, part in zip(panels, np.linspace(0.0, 1.0, 6), strict=True):
         row = result.index(part * result.times[-1])
-        places, nodes = result.frames[row, :, 0] @ VIEW, result.info.body
+        positions, nodes = result.frames[row, :, 0] @ VIEW, result.info.body
         panel.add_patch(Circle((0.0, 0.0), BALL, color="#dddddd"))
         for body, colour, width in ((net, "#0072B2", 0.7), (rope, "#D55E00", 1.4)):
-            threads = list(places[nodes(body.name).nodes[body.model.elements]])
-            panel.add_collection(LineCollection(threads, colors=colour, linewidths=width))
-        at = np.array([places[nodes(mass.name).nodes[0]] for mass in masses])
+            cables = list(positions[nodes(body.name).nodes[body.model.elements]])
+            panel.add_collection(LineCollection(cables, colors=colour, linewidths=width))
+        at = np.array([positions[nodes(mass.name).nodes[0]] for mass in masses])
         panel.plot(*at.T, "ko", ms=4)
         panel.set(title=f"t = {1e3 * result.times[row]:.0f} ms", aspect="equal")
     figure.savefig(in_results("net_capture.png"), dpi=110)

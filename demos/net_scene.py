@@ -10,7 +10,7 @@ import numpy as np
 import fem_lie as fl
 
 SIZE, BALL, SPEED, PULL = 1.0, 0.3, 10.0, 10.0
-THREAD = fl.Section.circle(1e-3, fl.Material(E=1e8, nu=0.3, density=1000.0))
+CABLE = fl.Section.circle(1e-3, fl.Material(E=1e8, nu=0.3, density=1000.0))
 
 
 LAID = fl.elements.DiscreteCable(natural=True)
@@ -20,41 +20,41 @@ LAID = fl.elements.DiscreteCable(natural=True)
 def corner(k: float) -> np.ndarray:
     """Of the unit hexagon; in between along its edges."""
     ends = np.exp(1j * np.pi / 3 * np.array([np.floor(k), np.floor(k) + 1]))
-    place = ends[0] + (k - np.floor(k)) * (ends[1] - ends[0])
-    return np.array([place.real, place.imag])
+    position = ends[0] + (k - np.floor(k)) * (ends[1] - ends[0])
+    return np.array([position.real, position.imag])
 
 
 def hexagons(rings: int, cells: int) -> tuple[np.ndarray, list[list[int]], list[int]]:
-    """Places in a plane, threads, and knots along the edge."""
+    """Positions in a plane, cables, and knots along the edge."""
     knots = {(0, 0): np.zeros(2)}
     knots |= {(r, k): r / rings * corner(k / r) for r in range(1, rings + 1) for k in range(6 * r)}
     number = {key: n for n, key in enumerate(knots)}
-    places: list[Any] = list(knots.values())
+    positions: list[Any] = list(knots.values())
 
-    def thread(path: list[tuple[int, int]]) -> list[int]:
+    def cable(path: list[tuple[int, int]]) -> list[int]:
         found = [number[path[0]]]
         for one, other in pairwise(path):
             a, b = knots[one], knots[other]
             for part in range(1, cells):
-                places.append(a + part / cells * (b - a))
-                found.append(len(places) - 1)
+                positions.append(a + part / cells * (b - a))
+                found.append(len(positions) - 1)
             found.append(number[other])
         return found
 
-    threads = [thread([(r, k % (6 * r)) for k in range(6 * r + 1)]) for r in range(1, rings + 1)]
-    threads += [thread([(r, k * r) for r in range(rings + 1)]) for k in range(6)]
-    return np.array(places), threads, [number[rings, k] for k in range(6 * rings)]
+    cables = [cable([(r, k % (6 * r)) for k in range(6 * r + 1)]) for r in range(1, rings + 1)]
+    cables += [cable([(r, k * r) for r in range(rings + 1)]) for k in range(6)]
+    return np.array(positions), cables, [number[rings, k] for k in range(6 * rings)]
 
 
 def capture(rings: int, cells: int, start: float) -> tuple[fl.Scene, int]:
     """A net with masses and a rope in its edge, whose tied ends are pulled from ``start`` on."""
-    flat, threads, edge = hexagons(rings, cells)
-    places = np.column_stack([SIZE * flat, np.full(len(flat), BALL + 0.01)])
+    flat, cables, edge = hexagons(rings, cells)
+    positions = np.column_stack([SIZE * flat, np.full(len(flat), BALL + 0.01)])
     scene = fl.Scene()
-    net = scene.add(fl.Net(places, threads, THREAD, formulation=LAID, name="net"))
-    path = rope_path(places, threads[rings - 1][:-cells], cells)
+    net = scene.add(fl.Net(positions, cables, CABLE, formulation=LAID, name="net"))
+    path = rope_path(positions, cables[rings - 1][:-cells], cells)
     own = [range(len(path))]
-    rope = scene.add(fl.Net(path, own, THREAD, formulation=LAID, name="rope"))
+    rope = scene.add(fl.Net(path, own, CABLE, formulation=LAID, name="rope"))
     for body in (net, rope):
         body.add_velocity((0.0, 0.0, -SPEED))
     ends = [
@@ -69,7 +69,7 @@ def capture(rings: int, cells: int, start: float) -> tuple[fl.Scene, int]:
         masses.append(mass)
     for point, mass in zip(ends, [*masses, masses[-1]], strict=True):
         scene.add(fl.joints.Spherical(point, mass.point("centre")))
-    k = 2.0 * THREAD.stiffness[0, 0] * rings * cells / SIZE
+    k = 2.0 * CABLE.stiffness[0, 0] * rings * cells / SIZE
     knots = fl.contact.Rings([net.point(node) for node in edge])
     scene.add(fl.contact.Contact(fl.contact.Rope(rope), knots, fl.contact.Penalty(k), name="rings"))
     every = [fl.extend.Point(body, n) for body in (net, rope) for n in range(len(body.frames))]
@@ -84,20 +84,20 @@ def capture(rings: int, cells: int, start: float) -> tuple[fl.Scene, int]:
     return scene, len(net.model.elements) + len(rope.model.elements)
 
 
-def rope_path(places: np.ndarray, along: list[int], cells: int) -> np.ndarray:
+def rope_path(positions: np.ndarray, along: list[int], cells: int) -> np.ndarray:
     """From where both ends are tied along the edge and back, in even parts."""
-    first, last = places[along[0]], places[along[-1]]
+    first, last = positions[along[0]], positions[along[-1]]
     tied = 0.5 * (first + last)
     tied[:2] *= 1.0 + 0.3 / np.linalg.norm(tied[:2])
     parts = np.arange(1, cells)[:, np.newaxis] / cells
     there = np.vstack([[tied], tied + parts * (first - tied)])
     back = np.vstack([last + parts * (tied - last), [tied]])
-    return np.vstack([there, places[along], back])
+    return np.vstack([there, positions[along], back])
 
 
 def mouth(result: fl.Result, rings: int, cells: int) -> tuple[float, float]:
-    """How far the edge is from the axis, over the ball's radius, and above its lowest place."""
+    """How far the edge is from the axis, over the ball's radius, and above its lowest point."""
     _, _, edge = hexagons(rings, cells)
-    places = result.frames[-1, result.info.body("net").nodes[edge], 0]
-    wide = np.hypot(places[:, 0], places[:, 1]).max() / BALL
-    return float(wide), float(places[:, 2].max() + BALL)
+    positions = result.frames[-1, result.info.body("net").nodes[edge], 0]
+    wide = np.hypot(positions[:, 0], positions[:, 1]).max() / BALL
+    return float(wide), float(positions[:, 2].max() + BALL)

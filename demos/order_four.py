@@ -6,7 +6,7 @@ round-off, so all of them do. Three things are shown, of one case:
 
 - the order, the one farthest from 4 of those of frames, velocities and joint forces;
 - errors of energy and angular momentum over many steps;
-- what an error of 1e-7 of the length in the places of all nodes costs, against generalised-alpha.
+- what an error of 1e-7 of the length in nodal positions costs, against generalised-alpha.
   Both are run in turns, and the least time of the processor of each number of steps counts.
 
     pendulum   the double pendulum of double_pendulum.py, case 1. Its bars start with a jump of
@@ -97,7 +97,7 @@ def main(
 
 
 def costs(plan: Case, how: fl.schemes.Composition, repeats: int) -> list[np.ndarray]:
-    """Errors of places over the length, and least seconds, of both schemes by numbers of steps."""
+    """Errors of positions over the length, and least seconds, of both schemes over steps."""
     end = ends(fl.schemes.Composed(), plan.timed, plan.long, [2560])[0].frames[-1, :, 0]
     alpha = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-10)
     both = (alpha, ALPHA), (fl.schemes.Composed(fl.EnergyMomentum(tolerance=ERROR), how), COMPOSED)
@@ -120,7 +120,7 @@ def draw(curves: list[np.ndarray]) -> None:
     with diagram("order_four.png") as axes:
         for (errors, seconds), name in zip(curves, ("generalised-alpha", "composed"), strict=True):
             axes.loglog(seconds, errors, "o-", markersize=4, label=name)
-        axes.set(xlabel="seconds", ylabel="error of places, relative")
+        axes.set(xlabel="seconds", ylabel="error of positions, relative")
 
 
 if __name__ == "__main__":

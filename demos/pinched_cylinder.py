@@ -54,7 +54,7 @@ OTHER = {
 COMPARED = 0.25  # errors are taken from this load factor on
 
 
-def place(a: float, b: float) -> np.ndarray:
+def position(a: float, b: float) -> np.ndarray:
     """From the loaded line to the one at a right angle, and from the middle to the end."""
     angle = a * np.pi / 2
     return np.array([HALF_LENGTH * b, -RADIUS * np.sin(angle), RADIUS * np.cos(angle)])
@@ -63,7 +63,7 @@ def place(a: float, b: float) -> np.ndarray:
 def pinched(mesh: int, formulation: str) -> fl.Scene:
     """An eighth with its supports and its load."""
     section = fl.ShellSection.layer(THICKNESS, fl.Material(30e3, 0.3, 1.0))
-    shell = any_shell(formulation, place, (mesh, mesh), section, about_x, name="cylinder")
+    shell = any_shell(formulation, position, (mesh, mesh), section, about_x, name="cylinder")
     shell.symmetry("b=0", (1, 0, 0))
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (0, 0, 1))

@@ -32,7 +32,7 @@ PUBLISHED = [(0.864, 0.025), (1.471, 0.05), (2.217, 0.1), (2.904, 0.2), (3.227, 
 UNITS = fl.post.Units(length="mm")
 
 
-def place(a: float, b: float) -> np.ndarray:
+def position(a: float, b: float) -> np.ndarray:
     """From the force (a = 0) around the quarter, from mid-length (b = 0) to the free end."""
     angle = a * np.pi / 2
     return np.array([RADIUS * np.cos(angle), RADIUS * np.sin(angle), b * LENGTH / 2])
@@ -41,7 +41,7 @@ def place(a: float, b: float) -> np.ndarray:
 def cylinder(around: int, along: int, formulation: str = "HR") -> fl.Scene:
     """An eighth with a quarter of the force."""
     section = fl.ShellSection.layer(THICKNESS, fl.Material(10.5e6, 0.3125, 1.0))
-    shell = any_shell(formulation, place, (around, along), section, outward, name="cylinder")
+    shell = any_shell(formulation, position, (around, along), section, outward, name="cylinder")
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (1, 0, 0))
     shell.symmetry("b=0", (0, 0, 1))

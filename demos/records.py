@@ -44,7 +44,7 @@ def components(name: str, vector: Sequence[float]) -> dict[str, float]:
 
 
 def off_chord(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Distances of places (T, n, 3) from the line through the first and the last, and its length.
+    """Distances of points (T, n, 3) from the line through the first and the last, and its length.
 
     Returns:
         Shapes (T, n) and (T, 1).

@@ -13,7 +13,7 @@ Isotropic rods, EI = GJ = 1, stretch EA = 1e6, with the elements of --formulatio
   axes turned by (a, b) about tangent and normal, C (a' - b)' = (B - M)(b' + a) and
   B (b' + a)' = (M - C)(a' - b) with R = 1, has the solution of two waves there.
 
-The rings are cut, and both ends held at the same place: that leaves them as stable as they are when
+The rings are cut, and both ends held at the same point: that leaves them as stable as they are when
 closed. Angle and curvature at which the first negative eigenvalue appears are found by bisection.
 """
 

@@ -58,7 +58,7 @@ def section(material: str) -> fl.ShellSection:
     return fl.ShellSection.laminate([fl.sections.Ply(THICKNESS / 3, ply, a) for a in angles])
 
 
-def place(a: float, b: float) -> np.ndarray:
+def position(a: float, b: float) -> np.ndarray:
     """From the straight edge up to the crown, and from the clamped end along the axis."""
     angle = a * np.pi / 2
     return np.array([LENGTH * b, RADIUS * np.cos(angle), RADIUS * np.sin(angle)])
@@ -66,7 +66,7 @@ def place(a: float, b: float) -> np.ndarray:
 
 def pinched(mesh: int, layers: fl.ShellSection, formulation: str) -> fl.Scene:
     """A half with its supports and its load."""
-    shell = any_shell(formulation, place, (mesh, mesh), layers, about_x, along=(1, 0, 0))
+    shell = any_shell(formulation, position, (mesh, mesh), layers, about_x, along=(1, 0, 0))
     shell.clamp("b=0")
     shell.symmetry("a=0", (0, 0, 1))
     shell.symmetry("a=1", (0, 1, 0))

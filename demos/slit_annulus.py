@@ -28,7 +28,7 @@ FORMULATIONS = "HR", *PATCHES
 UNITS = fl.post.Units(length="length")
 
 
-def place(a: float, b: float) -> np.ndarray:
+def position(a: float, b: float) -> np.ndarray:
     """Radius and angle from the loaded edge to the clamped one."""
     radius, angle = INNER + a * (OUTER - INNER), 2 * np.pi * b
     return np.array([radius * np.cos(angle), radius * np.sin(angle), 0.0])
@@ -39,11 +39,13 @@ def ring(radial: int, around: int, formulation: str = "HR") -> fl.Scene:
     section = fl.ShellSection.layer(THICKNESS, fl.Material(21e6, 0.0, 1.0))
     shell: fl.Shell | fl.ThinShell
     if formulation in PATCHES:
-        # its edges are at one place, and not joined
-        patch = PATCHES[formulation](place, (radial, around))
+        # its edges are at one position, and not joined
+        patch = PATCHES[formulation](position, (radial, around))
         shell = fl.ThinShell(patch, section, name="ring")
     else:
-        shell = fl.Shell(fl.mesh.parametric_surface(place, (radial, around)), section, name="ring")
+        shell = fl.Shell(
+            fl.mesh.parametric_surface(position, (radial, around)), section, name="ring"
+        )
     shell.clamp("b=1")
     scene = fl.Scene()
     scene.add(shell)

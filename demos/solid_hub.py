@@ -1,8 +1,8 @@
 """A solid hub turns on a pivot and carries two beams and a cable with a weight, all by joints.
 
-The hub is a block of hard rubber, 0.2 x 0.2 x 0.05, of quadratic bricks. Joints hold
-on to its faces in the mean: their frame has the place of the weighted nodes and the rotation next
-to the mean deformation (averaging attachments). A revolute joint holds its lower face to the
+The hub is a block of hard rubber, 0.2 x 0.2 x 0.05, of quadratic bricks. Joints are
+attached to its faces by averaging attachments: their frame has the weighted mean position and
+the rotation nearest to the mean deformation. A revolute joint holds its lower face to the
 ground, two beams of 0.5 are fixed to two sides, and a cable of 0.4 hangs on a third by a
 spherical joint, with a point mass at its end. All turn at 10 rad/s at the start, without stress,
 and nothing drives them.
@@ -13,7 +13,7 @@ forces F of the joints on the hub and its momentum P at successive steps 0, 1 an
     (1 - am)(P2 - P1) + am (P1 - P0)
         = h (g ((1 - af) F2 + af F1) + (1 - g)((1 - af) F1 + af F0))
 
-exactly: the algorithmic accelerations are eliminated, inner forces cancel, and the mass of places
+exactly: the algorithmic accelerations are eliminated, inner forces cancel, and the mass matrix
 is constant. force_balance is the largest difference of both sides over h and the largest force of a
 joint, from the second step on: accelerations at the start leave out what a step does not resolve.
 spin_error is the change of the angular momentum about the pivot's axis, which no force has,

@@ -1,6 +1,6 @@
 """Deployment of a space net: masses at its corners pull it open.
 
-A square net of meshes of 0.25 m, 80 cable elements per thread from knot to knot. Cables are laid
+A square net of meshes of 0.25 m, 80 cable elements per cable from knot to knot. Cables are laid
 in waves, and masses at the corners, which hang on joints, fly outwards; nothing else acts, so that
 momenta stay. Steps are those of generalised-α.
 
@@ -21,7 +21,7 @@ from command_line import run
 import fem_lie as fl
 
 MESH, CELLS, WAVE, RATE, RADIUS = 0.25, 80, 0.05, 0.05, 2e-4
-THREAD = fl.Section.circle(RADIUS, fl.Material(E=7e10, nu=0.3, density=1440.0))
+CABLE = fl.Section.circle(RADIUS, fl.Material(E=7e10, nu=0.3, density=1440.0))
 WEIGHT = 1.0
 STEP = 2e-4
 
@@ -36,16 +36,16 @@ def square_net(meshes: int, cells: int = CELLS) -> fl.Scene:
     on_line[knots], on_line[:, knots] = True, True
     numbers[on_line] = np.arange(on_line.sum())
     i, j = np.nonzero(on_line)
-    places = MESH * np.stack([along[i], along[j], wave[i] + wave[j]], axis=1)
-    threads = [numbers[k] for k in knots] + [numbers[:, k] for k in knots]
+    positions = MESH * np.stack([along[i], along[j], wave[i] + wave[j]], axis=1)
+    cables = [numbers[k] for k in knots] + [numbers[:, k] for k in knots]
     scene = fl.Scene()
-    net = scene.add(fl.Net(places, threads, THREAD))
-    middle = places.mean(axis=0)
-    velocities = RATE * (places - middle) * [1.0, 1.0, 0.0]
+    net = scene.add(fl.Net(positions, cables, CABLE))
+    middle = positions.mean(axis=0)
+    velocities = RATE * (positions - middle) * [1.0, 1.0, 0.0]
     net.velocities[:, :3] = np.einsum("nij,nj->ni", net.frames[:, 1:], velocities)
     mass = WEIGHT * meshes
     for corner in numbers[[0, 0, -1, -1], [0, -1, 0, -1]]:
-        weight = fl.RigidBody(mass, np.full(3, 1e-3 * mass), places[corner])
+        weight = fl.RigidBody(mass, np.full(3, 1e-3 * mass), positions[corner])
         weight.velocities[:, :3] = velocities[corner]
         scene.add(weight)
         scene.add(fl.joints.Spherical(net.point(int(corner)), weight.point("centre")))

@@ -20,7 +20,7 @@ is the snap.
 
 - The same without the word shallow: finite rotations, shear, and a pressure that stays normal to
   the surface and acts on its present area. On the unloaded meridian with arc length s and radius
-  r0 the state is (r, z, f, A, B, m): place, angle of the director, r0 times the horizontal and the
+  r0 the state is (r, z, f, A, B, m): point, angle of the director, r0 times the horizontal and the
   vertical force and the bending moment,
 
       r' = (1 + e) cos f - g sin f,   z' = (1 + e) sin f + g cos f,   f' = f0' + k,
@@ -57,7 +57,7 @@ import fem_lie as fl
 UNITS = fl.post.Units(length="a")
 
 
-def place(a: float, b: float) -> np.ndarray:
+def position(a: float, b: float) -> np.ndarray:
     """A quarter of the cap from a square; its rim is a = 1 and b = 1."""
     x, y = RIM * a * np.sqrt(1 - b * b / 2), RIM * b * np.sqrt(1 - a * a / 2)
     return np.array([x, y, np.sqrt(RADIUS**2 - x * x - y * y) - RADIUS + RISE])
@@ -66,7 +66,7 @@ def place(a: float, b: float) -> np.ndarray:
 def cap(thickness: float, mesh: int) -> tuple[fl.Scene, fl.extend.Point]:
     """A quarter of the cap under the classical pressure, and its top."""
     shell = fl.Shell(
-        fl.mesh.parametric_surface(place, (mesh, mesh)),
+        fl.mesh.parametric_surface(position, (mesh, mesh)),
         fl.ShellSection.layer(thickness, MATERIAL),
         director=lambda x: (x - [0.0, 0.0, RISE - RADIUS]) / RADIUS,
         name="cap",

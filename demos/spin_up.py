@@ -41,7 +41,7 @@ def angle(time: float) -> float:
 def spin_up(
     elements: int, step: float, duration: float, scheme: Scheme
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Times, and place of the tip less its first one in axes that turn with the hub, (T, 3)."""
+    """Times, and position of the tip less its first one in axes that turn with the hub, (T, 3)."""
     EA, GA, EI, rho_A, rho_I = 2.8e7, 1e7, 1.4e4, 1.2, 6e-4
     stiffness = [EA, GA, GA, EI, EI, EI]
     section = fl.Section.from_stiffness(stiffness, mass=rho_A, rotary=(rho_I, rho_I))
@@ -76,8 +76,8 @@ def main(
         "time_of_largest_lag": float(times[tip[:, 1].argmin()]),
         "final_swing": float(np.abs(tip[after, 1]).max()) if after.any() else 0.0,
         "extensions": {
-            name: float(places[later > RISE + 1e-9, 0].mean()) if duration > RISE else 0.0
-            for name, (later, places) in found.items()
+            name: float(positions[later > RISE + 1e-9, 0].mean()) if duration > RISE else 0.0
+            for name, (later, positions) in found.items()
         },
         "extension_exact": float(LENGTH * (np.tan(k) / k - 1)),
     }

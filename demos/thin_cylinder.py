@@ -32,11 +32,11 @@ def cell(thickness: float, mesh: int, slimness: float = 1.0) -> fl.Scene:
     length = 2 * half_wave(thickness)
     width = length / slimness
 
-    def place(a: float, b: float) -> np.ndarray:
+    def position(a: float, b: float) -> np.ndarray:
         return np.array([np.cos(a * width), np.sin(a * width), b * length])
 
     wall = fl.Shell(
-        fl.mesh.parametric_surface(place, (2 * mesh, 2 * mesh)),
+        fl.mesh.parametric_surface(position, (2 * mesh, 2 * mesh)),
         fl.ShellSection.layer(thickness, MATERIAL),
         director=outward,
         name="wall",
@@ -53,7 +53,7 @@ def cell(thickness: float, mesh: int, slimness: float = 1.0) -> fl.Scene:
     scene = fl.Scene()
     scene.add(wall)
     bar = box_inertia(1.0, np.array([0.05 * length, width, 0.05 * length]))  # for the picture only
-    press = scene.add(fl.RigidBody(1.0, bar, place(0.5, 1), name="press"))
+    press = scene.add(fl.RigidBody(1.0, bar, position(0.5, 1), name="press"))
     scene.add(fl.joints.Prismatic(fl.ground(), press.point("centre"), axis=(0, 0, 1)))
     for point in top:
         scene.add(

@@ -92,8 +92,8 @@ class Truss:
         return bar
 
     def _battens(self, level: int) -> list[fl.Beam]:
-        places = corners(level, START)
-        return [self._bar(places[i], places[(i + 1) % 4], UP) for i in range(4)]
+        positions = corners(level, START)
+        return [self._bar(positions[i], positions[(i + 1) % 4], UP) for i in range(4)]
 
     def _frame(self, level: int) -> list[fl.extend.Point]:
         battens = self._battens(level)

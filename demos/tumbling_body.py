@@ -91,9 +91,9 @@ def main(
         record["angular_momentum_error"] = result.angular_momentum_error
     else:
         speed = np.einsum("tij,tj->ti", R, result.velocities[:, 0, :3])[rows] - exact[:, 8:11]
-        place = result.position(0)[rows] - exact[:, 11:]
+        position = result.position(0)[rows] - exact[:, 11:]
         record["velocity_error"] = float(np.linalg.norm(speed, axis=1).max())
-        record["position_error"] = float(np.linalg.norm(place, axis=1).max())
+        record["position_error"] = float(np.linalg.norm(position, axis=1).max())
     return record
 
 

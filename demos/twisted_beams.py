@@ -56,8 +56,8 @@ def end_motion(beam: fl.Beam, node: int, side: float) -> fl.PrescribedMotion:
         along /= np.linalg.norm(along)
         across = turned - (turned @ along) * along
         across /= np.linalg.norm(across)
-        place = np.array([radius * c, radius * s, height * upper])
-        return np.stack([place, along, across, np.cross(along, across)])
+        position = np.array([radius * c, radius * s, height * upper])
+        return np.stack([position, along, across, np.cross(along, across)])
 
     return fl.PrescribedMotion(point, frame)
 

@@ -6,7 +6,7 @@ square of
 the step, as long as the motion lasts, but goes nowhere: a line fitted to it over the whole run
 rises by less than it goes up and down. The bars are those of double_pendulum.py, as are the cases.
 
---free is a free rigid body in their place, that of time_error.py without forces.
+--free is a free rigid body instead, that of time_error.py without forces.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """A wave in a net, by explicit steps: no equations are solved, for each knot moves by itself.
 
-A square net under tension is hit in its middle. The wave goes out along the threads, with the speed
+A square net under tension is hit in its middle. The wave goes out along the cables, with the speed
 of waves on strings, and comes back from the pinned edges. Steps may be as large as a wave along the
-threads takes from knot to knot; fem_lie.Explicit computes that size, and refuses larger ones.
+cables takes from knot to knot; fem_lie.Explicit computes that size, and refuses larger ones.
 
 --courant is the step over the largest stable one. ns_per_element_step has the seconds of the
 processor without those that the run takes to begin: those of two runs are compared.
@@ -20,20 +20,20 @@ from matplotlib.figure import Figure
 import fem_lie as fl
 
 STRETCH, BLOW = 1.05, 2.0
-THREAD = fl.Section.from_stiffness([100.0] * 3 + [1e-6] * 3, mass=0.01)
+CABLE = fl.Section.from_stiffness([100.0] * 3 + [1e-6] * 3, mass=0.01)
 
 
 def square_net(cells: int) -> tuple[fl.Scene, fl.Net]:
     """A net of side 1 m with pinned edges, stretched, and hit in the middle."""
     x = np.linspace(0, 1, cells + 1)
-    places = np.array([(a, b, 0) for a in x for b in x])
-    grid = np.arange(len(places)).reshape(cells + 1, cells + 1)
-    threads = [list(row) for row in grid] + [list(column) for column in grid.T]
+    positions = np.array([(a, b, 0) for a in x for b in x])
+    grid = np.arange(len(positions)).reshape(cells + 1, cells + 1)
+    cables = [list(row) for row in grid] + [list(column) for column in grid.T]
     scene = fl.Scene()
-    net = scene.add(fl.Net(places, threads, THREAD, stretch=STRETCH))
+    net = scene.add(fl.Net(positions, cables, CABLE, stretch=STRETCH))
     edge = np.unique([*grid[[0, -1]].ravel(), *grid[:, [0, -1]].ravel()])
     net.pin(*(net.point(int(k)) for k in edge))
-    far = ((places[:, :2] - 0.5) ** 2).sum(axis=1)
+    far = ((positions[:, :2] - 0.5) ** 2).sum(axis=1)
     blow = BLOW * np.exp(-far / 0.1**2)
     # along the axes of the knots
     net.velocities[:, :3] = blow[:, np.newaxis] * net.frames[:, 1:, 2]

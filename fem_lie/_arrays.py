@@ -37,7 +37,7 @@ def log_coincident(what: str, points: Array) -> None:
     if len(pairs):
         a, b = min(pairs.tolist())
         _log.warning(
-            "%s has %d pairs of points at the same place, the first are %d and %d at %s: cells "
+            "%s has %d pairs of points at the same position, the first are %d and %d at %s: cells "
             "that do not share a point are not joined",
             *(what, len(pairs), a, b, points[a]),
         )

@@ -68,8 +68,8 @@ def unknown_name(module: str) -> Callable[[str], NoReturn]:
         message = f"{module} has no {name!r}"
         if name in RENAMED:
             message += f"; it is {RENAMED[name]} now (fl is fem_lie)"
-        elif places := _namespaces_with(name):
-            message += f"; expected {' or '.join(places)} (fl is fem_lie)"
+        elif namespaces := _namespaces_with(name):
+            message += f"; expected {' or '.join(namespaces)} (fl is fem_lie)"
         raise AttributeError(message, name=name, obj=sys.modules[module])
 
     return fail

@@ -64,7 +64,7 @@ def saved(owner: object, names: Iterable[str]) -> dict[str, Array]:
     """Copies of attributes by name; ``s.H`` is an attribute of an attribute."""
     found: dict[str, Array] = {}
     for name in names:
-        _add(found, name, getattr(*_place(owner, name)))
+        _add(found, name, getattr(*_holder(owner, name)))
     return found
 
 
@@ -91,7 +91,7 @@ class ChangingArrays:
 def _arrays_of(owner: object, names: Iterable[str]) -> dict[str, Array]:
     found: dict[str, Array] = {}
     for name in names:
-        value = getattr(*_place(owner, name))
+        value = getattr(*_holder(owner, name))
         if isinstance(value, Stateful):
             own = _arrays_of(value, value._of_all)
             found |= {f"{name}.{part}": array for part, array in own.items()}
@@ -110,7 +110,7 @@ def _block(value: Any) -> Array:
 def put_back(owner: object, names: Iterable[str], kept: Mapping[str, Array]) -> None:
     """Restore attributes from :func:`saved`; arrays of equal shape are overwritten in place."""
     for name in names:
-        holder, last = _place(owner, name)
+        holder, last = _holder(owner, name)
         value = getattr(holder, last)
         if not _in_place(name, value, kept):
             given = kept[name]
@@ -119,7 +119,7 @@ def put_back(owner: object, names: Iterable[str], kept: Mapping[str, Array]) -> 
             )
 
 
-def _place(owner: object, name: str) -> tuple[object, str]:
+def _holder(owner: object, name: str) -> tuple[object, str]:
     if "." not in name:
         return owner, name
     path, last = name.rsplit(".", 1)

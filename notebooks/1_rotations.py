@@ -1,7 +1,7 @@
 # %% [markdown]
 # # Rotations and SE(3)
 #
-# A frame `H = (R, x)` is stored as four rows: place and three directors. An increment
+# A frame `H = (R, x)` is stored as four rows: position and three directors. An increment
 # `d = (u, θ)` acts from the right, `H ← H exp(d)`: its components are along the frame's own axes.
 
 # %%

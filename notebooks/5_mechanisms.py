@@ -32,7 +32,7 @@ assert abs(np.arctan2(turned[1, 0], turned[0, 0]) - 1.5) < 1e-6
 # **Exercise 1.** What energy has the wheel at the end?
 #
 # **Exercise 2.** A rigid bar falls from the horizontal about one end. Which force does its joint
-# bear when it passes the lowest place?
+# bear when it passes the lowest position?
 
 # %% [markdown]
 # ## Solutions

@@ -82,7 +82,7 @@ def ring_mode(modes: fl.stability.BucklingModes) -> tuple[int, int]:
 
 
 def _outward(x: np.ndarray) -> np.ndarray:
-    return np.array([outward(place) for place in x])
+    return np.array([outward(position) for position in x])
 
 
 def found_amplitude(perfect: fl.Scene, imperfect: fl.Scene) -> float:

@@ -51,11 +51,11 @@ def part(
 ) -> AnyShell:
     """Curves a=0 and a=1 at the two angles from z, b=0 in the middle, b=1 with a diaphragm."""
 
-    def place(a: float, b: float) -> np.ndarray:
+    def position(a: float, b: float) -> np.ndarray:
         angle = np.radians(angles[0] + a * (angles[1] - angles[0]))
         return np.array([length * b, -radius * np.sin(angle), radius * np.cos(angle)])
 
-    shell = any_shell(formulation, place, (mesh, mesh), section, about_x)
+    shell = any_shell(formulation, position, (mesh, mesh), section, about_x)
     shell.symmetry("b=0", (1, 0, 0))
     shell.symmetry("a=0", (0, 1, 0))
     for direction in ((0, 1, 0), (0, 0, 1)):
@@ -77,13 +77,13 @@ def cylinder(mesh: int, formulation: str) -> fl.Scene:
 
 
 def hemisphere(mesh: int, formulation: str) -> fl.Scene:
-    def place(a: float, b: float) -> np.ndarray:
+    def position(a: float, b: float) -> np.ndarray:
         azimuth, height = a * np.pi / 2, b * np.radians(72)
         level = np.cos(height)
         return 10 * np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(height)])
 
     section = fl.ShellSection.layer(0.04, fl.Material(6.825e7, 0.3, 1.0))
-    shell = any_shell(formulation, place, (mesh, mesh), section, lambda x: x / 10)
+    shell = any_shell(formulation, position, (mesh, mesh), section, lambda x: x / 10)
     shell.symmetry("a=0", (0, 1, 0))
     shell.symmetry("a=1", (1, 0, 0))
     shell.roller("00", (0, 0, 1))
@@ -94,7 +94,7 @@ def hemisphere(mesh: int, formulation: str) -> fl.Scene:
 def twisted(thickness: float, force: tuple[float, float, float]) -> Callable[[int, str], fl.Scene]:
     """At the end the width is along z, at the root along y; ``mesh`` cells across, six along."""
 
-    def place(a: float, b: float) -> np.ndarray:
+    def position(a: float, b: float) -> np.ndarray:
         angle, height = a * np.pi / 2, 1.1 * (b - 0.5)
         return np.array([12.0 * a, height * np.cos(angle), height * np.sin(angle)])
 
@@ -107,7 +107,7 @@ def twisted(thickness: float, force: tuple[float, float, float]) -> Callable[[in
 
     def build(mesh: int, formulation: str) -> fl.Scene:
         section = fl.ShellSection.layer(thickness, fl.Material(29e6, 0.22, 1.0))
-        shell = any_shell(formulation, place, (6 * mesh, mesh), section, normal)
+        shell = any_shell(formulation, position, (6 * mesh, mesh), section, normal)
         shell.clamp("a=0")
         return scene_of(shell, fl.loads.EdgeLoad(shell, "a=1", force=np.array(force) / 1.1))
 

@@ -28,9 +28,9 @@ import fem_lie as fl
 from fem_lie.extend import COLOURS
 
 try:  # as a script, or as a part of the package of demos
-    from hemisphere import CASES, RADIUS, pinched, place
+    from hemisphere import CASES, RADIUS, pinched, position
 except ModuleNotFoundError:
-    from demos.hemisphere import CASES, RADIUS, pinched, place
+    from demos.hemisphere import CASES, RADIUS, pinched, position
 
 RESULTS = Path(__file__).parents[1] / "results"
 THICKNESS = 0.04
@@ -74,9 +74,9 @@ def measure(element: str, method: str, mesh: int, repeats: int) -> Row | None:
     formulation, cell = ELEMENTS[element]
     cells: fl.mesh.SurfaceMesh | fl.mesh.SmoothPatch
     if formulation is None:
-        cells, per_node = fl.mesh.smooth_patch(place, (mesh, mesh)), 12
+        cells, per_node = fl.mesh.smooth_patch(position, (mesh, mesh)), 12
     else:
-        cells, per_node = fl.mesh.parametric_surface(place, (mesh, mesh), cell=cell), 5
+        cells, per_node = fl.mesh.parametric_surface(position, (mesh, mesh), cell=cell), 5
     times = []
     for _ in range(repeats):
         scene = pinched(THICKNESS, cells, formulation)

@@ -12,7 +12,7 @@ and the equations of motion with ``B v_i = 0`` for ``v̇_i`` and ``λ_i``. The l
 The scene is the soft double pendulum of order_four.py with bars that damp strains. Both schemes
 find the same residual and make one solution per iteration, so iterations are what is compared, and
 matrices beside them; this one is not compiled, and seconds say what that costs. Errors are those of
-all places at the end, over the length, against steps of half the smallest size.
+all positions at the end, over the length, against steps of half the smallest size.
 
     python -m studies.stiffly_accurate [--damping 1e-3]
 """
@@ -136,7 +136,7 @@ def scene(damping: float) -> fl.Scene:
 def staged(
     damping: float, duration: float, steps: int, tolerance: float
 ) -> tuple[fl.extend.Array, Stages]:
-    """Places at the end, and the run."""
+    """Positions at the end, and the run."""
     run = Stages(scene(damping), duration / steps, tolerance)
     for _ in range(steps):
         run.step()

@@ -56,6 +56,6 @@ def closed_loop(
     return scene
 
 
-def nearest(body: fl.Shell, place: np.ndarray) -> fl.extend.Point:
-    """The node of a body that is nearest to a place."""
-    return body.point(int(np.linalg.norm(body.frames[:, 0] - place, axis=1).argmin()))
+def nearest(body: fl.Shell, position: np.ndarray) -> fl.extend.Point:
+    """The node of a body that is nearest to a position."""
+    return body.point(int(np.linalg.norm(body.frames[:, 0] - position, axis=1).argmin()))

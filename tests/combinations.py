@@ -231,11 +231,11 @@ def _with(first: Any, other: RigidData, joint: str, parts: dict[str, Any]) -> tu
         parts["joints"] = (JointData("joint", kind, end, ref, at=END, to=other.position),)
         parts["actions"] = (_ON_DISTANCE[joint],)
     elif joint == "Gear":
-        third, place = _rigid("third", np.array([1.6, -0.2, 0.1])), np.array([1.5, 0.0, 0.0])
+        third, position = _rigid("third", np.array([1.6, -0.2, 0.1])), np.array([1.5, 0.0, 0.0])
         parts["joints"] = (
             JointData("joint", "Revolute", end, ref, at=END, axis=_AXIS),
             JointData(
-                "second", "Prismatic", ref, PointRef("third", "centre"), at=place, axis=_SECOND
+                "second", "Prismatic", ref, PointRef("third", "centre"), at=position, axis=_SECOND
             ),
         )
         parts["actions"] = (GearData(_COORDINATE, CoordinateRef("second", 0, False), 0.3),)

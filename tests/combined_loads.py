@@ -84,9 +84,9 @@ def _moved(body: Any, history: HistoryData | None) -> dict[str, Any]:
 def _touching(stiffness: float | None) -> Load:
     def parts(body: Any, history: HistoryData | None) -> dict[str, Any]:
         end, reach = ends_of(body)[1], 0.1
-        place = body.position if isinstance(body, RigidData) else END
+        position = body.position if isinstance(body, RigidData) else END
         overlap = 0.0 if stiffness is None else 5e-5
-        plane = place - (reach - overlap) * UP
+        plane = position - (reach - overlap) * UP
         return {"actions": (ContactData(end, reach, stiffness, UP, plane),)}
 
     return Load(parts, constant=True)

@@ -214,9 +214,9 @@ def random_body(name, count=3):
     if name == "sums of products":
         cells[:, -1] = cells[:, 0] + k - 1
     owners = [(kind, row) for kind, own in zip(kinds, active, strict=True) for row in own]
-    places = np.array([row == 0 for _, row in owners])
-    tables = rng.normal(size=(count, of.cells.points, 3, len(places)))
-    tables[..., places] -= tables[..., places].mean(axis=-1, keepdims=True)
+    positions = np.array([row == 0 for _, row in owners])
+    tables = rng.normal(size=(count, of.cells.points, 3, len(positions)))
+    tables[..., positions] -= tables[..., positions].mean(axis=-1, keepdims=True)
     amplitudes = np.array([kind == NodeType.MODAL for kind, _ in owners])
     if amplitudes.any():
         # numbers that do not turn stand in the last vector alone

@@ -171,8 +171,8 @@ def _blame(error: BaseException) -> str | None:
         return f"{type(error).__name__} in {Path(last.filename).name}:{last.lineno}: {error}"
     own = Path(fl.__file__).parent
     if not Path(last.filename).is_relative_to(own) or "raise" not in (last.line or ""):
-        place = f"{Path(last.filename).name}:{last.lineno}"
-        return f"{type(error).__name__} by chance, in {place}: {error}"
+        position = f"{Path(last.filename).name}:{last.lineno}"
+        return f"{type(error).__name__} by chance, in {position}: {error}"
     return None
 
 

@@ -1,7 +1,7 @@
 """Random small scenes, as data (:mod:`tests.scene_data`), each from its seed.
 
 A scene grows from ground, or from a body that flies, one body after the other: each is attached to
-a place on what is there by a random joint, clamp or link. Then come springs, drives and gears along
+a point of what is there by a random joint, clamp or link. Then come springs, drives and gears along
 coordinates of these joints, loops that are closed through a flexible body (so that no constraint is
 redundant), and loads. Lengths are about 1, forces some tens, stiffness that of plastics; a step
 resolves the motion and not all waves.
@@ -147,7 +147,7 @@ class _Port:
     """A place of a body where something can be attached; ``at``: it is not a node."""
 
     ref: PointRef
-    place: np.ndarray
+    point_at: np.ndarray
     body: Any = None
     at: bool = False
 
@@ -233,24 +233,24 @@ class _Growth:
     # ---- bodies
 
     def _body(
-        self, place: np.ndarray, *, clamped: bool = False, parent: _Port | None = None
+        self, point_at: np.ndarray, *, clamped: bool = False, parent: _Port | None = None
     ) -> _Port:
-        """A new body with one of its places there."""
+        """A new body with one of its positions there."""
         makers: list[Any] = [self._beam, self._beam, self._shell] + [self._rigid] * (not clamped)
         if self.wanted.elements:
             makers = [*makers[1:], self._slender, self._slender, self._patch, self._block]
             makers += [self._reduced] * (not clamped and "reduced" in self.wanted.elements)
         while True:
             maker = makers[self.rng.integers(len(makers))]
-            body, port = maker(f"body {len(self.bodies)}", place)
+            body, port = maker(f"body {len(self.bodies)}", point_at)
             if parent is None or not (self._turns_held(parent, port) and (parent.at or port.at)):
                 self.bodies.append(body)
                 return port
 
-    def _beam(self, name: str, place: np.ndarray) -> tuple[BeamData, _Port]:
+    def _beam(self, name: str, point_at: np.ndarray) -> tuple[BeamData, _Port]:
         along = self._vector(self._between(0.5, 1.5))
         at_start = self._chance(0.7)
-        start = place if at_start else place - along
+        start = point_at if at_start else point_at - along
         body = BeamData(
             name=name,
             section=self._section(),
@@ -263,7 +263,7 @@ class _Growth:
             drag=self._between(0.1, 2.0) * (self.wanted.damping and self._chance(0.2)),
             viscosity=self._between(1e-4, 1e-3) * (self.wanted.damping and self._chance(0.3)),
         )
-        return body, _Port(PointRef(name, "start" if at_start else "end"), place, body)
+        return body, _Port(PointRef(name, "start" if at_start else "end"), point_at, body)
 
     def _section(self) -> SectionData | RectangleData:
         width, height = self._between(0.02, 0.06), self._between(0.02, 0.06)
@@ -277,7 +277,7 @@ class _Growth:
         assert section.inertia is not None
         return SectionData(np.array(section.stiffness), np.array(section.inertia))
 
-    def _rigid(self, name: str, place: np.ndarray) -> tuple[RigidData, _Port]:
+    def _rigid(self, name: str, point_at: np.ndarray) -> tuple[RigidData, _Port]:
         mass, box = self._between(1.0, 5.0), self.rng.uniform(0.1, 0.4, 3)
         at_centre = self._chance(0.3)
         a, b = self._direction(), self._direction()
@@ -286,12 +286,12 @@ class _Growth:
             name=name,
             mass=mass,
             inertia=mass / 12 * ((box**2).sum() - box**2),
-            position=place if at_centre else place + self._vector(self._between(0.1, 0.4)),
+            position=point_at if at_centre else point_at + self._vector(self._between(0.1, 0.4)),
             rotation=np.column_stack([a, b, np.cross(a, b)]),
         )
-        return body, _Port(PointRef(name, "centre"), place, body, at=not at_centre)
+        return body, _Port(PointRef(name, "centre"), point_at, body, at=not at_centre)
 
-    def _shell(self, name: str, place: np.ndarray) -> tuple[ShellData, _Port]:
+    def _shell(self, name: str, point_at: np.ndarray) -> tuple[ShellData, _Port]:
         n = self._direction()
         a = self._across(n)
         b = np.cross(n, a)
@@ -305,12 +305,12 @@ class _Growth:
             cells=(int(self.rng.integers(1, 3)), int(self.rng.integers(1, 3))),
             formulation=self._one(("HR", "HR", "MITC4")),
             clamped=None,
-            corners=place + corners,
+            corners=point_at + corners,
             along=a + 0.3 * b,
         )
-        return body, _Port(PointRef(name, "00"), place, body)
+        return body, _Port(PointRef(name, "00"), point_at, body)
 
-    def _slender(self, name: str, place: np.ndarray) -> tuple[SlenderData, _Port]:
+    def _slender(self, name: str, point_at: np.ndarray) -> tuple[SlenderData, _Port]:
         along = self._vector(self._between(0.5, 1.5))
         element = self._element(_SLENDER)
         body = SlenderData(
@@ -319,12 +319,12 @@ class _Growth:
             section=self._rectangle(square=element in _CABLES),
             cells=int(self.rng.integers(2, 4)),
             clamped=None,
-            start=place,
-            end=place + along,
+            start=point_at,
+            end=point_at + along,
             bow=self._across(along) * self._between(0.05, 0.1) * self._chance(0.4),
             up=self._across(along),
         )
-        return body, _Port(PointRef(name, "start"), place, body)
+        return body, _Port(PointRef(name, "start"), point_at, body)
 
     def _element(self, of: Sequence[str]) -> str:
         return str(self._one([name for name in of if name in self.wanted.elements]))
@@ -336,13 +336,13 @@ class _Growth:
             width, height, self._between(3e8, 3e9), self._between(0.0, 0.4), self._between(1e3, 3e3)
         )
 
-    def _patch(self, name: str, place: np.ndarray) -> tuple[PatchData, _Port]:
-        flat, port = self._shell(name, place)
+    def _patch(self, name: str, point_at: np.ndarray) -> tuple[PatchData, _Port]:
+        flat, port = self._shell(name, point_at)
         element = self._element(_PATCHES)
         body = PatchData(name, element, flat.section, flat.cells, None, flat.corners)
-        return body, _Port(port.ref, place, body)
+        return body, _Port(port.ref, point_at, body)
 
-    def _block(self, name: str, place: np.ndarray) -> tuple[BlockData, _Port]:
+    def _block(self, name: str, point_at: np.ndarray) -> tuple[BlockData, _Port]:
         a = self._direction()
         b = self._across(a)
         c = np.cross(a, b)
@@ -359,18 +359,18 @@ class _Growth:
             E=self._between(1e6, 1e7),
             nu=self._between(0.1, 0.35),
             density=self._between(1e2, 3e2),
-            corner=place - 0.5 * (v + w),
+            corner=point_at - 0.5 * (v + w),
             a=u,
             b=v,
             c=w,
         )
-        return body, _Port(PointRef(name, "a=0"), place, body)
+        return body, _Port(PointRef(name, "a=0"), point_at, body)
 
-    def _reduced(self, name: str, place: np.ndarray) -> tuple[ReducedData, _Port]:
+    def _reduced(self, name: str, point_at: np.ndarray) -> tuple[ReducedData, _Port]:
         along = self._vector(self._between(0.5, 1.5))
         modes, up = int(self.rng.integers(1, 4)), self._across(along)
-        body = ReducedData(name, self._rectangle(), modes, place, place + along, up)
-        return body, _Port(PointRef(name, "start"), place, body)
+        body = ReducedData(name, self._rectangle(), modes, point_at, point_at + along, up)
+        return body, _Port(PointRef(name, "start"), point_at, body)
 
     def _ports(self, body: Any) -> list[_Port]:
         """Where the next thing can be attached."""
@@ -383,30 +383,30 @@ class _Growth:
                 _Port(PointRef(body.name, "end"), body.end, body),
             ]
         if isinstance(body, RigidData):
-            place = body.position + self._vector(self._between(0.1, 0.4))
-            return [_Port(PointRef(body.name, "centre"), place, body, at=True)]
+            point_at = body.position + self._vector(self._between(0.1, 0.4))
+            return [_Port(PointRef(body.name, "centre"), point_at, body, at=True)]
         return [
-            _Port(PointRef(body.name, corner), place, body)
-            for corner, place in zip(("00", "10", "01", "11"), body.corners, strict=True)
+            _Port(PointRef(body.name, corner), point_at, body)
+            for corner, point_at in zip(("00", "10", "01", "11"), body.corners, strict=True)
         ]
 
     # ---- growth
 
     def _first(self) -> None:
         """The first body: it flies, rolls, is clamped, or hangs on a joint."""
-        place = self.rng.normal(size=3)
-        self.about = place
+        point_at = self.rng.normal(size=3)
+        self.about = point_at
         kind = self.rng.random()
         if self.wanted.loose and kind < 0.3:
-            self._body(place)
+            self._body(point_at)
             self.spin, self.velocity = self._vector(2.0), self._vector(1.0)
         elif self.wanted.loose and self.wanted.rolling and kind < 0.4:
-            self._roll(place)
+            self._roll(point_at)
         elif kind < 0.6:
-            self._clamp(self._body(place, clamped=True))
+            self._clamp(self._body(point_at, clamped=True))
         elif self.wanted.histories and kind < 0.7:
             self.moving = False
-            port = self._body(place, clamped=True)
+            port = self._body(point_at, clamped=True)
             if _holds_itself(port.body):
                 self._clamp(port)
             else:
@@ -414,7 +414,7 @@ class _Growth:
                 shift, turn = self._vector(0.05 * (not turns)), self._vector(0.2 * turns)
                 self.supports.append(MotionData(port.ref, self._course(), shift, turn))
         else:
-            self._join(_Port(GROUND, place), self._body(place))
+            self._join(_Port(GROUND, point_at), self._body(point_at))
 
     def _clamp(self, port: _Port) -> None:
         self.moving = False
@@ -426,9 +426,9 @@ class _Growth:
         else:
             self.supports.append(ClampData(port.ref))
 
-    def _roll(self, place: np.ndarray) -> None:
+    def _roll(self, point_at: np.ndarray) -> None:
         """A disc or a sledge on a plane."""
-        body, _ = self._rigid(f"body {len(self.bodies)}", place)
+        body, _ = self._rigid(f"body {len(self.bodies)}", point_at)
         normal = self._direction()
         tilted = self._across(normal) + self._between(-0.5, 0.5) * normal
         ref, name = PointRef(body.name, "centre"), f"joint {len(self.joints)}"
@@ -448,8 +448,8 @@ class _Growth:
         """One more body on one that is there, or on ground."""
         if self._chance(0.2):
             self.moving = False
-            place = self.about + self.rng.normal(size=3)
-            self._join(_Port(GROUND, place), self._body(place))
+            point_at = self.about + self.rng.normal(size=3)
+            self._join(_Port(GROUND, point_at), self._body(point_at))
             return
         parent = self._one(self._ports(self._one(self.bodies)))
         if self._on_clamp(parent):
@@ -457,7 +457,7 @@ class _Growth:
         if self.wanted.loose and self._chance(0.1):
             self._rod(parent)
         else:
-            self._join(parent, self._body(parent.place, parent=parent))
+            self._join(parent, self._body(parent.point_at, parent=parent))
 
     def _on_clamp(self, port: _Port) -> bool:
         """Whether the node cannot move, so that a joint there may be redundant."""
@@ -467,14 +467,14 @@ class _Growth:
         return port.ref in held or clamped
 
     def _rod(self, parent: _Port) -> None:
-        place = parent.place + self._vector(self._between(0.3, 0.8))
-        child = self._body(place, parent=parent)
+        point_at = parent.point_at + self._vector(self._between(0.3, 0.8))
+        child = self._body(point_at, parent=parent)
         joint = self._joint("Distance", parent, child)
         self.joints.append(joint)
         self.actions.append(DriveData(CoordinateRef(joint.name, 0, False), None))
 
     def _join(self, parent: _Port, child: _Port) -> None:
-        """A joint or link between two ports at one place."""
+        """A joint or link between two ports at one position."""
         if self._may_link(parent, child) and self._chance(0.15):
             self.supports.append(LinkData(parent.ref, child.ref))
             return
@@ -519,17 +519,17 @@ class _Growth:
             kind,
             parent.ref,
             child.ref,
-            at=parent.place if parent.at or child.at or apart else None,
+            at=parent.point_at if parent.at or child.at or apart else None,
             axis=None if apart else axis,
             second=self._across(axis) if kind in _WITH_SECOND else None,
-            to=child.place if apart else None,
+            to=child.point_at if apart else None,
             pitch=self._between(0.1, 0.5) if kind == "Screw" else None,
         )
 
     def _let_turn(self, joint: JointData) -> None:
         """A motion of all at the start that the only joint to ground allows."""
         assert joint.axis is not None
-        place = self.about
+        point_at = self.about
         if joint.kind == "Spherical":
             self.spin = self._vector(2.0)
         elif joint.kind == "Revolute":
@@ -542,7 +542,7 @@ class _Growth:
             self.spin, self.velocity = 2.0 * joint.axis, 0.5 * joint.axis
         else:
             self.moving = False
-        self.about = place
+        self.about = point_at
 
     def _close(self) -> None:
         """A loop: the end of a flexible body is tied to another body or to ground."""
@@ -560,9 +560,9 @@ class _Growth:
         port = self._one(loose)
         others = [body for body in self.bodies if isinstance(body, RigidData)]
         if others and self._chance(0.6):
-            other = _Port(PointRef(self._one(others).name, "centre"), port.place, at=True)
+            other = _Port(PointRef(self._one(others).name, "centre"), port.point_at, at=True)
         else:
-            other, self.moving = _Port(GROUND, port.place), False
+            other, self.moving = _Port(GROUND, port.point_at), False
         self.joints.append(self._joint(self._one(_LOOSE[:-1]), other, port))
 
     def _slide(self) -> None:
@@ -626,7 +626,7 @@ class _Growth:
         """A spring between two points."""
         i, j = self.rng.choice(len(self.bodies), 2, replace=False)
         a, b = (self._one(self._ports(self.bodies[k])) for k in (i, j))
-        if self._turns_held(a, b) or np.linalg.norm(a.place - b.place) < 0.1:
+        if self._turns_held(a, b) or np.linalg.norm(a.point_at - b.point_at) < 0.1:
             return
         joint = self._joint("Distance", a, b)
         self.joints.append(joint)

@@ -130,12 +130,12 @@ def _(item: data.RigidData, built: Built) -> None:
 
 @add.register
 def _(item: data.ShellData, built: Built) -> None:
-    def place(a: float, b: float) -> np.ndarray:
+    def position(a: float, b: float) -> np.ndarray:
         return np.array([(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b]) @ item.corners
 
     s = item.section
     shell = fl.Shell(
-        fl.mesh.parametric_surface(place, item.cells, cell=item.cell),
+        fl.mesh.parametric_surface(position, item.cells, cell=item.cell),
         fl.ShellSection.layer(s.thickness, fl.Material(s.E, s.nu, s.density)),
         along=item.along,
         formulation=FORMULATIONS[item.formulation],
@@ -166,7 +166,7 @@ def _(item: data.SlenderData, built: Built) -> None:
 @add.register
 def _(item: data.NetData, built: Built) -> None:
     damping, section = fl.sections.Damping(item.drag), _section(item.section)
-    net = fl.Net(item.points, item.threads, section, damping=damping, name=item.name)
+    net = fl.Net(item.points, item.cables, section, damping=damping, name=item.name)
     if item.clamped is not None:
         net.pin(net.point(0))
     built.bodies[item.name] = built.scene.add(net)
@@ -174,12 +174,12 @@ def _(item: data.NetData, built: Built) -> None:
 
 @add.register
 def _(item: data.PatchData, built: Built) -> None:
-    def place(a: float, b: float) -> np.ndarray:
+    def position(a: float, b: float) -> np.ndarray:
         return np.array([(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b]) @ item.corners
 
     s = item.section
     section = fl.ShellSection.layer(s.thickness, fl.Material(s.E, s.nu, s.density))
-    patch = fl.mesh.smooth_patch(place, item.cells)
+    patch = fl.mesh.smooth_patch(position, item.cells)
     shell = PATCHES[item.element](
         patch, section, damping=fl.sections.Damping(item.drag), name=item.name
     )
@@ -190,10 +190,10 @@ def _(item: data.PatchData, built: Built) -> None:
 
 @add.register
 def _(item: data.BlockData, built: Built) -> None:
-    def place(α: float, β: float, γ: float) -> np.ndarray:
+    def position(α: float, β: float, γ: float) -> np.ndarray:
         return item.corner + α * item.a + β * item.b + γ * item.c
 
-    mesh = fl.mesh.parametric_volume(place, (1, 1, 1), cell=item.cell)
+    mesh = fl.mesh.parametric_volume(position, (1, 1, 1), cell=item.cell)
     law = fl.sections.NeoHooke(item.E, item.nu, item.density)
     damping = fl.sections.Damping(item.drag)
     solid = fl.Solid(mesh, law, degree=item.degree, damping=damping, name=item.name)

@@ -17,7 +17,7 @@ import numpy as np
 from tests.unit_systems import UnitSystem
 
 VECTOR, POINT, AXES = "vector", "point", "axes"
-"""How numbers turn: as a free vector, as a place, as the columns of a rotation."""
+"""How numbers turn: as a free vector, as a position, as the columns of a rotation."""
 
 
 class Quantity:
@@ -132,12 +132,12 @@ class SlenderData:
 
 @dataclass(frozen=True)
 class NetData:
-    """A net; ``points`` have shape (n, 3), and ``threads`` are their numbers along each."""
+    """A net; ``points`` have shape (n, 3), and ``cables`` are their numbers along each."""
 
     name: str
     section: RectangleData
     points: Annotated[np.ndarray, Quantity(1, moves=POINT)]
-    threads: tuple[tuple[int, ...], ...]
+    cables: tuple[tuple[int, ...], ...]
     clamped: str | None = None
     drag: Annotated[float, Quantity(time=-1)] = 0.0
 

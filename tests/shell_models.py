@@ -32,9 +32,9 @@ def section(E: float, nu: float, t: float) -> np.ndarray:
 
 
 def grid(
-    shape: tuple[int, int], place: Callable, cell: str = "quadrilateral", degree: int = 1
+    shape: tuple[int, int], position: Callable, cell: str = "quadrilateral", degree: int = 1
 ) -> dolfinx.mesh.Mesh:
-    """Mesh of the unit square, put into space by ``place(a, b)``; two triangles per square."""
+    """Mesh of the unit square, put into space by ``position(a, b)``; two triangles per square."""
     n, m = degree * shape[0], degree * shape[1]
     a, b = np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, m + 1), indexing="ij")
     number = np.arange(a.size).reshape(n + 1, m + 1)
@@ -53,7 +53,7 @@ def grid(
                     chosen = [corners[k] for k in vertices]
                     cells.append([*chosen, *(middles if degree == 2 else ())])
     element = basix.ufl.element("Lagrange", cell, degree, shape=(3,))
-    points = np.column_stack(place(a.ravel(), b.ravel()))
+    points = np.column_stack(position(a.ravel(), b.ravel()))
     return dolfinx.mesh.create_mesh(
         MPI.COMM_SELF, cells=np.array(cells, dtype=np.int64), x=points, e=element
     )
@@ -239,7 +239,7 @@ class Statics(fl.stability.Equilibrium):
 def hemisphere(element: Element, count: int, t: float, force: float) -> tuple[Statics, int, int]:
     """A quarter of the hemisphere with an 18° hole; the model and the nodes under the forces."""
 
-    def place(a, b):
+    def position(a, b):
         azimuth, height = a * np.pi / 2, b * np.radians(72)
         return [
             10 * np.cos(height) * np.cos(azimuth),
@@ -251,7 +251,7 @@ def hemisphere(element: Element, count: int, t: float, force: float) -> tuple[St
         φ = np.arctan2(X[:, 1], X[:, 0])
         return np.column_stack([-np.sin(φ), np.cos(φ), 0 * φ])
 
-    mesh = grid((count, count), place, element.cell, element.degree)
+    mesh = grid((count, count), position, element.cell, element.degree)
     q = with_normals(mesh, lambda X: X / 10, azimuthal, element.degree)
     q.frames[:, 3] /= np.linalg.norm(q.frames[:, 3], axis=1)[:, np.newaxis]
     forms = element.forms(element.cells(q), section(6.825e7, 0.3, t))
@@ -276,7 +276,7 @@ def strip(
     """
     n = element.degree * cells[1]
 
-    def place(a, b):
+    def position(a, b):
         skew = distortion / cells[0] * np.sin(np.pi * a) * (2 * b - 1)
         φ = (a + skew) * np.pi / 2
         return [radius * np.sin(φ), b, radius * np.cos(φ)]
@@ -288,7 +288,7 @@ def strip(
     def along(X):
         return np.cross([0.0, 1.0, 0.0], normal(X))
 
-    mesh = grid(cells, place, element.cell, element.degree)
+    mesh = grid(cells, position, element.cell, element.degree)
     q = with_normals(mesh, normal, along, element.degree)
     X = q.frames[:, 0]
     held = np.zeros((len(X), 5 if element.drilling is None else 6), dtype=bool)
@@ -303,12 +303,12 @@ def strip(
 def patch(element: Element, flat: bool = False, law: Callable | None = None):
     """2×2 distorted cells, in a plane or not: frames, forms."""
 
-    def place(a, b):
+    def position(a, b):
         bump = element.distortion * np.sin(np.pi * a) * np.sin(np.pi * b)
         x, y = a + 0.18 * bump + 0.1 * b, b - 0.13 * bump + 0.2 * a
         return [x, y, 0 * a if flat else 0.3 * np.sin(1.5 * x) + 0.2 * x * y]
 
-    mesh = grid((2, 2), place, element.cell, 1)
+    mesh = grid((2, 2), position, element.cell, 1)
     q = fl.NodalFrames(mesh, element.degree)
     if not flat:
         rng = np.random.default_rng(4)

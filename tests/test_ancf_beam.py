@@ -1,4 +1,4 @@
-"""Beams of places and three slopes: laws of the element, statics, motion, joints, bad input."""
+"""Beams of positions and three slopes: laws of the element, statics, motion, joints, bad input."""
 
 import numpy as np
 import pytest
@@ -134,17 +134,17 @@ def test_elastica_does_not_lock(slenderness):
     errors = []
     for cells in (4, 8, 16):
         beam = fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), thin(slenderness), cells=cells)
-        place, result = tip(beam, 8, force=(0, 10.0, 0))
+        position, result = tip(beam, 8, force=(0, 10.0, 0))
         assert result.total_iterations <= 5 * len(result.factors)
-        errors.append(np.linalg.norm(place[:2] - ELASTICA))
+        errors.append(np.linalg.norm(position[:2] - ELASTICA))
     assert (np.array(errors) < [4e-3, 1.3e-3, 4e-4]).all()
 
 
 @pytest.mark.parametrize("slenderness", [1e3, 1e4])
 def test_rolls_up_to_a_full_circle(slenderness):
     beam = fl.AncfBeam.straight((0, 0, 0), (1, 0, 0), thin(slenderness), cells=16)
-    place, result = tip(beam, 16, moment=(0, 0, 2 * np.pi))
-    assert np.linalg.norm(place) < 5e-4
+    position, result = tip(beam, 16, moment=(0, 0, 2 * np.pi))
+    assert np.linalg.norm(position) < 5e-4
     assert result.total_iterations <= 5 * len(result.factors) and not result.failed_iterations
 
 
@@ -222,10 +222,10 @@ def test_a_hinged_beam_swings_as_one_of_frames_with_one_matrix():
         result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.3, step=1e-3)
         return result.position(body.point("end")), result.k_updates
 
-    places, matrices = swing(fl.AncfBeam, 12)
+    positions, matrices = swing(fl.AncfBeam, 12)
     expected, _ = swing(fl.Beam, 24)
     assert matrices == 1
-    np.testing.assert_allclose(places, expected, atol=5e-4)
+    np.testing.assert_allclose(positions, expected, atol=5e-4)
 
 
 def test_tumbling_conserves_energy_and_momenta():

@@ -1,4 +1,4 @@
-"""Shells of places and three slopes: shear, slender strips, supports, motion."""
+"""Shells of positions and three slopes: shear, slender strips, supports, motion."""
 
 import numpy as np
 import pytest

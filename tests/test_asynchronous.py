@@ -8,7 +8,7 @@ import pytest
 import fem_lie as fl
 from benchmarks import asynchronous
 from tests.test_composed import flying, resumed_as_whole
-from tests.test_explicit import THREAD, net
+from tests.test_explicit import CABLE, net
 
 SCHEME = fl.schemes.Asynchronous()
 
@@ -25,7 +25,7 @@ def test_equal_steps_are_explicit_ones():
 def test_dead_loads_are_followed_exactly():
     """A stone that is thrown, of steps as large as the way."""
     scene = fl.Scene(gravity=(0, 0, -10.0))
-    body = scene.add(fl.Net([(0, 0, 0), (1, 0, 0)], [[0, 1]], THREAD))
+    body = scene.add(fl.Net([(0, 0, 0), (1, 0, 0)], [[0, 1]], CABLE))
     body.velocities[:, 0] = 3.0
     result = SCHEME.run(scene, duration=1.0, step=0.5)
     fallen = result.frames[-1, :, 0] - result.frames[0, :, 0]

@@ -109,11 +109,11 @@ def test_a_branch_does_not_see_a_rigid_motion_of_all():
     """Objectivity: turned and moved, with its loads and ``up``, it gives the turned solution."""
     motion = lie.frame([3.0, -2.0, 1.0], lie.so3_exp([1.0, -0.7, 2.0]))
     turn, tips = lie.rotation(motion), []
-    for place in (None, motion):
-        R = np.eye(3) if place is None else turn
+    for position in (None, motion):
+        R = np.eye(3) if position is None else turn
         scene = fl.Scene(R @ [0, 2.0, -9.81])
         sections = {"trunk": SECTION, "arm": THIN, "branch": SECTION}
-        beam = scene.add(fl.Beam(mesh_of(BRANCH, place), sections, up=R @ UP))
+        beam = scene.add(fl.Beam(mesh_of(BRANCH, position), sections, up=R @ UP))
         scene.add(fl.Clamp(beam.point("root")))
         scene.add(fl.PointLoad(beam.point("tip"), R @ [5, -10, 20], R @ [3, 2, 1]))
         scene.add(fl.LineLoad(beam, (0, 5, 5), cells="branch", following=True))
@@ -186,11 +186,11 @@ def test_a_rigid_link_is_a_fixed_joint_at_an_offset(steps):
 def test_linked_bodies_are_one_body():
     """Three bodies in a chain of links, one link too many, are the one of their common inertia."""
     rng = np.random.default_rng(4)
-    masses, places = [2.0, 1.0, 0.5], rng.normal(size=(3, 3))
+    masses, positions = [2.0, 1.0, 0.5], rng.normal(size=(3, 3))
     tensors = [np.diag(t) for t in ([0.3, 0.4, 0.5], [0.1, 0.1, 0.15], [0.2, 0.1, 0.2])]
     turns = lie.so3_exp(rng.normal(size=(3, 3)))
-    centre = np.average(places, axis=0, weights=masses)
-    spread = places - centre
+    centre = np.average(positions, axis=0, weights=masses)
+    spread = positions - centre
     whole = sum(
         R @ J @ R.T + m * (r @ r * np.eye(3) - np.outer(r, r))
         for R, J, m, r in zip(turns, tensors, masses, spread, strict=True)
@@ -208,7 +208,8 @@ def test_linked_bodies_are_one_body():
         return scheme.run(scene, duration=0.5, step=5e-4)
 
     bodies = [
-        fl.RigidBody(m, J, x, R) for m, J, x, R in zip(masses, tensors, places, turns, strict=True)
+        fl.RigidBody(m, J, x, R)
+        for m, J, x, R in zip(masses, tensors, positions, turns, strict=True)
     ]
     linked = run(*bodies, links=[(1, 2), (0, 2), (1, 0)])
     single = run(fl.RigidBody(sum(masses), whole, centre))
@@ -243,7 +244,7 @@ def test_momentum_of_a_beam_with_a_body_beside_it():
 
 
 def test_energy_of_a_dead_force_on_a_body_that_follows():
-    """Its work goes with the body's own place, not with that of its master node."""
+    """Its work goes with the body's own position, not with that of its master node."""
     scene = fl.Scene()
     beam = scene.add(rod((0, 0, 0), (1, 0, 0)))
     block = scene.add(fl.RigidBody(0.5, (0.02, 0.03, 0.04), (1.0, 0.4, 0.0)))

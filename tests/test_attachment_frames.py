@@ -9,7 +9,7 @@ from fem_lie import lie
 from fem_lie.attachments.at_nodes import along_tangent, at_node, on_section
 from fem_lie.attachments.attachment import bend, changes, cores, locate, spread
 from fem_lie.attachments.between_frames import interpolated, on_geodesic
-from fem_lie.attachments.patch import in_the_mean
+from fem_lie.attachments.patch import averaging_attachment
 from fem_lie.attachments.surface import on_surface
 from fem_lie.extend import node_types
 from fem_lie.system.nodes.numbering import MasterMap
@@ -37,7 +37,7 @@ def moved_slopes(X, h):
 
 
 def moved_places(X, h):
-    """Nodes that are places, along axes that stay."""
+    """Nodes that are positions, along axes that stay."""
     moved = X.copy()
     moved[:, 0] += np.einsum("nij,ni->nj", X[:, 1:], h[:, :3])
     return moved
@@ -49,15 +49,17 @@ PLACES = np.array(
 PATCHES = {"patch": PLACES, "flat patch": PLACES[:4] * [1, 1, 0]}
 
 
-def patch(places):
+def patch(positions):
     axes = lie.se3_exp(np.array([0, 0, 0, 0.3, -0.5, 0.2]))[1:]
-    return in_the_mean(range(len(places)), places, np.arange(1.0, 1.0 + len(places)), axes)
+    return averaging_attachment(
+        range(len(positions)), positions, np.arange(1.0, 1.0 + len(positions)), axes
+    )
 
 
-def near_patch(places, rng):
+def near_patch(positions, rng):
     """Rows of nodes about a patch that is deformed and moved, with any axes."""
-    X = lie.se3_exp(rng.normal(size=(len(places), 6)))
-    X[:, 0] = places + 0.1 * rng.normal(size=places.shape)
+    X = lie.se3_exp(rng.normal(size=(len(positions), 6)))
+    X[:, 0] = positions + 0.1 * rng.normal(size=positions.shape)
     return lie.se3_compose(lie.se3_exp(rng.normal(size=6)), X)
 
 
@@ -91,7 +93,7 @@ ATTACHMENTS = {
     "three directors": (interpolated((0, 1, 2), (0.28, -0.12, 0.84)), moved_frames),
     "node": (at_node(0, OFFSET), moved_frames),
     "tangent": (along_tangent(0), moved_slopes),
-    **{name: (patch(places), moved_places) for name, places in PATCHES.items()},
+    **{name: (patch(positions), moved_places) for name, positions in PATCHES.items()},
     "surface": (on_surface(range(4), SHARES), moved_surface),
     "cross-section": (on_section(range(4), SHARES), moved_surface),
 }
@@ -104,7 +106,7 @@ def state(name: str, seed: int):
     attachment, move = ATTACHMENTS[name]
     near = rng.normal(size=(len(attachment.nodes), 6)) * [0.5, 0.5, 0.5, 0.25, 0.25, 0.25]
     if name in ON_SURFACES:
-        near *= 0.1  # differences of places are slopes, which must not be along each other
+        near *= 0.1  # differences of positions are slopes, which must not be along each other
     X = lie.se3_compose(lie.se3_exp(rng.normal(size=6)), lie.se3_exp(near))
     if name == "tangent":
         X[:, 1] *= 0.5 + rng.random()
@@ -220,19 +222,19 @@ def test_many_states_at_once():
 
 
 def test_an_unloaded_patch_is_where_it_was_with_its_axes():
-    places = PATCHES["flat patch"]
+    positions = PATCHES["flat patch"]
     X = np.tile(lie.frame(np.zeros(3), np.eye(3)), (4, 1, 1))
-    X[:, 0] = places
-    found = patch(places).frame(X)
-    np.testing.assert_allclose(found[0], np.array([1, 2, 3, 4]) @ places / 10, atol=1e-15)
+    X[:, 0] = positions
+    found = patch(positions).frame(X)
+    np.testing.assert_allclose(found[0], np.array([1, 2, 3, 4]) @ positions / 10, atol=1e-15)
     axes = lie.se3_exp(np.array([0, 0, 0, 0.3, -0.5, 0.2]))[1:]
     np.testing.assert_allclose(found[1:], axes, atol=1e-15)
 
 
 def test_a_patch_on_a_line_is_refused():
-    places = np.outer([0.0, 1.0, 2.5], [1.0, 2.0, 3.0])
+    positions = np.outer([0.0, 1.0, 2.5], [1.0, 2.0, 3.0])
     with pytest.raises(ValueError, match="not collinear"):
-        in_the_mean(range(3), places, np.ones(3), np.eye(3))
+        averaging_attachment(range(3), positions, np.ones(3), np.eye(3))
 
 
 # --- rigid attachments ---

@@ -128,12 +128,12 @@ def flown(u: UnitSystem, scheme: str, name: str) -> tuple[np.ndarray, int, int]:
     result = TAKES[scheme][0].run(
         scene, duration=u.time(5 * step), step=u.time(step), progress=False
     )
-    places = (
+    positions = (
         result.frames[-1][fl.extend.node_types.has_position(body.model.node_types), 0]
         - body.frames[fl.extend.node_types.has_position(body.model.node_types), 0]
     )
     each = np.diff(result.iterations)
-    return u.inverse.length(places), int(each.sum() - each.max()), int(result.divided)
+    return u.inverse.length(positions), int(each.sum() - each.max()), int(result.divided)
 
 
 @pytest.mark.parametrize("u", OTHER_SYSTEMS, ids=str)

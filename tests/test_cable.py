@@ -72,19 +72,19 @@ LENGTH, END, WEIGHT = 10.0, np.array([8.0, 1.0]), 10.0
 
 
 def elastic_catenary(EA: float):
-    """Places (k, 2) at arc lengths of a hanging cable without bending stiffness, and end forces.
+    """Positions (k, 2) at arc lengths of a hanging cable without bending stiffness, and end forces.
 
     H. M. Irvine, Cable Structures (1981), §1.3: tension over EA is the strain.
     """
 
-    def places(s, H, V):
+    def positions(s, H, V):
         x = H / WEIGHT * (np.arcsinh(V / H) - np.arcsinh((V - WEIGHT * s) / H)) + H * s / EA
         tension = np.hypot(H, V - WEIGHT * s)
         z = (tension - np.hypot(H, V)) / WEIGHT - (V * s - 0.5 * WEIGHT * s**2) / EA
         return np.stack([x, z], axis=-1)
 
-    H, V = fsolve(lambda f: places(LENGTH, *f) - END, (34.0, 44.0), xtol=1e-13)
-    return (lambda s: places(s, H, V)), (H, V)
+    H, V = fsolve(lambda f: positions(LENGTH, *f) - END, (34.0, 44.0), xtol=1e-13)
+    return (lambda s: positions(s, H, V)), (H, V)
 
 
 def hung(cells: int, EA: float, EI: float) -> tuple[fl.Scene, fl.Cable]:
@@ -429,13 +429,13 @@ MOVED = {
     "taut": (3, (0.7469297667, 0, 0.1436628601), 3e-4),
     "slack": (3, (0.7764066740, 0, -0.1610843585), 2e-3),
 }
-"""Places of an independent program after half a second (``benchmarks/swinging_cable.py``)."""
+"""Positions of an independent program after half a second (``benchmarks/swinging_cable.py``)."""
 
 
 @pytest.mark.parametrize("name", MOVED)
 def test_moves_as_an_independent_program_has_it(name):
     (make, _), (part, expected, bound) = swinging_cable.SCENES[name], MOVED[name]
-    found = swinging_cable.places(make(16, "cable"), np.array([0.5]), 1e-3)[0, part]
+    found = swinging_cable.positions(make(16, "cable"), np.array([0.5]), 1e-3)[0, part]
     assert np.linalg.norm(found - expected) < bound * swinging_cable.LENGTH
 
 
@@ -490,7 +490,7 @@ def test_damping_with_strain():
 
 
 def test_between_the_times_that_were_kept():
-    """Places, slopes with their lengths and velocities of every second state, from the others."""
+    """Positions, slopes with lengths and velocities of every second state, from the others."""
     result = free_flight(1e-3)
     found = free_flight(1e-3, save_every=2).resampled(result.times[1:-1:2])
     wanted = result.frames[1:-1:2]
@@ -509,7 +509,7 @@ def test_between_the_times_that_were_kept():
     np.testing.assert_allclose(*linear, atol=0.02 * np.abs(linear[1]).max())
 
 
-def test_velocities_of_results_are_those_of_places():
+def test_velocities_of_results_are_those_of_positions():
     result = free_flight(2e-3)
     node, k, h = 2, 100, 2e-3
     moved = (result.frames[k + 1, node, 0] - result.frames[k - 1, node, 0]) / (2 * h)
@@ -575,7 +575,7 @@ def test_file_and_resume(tmp_path):
 
 
 def test_joints_hold_a_cable_as_pins_do():
-    """Spherical joints to the ground at both ends, against places that are held."""
+    """Spherical joints to the ground at both ends, against positions that are held."""
     scene, cable = hung(8, 1e6, 1e-3)
     pinned = fl.statics(scene)
     cable.model.held[:] = False
@@ -592,7 +592,7 @@ def test_joints_hold_a_cable_as_pins_do():
 
 
 def test_revolute_joint_about_the_tangent_is_a_clamp():
-    """A joint that holds place and tangent to ground, against a clamp."""
+    """A joint that holds position and tangent to ground, against a clamp."""
     tips = []
     for clamped in (True, False):
         cable = fl.Cable.straight((0, 0, 0), (2, 0, 0), section(1e6, 833.0, 78.0), cells=4)
@@ -661,7 +661,7 @@ def crane(step: float) -> fl.Result:
 
 
 def test_beam_cable_and_body_together():
-    """Places to second order, joints closed, and the books of the energy balanced."""
+    """Positions to second order, joints closed, and the books of the energy balanced."""
     coarse, middle, fine = (crane(step) for step in (4e-3, 2e-3, 1e-3))
     ends = [result.position("rigidbody 1.centre")[-1] for result in (coarse, middle, fine)]
     first, second = np.abs(ends[0] - ends[1]).max(), np.abs(ends[1] - ends[2]).max()

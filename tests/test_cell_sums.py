@@ -13,7 +13,7 @@ import fem_lie as fl
 from demos.space_net import square_net
 from fem_lie import lie
 from fem_lie.forms.cell_sums import CellSum, Pattern
-from fem_lie.forms.cells import VISCOUS, CellTable, viscous_forces
+from fem_lie.forms.cells import VISCOUS, CellArrays, viscous_forces
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.vector_cells.cells import Energies, Nodes, energies_at
 from fem_lie.solve.conserving.vector_cells.position_cells import add_position_cells
@@ -106,7 +106,7 @@ def test_pattern():
     pattern = Pattern.of(np.array([[4, 1], [1, 2]]), 5)
     rows = [pattern.indices[a:b].tolist() for a, b in pairwise(pattern.indptr)]
     assert rows == [[0], [1, 2, 4], [1, 2], [3], [1, 4]]
-    assert pattern.place.tolist() == [8, 7, 3, 1, 1, 2, 4, 5]
+    assert pattern.pair_index.tolist() == [8, 7, 3, 1, 1, 2, 4, 5]
 
 
 def test_too_little_data_is_refused():
@@ -131,7 +131,7 @@ def dashpots(count: int):
     return kernel
 
 
-def test_viscous_forces_have_room_for_all_nodes_of_a_cell():
+def test_viscous_forces_have_space_for_all_nodes_of_a_cell():
     """Small cells beside large ones; nothing is written beyond what a cell has."""
     kernels, constant, x = [dashpots(n) for n in NODES], np.array([2.0]), np.zeros(1)
     packed = [np.zeros(18 * n) for n in NODES]
@@ -142,7 +142,7 @@ def test_viscous_forces_have_room_for_all_nodes_of_a_cell():
     c[:, VISCOUS], at[:, VISCOUS] = constant.ctypes.data, 12 * np.array(NODES)
     rng, first = np.random.default_rng(0), np.cumsum([0, *NODES])
     nodes = np.concatenate([rng.permutation(max(NODES))[:n] for n in NODES])
-    table = CellTable(kernel, w, c, at, one + x.ctypes.data, one, one + 6, one, first, nodes)
+    table = CellArrays(kernel, w, c, at, one + x.ctypes.data, one, one + 6, one, first, nodes)
     H, v = np.zeros((max(NODES), 4, 3)), rng.normal(size=(max(NODES), 6))
     F = np.full((len(nodes), 6), np.nan)
     viscous_forces(table, H, v, F)
@@ -150,7 +150,7 @@ def test_viscous_forces_have_room_for_all_nodes_of_a_cell():
     np.testing.assert_array_equal(F, factors[:, np.newaxis] * v[nodes])
 
 
-def test_parts_of_places_are_one():
+def test_shares_of_positions_sum_to_one():
     """To their columns A and K have the same blocks, and the sum is that of parts kept separate."""
     scene = square_net(2, cells=3)
     scene.gravity = (0, 0, -GRAVITY)
@@ -174,7 +174,7 @@ def test_parts_of_places_are_one():
             found.append(equations.matrix.csr[0].copy())
     for one, two in zip(found[:3], found[3:], strict=True):
         np.testing.assert_allclose(one, two, rtol=0.0, atol=1e-13 * np.abs(two).max())
-    # all but the masses at the corners are places
+    # all but the masses at the corners are positions
     pairs = len(equations.matrix.indices)
     assert len(Parts(equations.unknowns.kinds, equations.matrix.indices, separate=False).blocks) < (
         1.2 * pairs
@@ -188,7 +188,7 @@ STIFFNESS = 1e3
 
 
 def started(clamped: bool) -> Run:
-    """A run of two threads that cross and are bent, or of a cable that is clamped."""
+    """A run of two cables that cross and are bent, or of a cable that is clamped."""
     scene, s = fl.Scene(), np.linspace(-1.0, 1.0, 13)
     one = np.column_stack([s, 0.2 * s**2, 0.1 * np.sin(3.0 * s)])
     section = fl.Section.from_stiffness([STIFFNESS] * 3 + [2.0] * 3, mass=1.0)
@@ -199,9 +199,9 @@ def started(clamped: bool) -> Run:
         cable.clamp(cable.point("start"))
     else:
         points = np.vstack([one, np.delete(one, 6, axis=0)[:, [1, 0, 2]]])
-        threads = [range(13), [*range(13, 19), 6, *range(19, 25)]]
+        cables = [range(13), [*range(13, 19), 6, *range(19, 25)]]
         own = fl.elements.DiscreteCable(natural=True)
-        scene.add(fl.Net(points, threads, section, formulation=own))
+        scene.add(fl.Net(points, cables, section, formulation=own))
     scheme = fl.EnergyMomentum()
     run = Run(scheme.options(), scheme.equations(scene), 1e-3)
     run.start()
@@ -212,16 +212,16 @@ def energy(run: Run, step: np.ndarray) -> float:
     """Of all cells, where nodes have gone by these increments (n, 6)."""
     H, W = run.s.H.copy(), np.zeros(len(run.s.W))
     H[: len(step), 0] += step[:, :3]
-    energies_at(run.model.rows, H, run.s.rest, W)
+    energies_at(run.model.vector_cells, H, run.s.rest, W)
     return float(W.sum())
 
 
 def forces(run: Run, step: np.ndarray) -> np.ndarray:
-    """On places (n, 3), over a step by these increments (n, 6)."""
+    """On positions (n, 3), over a step by these increments (n, 6)."""
     out, (W, account) = np.zeros_like(step), (run.s.W, run.s.account)
     energies = Energies(W, account, np.zeros_like(W), np.zeros_like(W))
     add_position_cells(
-        run.model.rows, Nodes(run.s.H, run.s.rest, step), energies, (0.0, 0.0, 0.0), out
+        run.model.vector_cells, Nodes(run.s.H, run.s.rest, step), energies, (0.0, 0.0, 0.0), out
     )
     assert not out[:, 3:].any()
     np.testing.assert_allclose(energies.work, energies.end - W, atol=1e-12 * STIFFNESS)
@@ -229,7 +229,7 @@ def forces(run: Run, step: np.ndarray) -> np.ndarray:
 
 
 def steps(run: Run, size: float, count: int) -> np.ndarray:
-    """Increments (count, n, 6) of places, at random."""
+    """Increments (count, n, 6) of positions, at random."""
     found = np.zeros((count, len(run.this.step), 6))
     found[:, :, :3] = size * np.random.default_rng(3).standard_normal(found[:, :, :3].shape)
     return found
@@ -263,7 +263,7 @@ def test_forces_of_a_small_step_are_the_gradient(clamped):
 
 
 def test_a_rigid_step_has_no_forces():
-    """Of threads that are naturally as they are: a third of a turn about any axis, and on."""
+    """Of cables that are naturally as they are: a third of a turn about any axis, and on."""
     run = started(clamped=False)
     turn = lie.so3_exp(2.0 * np.pi / 9.0 * np.array([2.0, -1.0, 2.0]))
     step, before = np.zeros_like(run.this.step), run.s.H[: len(run.this.step), 0]

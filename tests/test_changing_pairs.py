@@ -91,8 +91,8 @@ class SoftBalls(fl.extend.Load):
         to.add_term(Overlaps(np.array([to.nodes(ball)[0] for ball in self.balls])))
 
 
-def ball(place, velocity=(0.0, 0.0, 0.0)) -> fl.RigidBody:
-    body = fl.RigidBody(1.0, 0.1 * np.eye(3), place)
+def ball(position, velocity=(0.0, 0.0, 0.0)) -> fl.RigidBody:
+    body = fl.RigidBody(1.0, 0.1 * np.eye(3), position)
     body.velocities[:, :3] = velocity
     return body
 
@@ -117,9 +117,9 @@ def test_the_matrix_has_the_pairs_of_the_present_state():
     system = Assembled(scene, dynamics=True)
     n, rng = system.count, np.random.default_rng(2)
     first = system.equations.matrix.version
-    for places in ([[0, 0, 0], [0.8, 0.1, 0], [3, 0, 0]], [[0, 0, 0], [3, 0, 0], [0.7, 0.2, 0]]):
+    for positions in ([[0, 0, 0], [0.8, 0.1, 0], [3, 0, 0]], [[0, 0, 0], [3, 0, 0], [0.7, 0.2, 0]]):
         H = system.start.copy()
-        H[:n, 0] = places
+        H[:n, 0] = positions
         H = system.moved(H, 0.01 * rng.normal(size=(n, 6)))
         A, h = system.matrix(H), rng.normal(size=(n, 6))
         ahead, behind = (system.residual(system.moved(H, sign * 1e-6 * h)) for sign in (1, -1))

@@ -60,11 +60,11 @@ def lattice(bars: int) -> fl.Scene:
 
 def polygon(bars: int, *, closed: bool) -> fl.Scene:
     scene, angles = fl.Scene(), 2 * np.pi * np.arange(bars + 1) / bars
-    places = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    positions = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
     section = fl.Section.circle(0.005, STEEL)
     beams = [
         scene.add(fl.Beam.straight(a, b, section, cells=2, formulation=fl.elements.DirectorBeam(2)))
-        for a, b in pairwise(places)
+        for a, b in pairwise(positions)
     ]
     for one, two in pairwise(beams + beams[: int(closed)]):
         scene.add(fl.joints.Spherical(one.point("end"), two.point("start")))

@@ -299,7 +299,10 @@ def test_double_four_bar_passes_its_flat_positions():
     result = SCHEME.run(scene, duration=1.0, step=1e-3)
     bar = upright[0].point("centre")
     top = result.position(bar) + 0.5 * result.rotation(bar)[:, :, 1]
-    for time, place in ((0.5, (0.6952866332, 0.7187325634)), (1.0, (-0.1950203019, -0.9807992057))):
+    for time, point_at in (
+        (0.5, (0.6952866332, 0.7187325634)),
+        (1.0, (-0.1950203019, -0.9807992057)),
+    ):
         # of second order: 2.3e-5 at 1 s with this step, 5.8e-6 with half of it
-        np.testing.assert_allclose(top[result.index(time), :2], place, atol=3e-5)
+        np.testing.assert_allclose(top[result.index(time), :2], point_at, atol=3e-5)
     assert result.joint_violations.max() < 1e-11

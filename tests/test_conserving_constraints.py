@@ -154,9 +154,11 @@ def hinged(*, sprung: bool = False) -> fl.Scene:
     """A body on a hinge between two nodes of a beam that flies."""
     scene = fl.Scene()
     beam = scene.add(line())
-    place = beam.point((0.4, 0.05 * np.sin(0.4 * np.pi), 0.0), tolerance=0.01)
-    body = scene.add(fl.RigidBody(0.5, (0.002, 0.003, 0.004), tuple(place.position + 0.1)))
-    hinge = scene.add(fl.joints.Revolute(place, body.point(tuple(place.position)), axis=(0, 0, 1)))
+    position = beam.point((0.4, 0.05 * np.sin(0.4 * np.pi), 0.0), tolerance=0.01)
+    body = scene.add(fl.RigidBody(0.5, (0.002, 0.003, 0.004), tuple(position.position + 0.1)))
+    hinge = scene.add(
+        fl.joints.Revolute(position, body.point(tuple(position.position)), axis=(0, 0, 1))
+    )
     if sprung:
         scene.add(fl.joints.Spring(hinge.angle, 1.0))
     beam.add_velocity(omega=(0.5, 1.0, 4.0), about=(0, 0, 0))

@@ -120,7 +120,7 @@ def test_impulses_of_ground_are_accounted_for():
 
 
 @pytest.mark.parametrize("name", ["lines90", "sheets"])
-def test_a_run_goes_on_to_the_last_bit_from_amid_an_impact(tmp_path, name):
+def test_a_restart_during_an_impact_agrees_to_the_last_bit(tmp_path, name):
     build, k, _, _ = CASES[name]
     step = 1e-3 if name == "lines90" else 4e-3
     options = {"duration": 12 * step, "step": step, "progress": False}

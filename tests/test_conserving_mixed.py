@@ -1,4 +1,4 @@
-"""The energy-momentum scheme on scenes of frames and of places."""
+"""The energy-momentum scheme on scenes of frames and of positions."""
 
 import numpy as np
 import pytest
@@ -94,7 +94,7 @@ FRAMES = {"bodies": lambda: two_bodies("revolute", spring=2.0)[0], "shell": shel
 
 
 def beside_a_cable(scene: fl.Scene) -> fl.Scene:
-    """The same, and a cable at rest far away, beside which frames move with places."""
+    """The same, and a cable at rest far away, beside which frames move with positions."""
     rope = fl.Cable.straight((0, 0, 5), (1, 0, 5), SOFT, cells=1)
     scene.add(rope).pin(rope.point("start"))
     rope.pin(rope.point("end"))
@@ -103,7 +103,7 @@ def beside_a_cable(scene: fl.Scene) -> fl.Scene:
 
 @pytest.mark.parametrize("scheme", [SCHEME, DECAYS], ids=["conserving", "decaying"])
 @pytest.mark.parametrize("name", FRAMES)
-def test_frames_move_beside_places_as_among_themselves(name, scheme):
+def test_frames_move_beside_positions_as_among_themselves(name, scheme):
     """In one system of equations, to the round-off of a run."""
     plan = {"duration": 0.04, "step": 1e-3, "save_every": 10}
     other = scheme.run(FRAMES[name](), **plan)
@@ -114,7 +114,7 @@ def test_frames_move_beside_places_as_among_themselves(name, scheme):
         np.testing.assert_allclose(one, two, rtol=0, atol=1e-8 * np.abs(two).max(initial=1.0))
 
 
-@pytest.mark.parametrize("name", ["shell and thread", "wheel on a motor, cable, beam with damping"])
+@pytest.mark.parametrize("name", ["shell and cable", "wheel on a motor, cable, beam with damping"])
 def test_resumed_to_the_last_bit(name, tmp_path):
     plan = {"duration": 0.016, "step": 1e-3}
     resumed_as_whole(SCHEME, SCENES[name], plan, tmp_path / "run.h5")
@@ -176,7 +176,7 @@ def test_what_frames_have_beside_a_cable(name):
 
 
 @pytest.mark.parametrize("scheme", [SCHEME, DECAYS], ids=["conserving", "decaying"])
-@pytest.mark.parametrize("name", ["crane", "shell and thread"])
+@pytest.mark.parametrize("name", ["crane", "shell and cable"])
 def test_steps_that_follow_a_tolerance(name, scheme):
     """They conserve as constant ones do, and their errors follow the tolerance."""
     exact = SCHEME.run(SCENES[name](), duration=0.02, step=5e-5, save_every=10**6)

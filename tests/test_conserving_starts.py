@@ -85,7 +85,7 @@ def test_a_step_that_has_no_end_in_parts_says_so():
     assert caught.value.result.divided == 0
 
 
-def test_round_off_of_far_places_is_no_reason_for_parts(caplog):
+def test_round_off_of_far_positions_is_no_reason_for_parts(caplog):
     """Forces of joints that it makes are larger, the smaller the parts: 0.2 of the whole."""
     study = STUDIES["energy-momentum"]
     scenes = ways(random_scene(9, study.wanted), 9)

@@ -26,8 +26,8 @@ def rail(scene: fl.Scene, element: fl.elements.BeamFormulation | None = None, **
     return scene.add(fl.Beam.straight(start, end, SECTION, cells=3, formulation=element))
 
 
-def body(scene: fl.Scene, place=(0.4, 0.3, 0.1)) -> fl.RigidBody:
-    return scene.add(fl.RigidBody(1.0, (1, 1.2, 1.4), place))
+def body(scene: fl.Scene, position=(0.4, 0.3, 0.1)) -> fl.RigidBody:
+    return scene.add(fl.RigidBody(1.0, (1, 1.2, 1.4), position))
 
 
 def hinge_spring_drive(scene: fl.Scene, a: fl.extend.Point, b: fl.extend.Point) -> None:
@@ -150,14 +150,16 @@ class Case:
         self.n, self.incidences = system.count, system.connections.incidences
         self.start, self.m = self.set.start.row, system.m
         near = rng.normal(size=(self.n, 6)) * [0.02, 0.02, 0.02, 0.12, 0.12, 0.12]
-        self.places = np.flatnonzero(system.kinds == node_types.POSITION)  # their axes do not turn
-        near[self.places, 3:] = 0.0
+        self.positions = np.flatnonzero(
+            system.kinds == node_types.POSITION
+        )  # their axes do not turn
+        near[self.positions, 3:] = 0.0
         self.H = system.frames.copy()
         self.H[: self.n] = lie.se3_retract(self.H[: self.n], near)
         self.weights = rng.normal(size=self.m)
         self.v = np.zeros((len(self.H), 6))
         self.v[: self.n] = rng.normal(size=(self.n, 6))
-        self.v[self.places, 3:] = 0.0
+        self.v[self.positions, 3:] = 0.0
         self.rng, self.own = rng, self.set.own
 
     def forces(self, H, v=None, weights=None, rows=None):
@@ -182,7 +184,7 @@ class Case:
         return rows.reshape(self.m, -1)[self.own]
 
     def stiffness(self, fill):
-        """Matrix on all nodes of the blocks that ``fill(place, K)`` adds."""
+        """Matrix on all nodes of the blocks that ``fill(position, K)`` adds."""
         K, n = np.zeros((self.n**2, 6, 6)), self.n
         rows, columns = self.set.pairs
         fill(np.where((rows < n) & (columns < n), rows * n + columns, -1), K)
@@ -195,7 +197,7 @@ class Case:
         """A random direction ``h`` of all nodes, and the derivative of a function along it."""
         h = np.zeros_like(self.v)
         h[: self.n] = self.rng.normal(size=(self.n, 6))
-        h[self.places, 3:] = 0.0
+        h[self.positions, 3:] = 0.0
         ahead, behind = (function(self.moved(s * h)) for s in (1e-5, -1e-5))
         return h[: self.n].ravel(), (ahead - behind) / 2e-5
 
@@ -232,8 +234,8 @@ def test_geometric_stiffness_is_the_derivative_of_the_forces(name, seed):
     case = Case(name, seed)
     if case.set.of_velocities:
         pytest.skip("forces that bind velocities have no stiffness in the matrix")
-    K = case.stiffness(lambda place, K: case.set.geometric(case.H, case.weights, place, K))
-    K += case.stiffness(lambda place, K: case.set.stiffen(case.H, place, 1.0, 0.0, K))
+    K = case.stiffness(lambda position, K: case.set.geometric(case.H, case.weights, position, K))
+    K += case.stiffness(lambda position, K: case.set.stiffen(case.H, position, 1.0, 0.0, K))
     h, numeric = case.along(lambda H: case.forces(H)[0])
     np.testing.assert_allclose(K @ h, numeric, atol=1e-6 * (1 + np.abs(K).max()))
 
@@ -241,7 +243,7 @@ def test_geometric_stiffness_is_the_derivative_of_the_forces(name, seed):
 @some
 def test_dampers_resist_velocities_and_take_what_they_lose(name, seed):
     case = Case(name, seed)
-    C = case.stiffness(lambda place, K: case.set.stiffen(case.H, place, 0.0, 1.0, K))
+    C = case.stiffness(lambda position, K: case.set.stiffen(case.H, position, 0.0, 1.0, K))
     moving, still = (case.forces(case.H, v)[0] for v in (case.v, np.zeros_like(case.v)))
     twists = case.v[: case.n].ravel()
     np.testing.assert_allclose(moving - still, C @ twists, atol=1e-11 * (1 + np.abs(C).max()))
@@ -305,10 +307,12 @@ def test_what_is_remembered_does_not_change_the_state_it_is_of(name):
 @pytest.mark.parametrize("seed", range(3))
 def test_what_averages_couple_is_of_low_rank(seed):
     case = Case("joints on averages", seed)
-    whole = case.stiffness(lambda place, K: case.set.geometric(case.H, case.weights, place, K))
+    whole = case.stiffness(
+        lambda position, K: case.set.geometric(case.H, case.weights, position, K)
+    )
     sparse, n, means = len(case.set.sparse[0]), case.n, case.set.means
     rest = case.stiffness(
-        lambda place, K: case.set.geometric(case.H, case.weights, place[:sparse], K)
+        lambda position, K: case.set.geometric(case.H, case.weights, position[:sparse], K)
     )
     S, core = case.set.mean_stiffness(case.H, case.weights)
     w, r = core.shape[:2]

@@ -14,8 +14,8 @@ SECTION = fl.Section.circle(0.02, fl.Material(2e9, 0.3, 1000.0))
 FLOOR = fl.contact.Plane(fl.ground(), (0, 0, 2))
 
 
-def ball(place, velocity=(0.0, 0.0, 0.0), mass=1.0) -> fl.RigidBody:
-    body = fl.RigidBody(mass, 0.4 * mass * RADIUS**2 * np.eye(3), place)
+def ball(position, velocity=(0.0, 0.0, 0.0), mass=1.0) -> fl.RigidBody:
+    body = fl.RigidBody(mass, 0.4 * mass * RADIUS**2 * np.eye(3), position)
     body.add_velocity(velocity)
     return body
 
@@ -156,10 +156,10 @@ def test_a_ball_presses_a_cap_of_shell_until_it_has_snapped():
 def pile() -> tuple[fl.Scene, list[fl.RigidBody]]:
     """Balls that fly through each other in a box without gravity."""
     rng = np.random.default_rng(5)
-    places = 0.21 * np.stack(np.meshgrid(*3 * [np.arange(3)], indexing="ij"), -1).reshape(-1, 3)
+    positions = 0.21 * np.stack(np.meshgrid(*3 * [np.arange(3)], indexing="ij"), -1).reshape(-1, 3)
     balls = [
-        ball(place, velocity)
-        for place, velocity in zip(places, rng.normal(size=(27, 3)), strict=True)
+        ball(position, velocity)
+        for position, velocity in zip(positions, rng.normal(size=(27, 3)), strict=True)
     ]
     surface = fl.contact.Vertices([each.point("centre") for each in balls], RADIUS)
     law = fl.contact.Penalty(2e3)
@@ -195,7 +195,7 @@ def test_balls_in_a_box_keep_their_energy():
     assert result.momentum_error < 1e-5
 
 
-def test_a_run_goes_on_to_the_last_bit(tmp_path):
+def test_a_restart_agrees_to_the_last_bit(tmp_path):
     """From a checkpoint at which other balls were near each other than in the beginning."""
     scene, _ = pile()
     options = {"duration": 0.2, "step": 2e-3, "progress": False}

@@ -10,8 +10,8 @@ FLOOR = fl.contact.Plane(fl.ground(), (0, 0, 1))
 MATERIAL = fl.Material(1e9, 0.3, 1000.0)
 
 
-def ball(place, name: str = "", speed: float = 0.0) -> fl.RigidBody:
-    body = fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), place, name=name)
+def ball(position, name: str = "", speed: float = 0.0) -> fl.RigidBody:
+    body = fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), position, name=name)
     body.add_velocity((speed, 0, 0))
     return body
 

@@ -7,7 +7,7 @@ import pytest
 
 import fem_lie as fl
 
-THREAD = fl.Section.circle(1e-3, fl.Material(E=1e9, nu=0.3, density=1000.0))
+CABLE = fl.Section.circle(1e-3, fl.Material(E=1e9, nu=0.3, density=1000.0))
 RADIUS = 0.2
 
 
@@ -15,24 +15,24 @@ def net(count: int = 9) -> fl.Net:
     """A square net of 1 m, of straight cables."""
     along = np.linspace(-0.5, 0.5, count)
     x, y = np.meshgrid(along, along, indexing="ij")
-    places = np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3)
+    positions = np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3)
     numbers = np.arange(count**2).reshape(count, count)
-    return fl.Net(places, [*numbers, *numbers.T], THREAD)
+    return fl.Net(positions, [*numbers, *numbers.T], CABLE)
 
 
 def caught(*, free: bool = True) -> fl.Scene:
     """It meets a free ball, or one that is fixed."""
-    scene, threads = fl.Scene(), net()
-    scene.add(threads)
+    scene, cables = fl.Scene(), net()
+    scene.add(cables)
     middle = np.array([0.03, 0.02, -RADIUS - 0.01]) if free else np.zeros(3)
     if not free:
-        threads.frames[:, 0] += [-0.03, -0.02, RADIUS + 0.01]
-    threads.add_velocity((0.1, 0.0, -3.0))
+        cables.frames[:, 0] += [-0.03, -0.02, RADIUS + 0.01]
+    cables.add_velocity((0.1, 0.0, -3.0))
     point = fl.ground()
     if free:
         point = scene.add(fl.RigidBody(0.1, 1e-3 * np.eye(3), middle)).point("centre")
     nodes = fl.contact.Vertices(
-        [fl.extend.Point(threads, k) for k in range(len(threads.frames))], 1e-3
+        [fl.extend.Point(cables, k) for k in range(len(cables.frames))], 1e-3
     )
     scene.add(fl.contact.Contact(nodes, fl.contact.Sphere(point, RADIUS), fl.contact.Penalty(1e3)))
     return scene
@@ -70,7 +70,7 @@ def test_schemes_agree():
     assert np.abs(states[0] - states[1]).max() < 1e-2 * moved
 
 
-def test_a_run_goes_on_to_the_last_bit(tmp_path):
+def test_a_restart_agrees_to_the_last_bit(tmp_path):
     options = {**OPTIONS, "checkpoint_every": 25}
     whole = fl.EnergyMomentum().run(caught(), **options, file=tmp_path / "whole.h5")
     fl.EnergyMomentum().run(caught(), **options, file=tmp_path / "run.h5")
@@ -80,14 +80,14 @@ def test_a_run_goes_on_to_the_last_bit(tmp_path):
 
 
 def test_rotating_surfaces_need_axes():
-    threads, scene = net(3), fl.Scene()
-    scene.add(threads)
-    nodes = fl.contact.Vertices([threads.point(0)], 1e-3)
+    cables, scene = net(3), fl.Scene()
+    scene.add(cables)
+    nodes = fl.contact.Vertices([cables.point(0)], 1e-3)
     with pytest.raises(ValueError, match=r"Plane on net.* needs nodes with frames"):
-        floor = fl.contact.Plane(threads.point(8), (0, 0, 1))
+        floor = fl.contact.Plane(cables.point(8), (0, 0, 1))
         scene.add(
             fl.contact.Contact(
-                fl.contact.Sphere(threads.point(0), 0.01), floor, fl.contact.Penalty(1e3)
+                fl.contact.Sphere(cables.point(0), 0.01), floor, fl.contact.Penalty(1e3)
             )
         )
     with pytest.raises(ValueError, match=r"friction needs nodes with frames"):

@@ -22,7 +22,7 @@ LAYER = fl.ShellSection.layer(0.02, SOFT)
 RADIUS, HALF, DEPTH, TURN = 0.05, 0.25, 2e-3, 0.4
 ROUND, WIDE = 20.0, 2000.0
 AT = np.array([0.003, 0.004, 0.0])
-"""Horizontal place of the upper surface."""
+"""Horizontal position of the upper surface."""
 
 
 @compiled
@@ -58,81 +58,83 @@ Place = Callable[[float, float, float], np.ndarray]
 """Position for local coordinates of which the third is the height into the body."""
 
 
-def rigid(place: Place, height: float) -> fl.RigidBody:
+def rigid(position: Place, height: float) -> fl.RigidBody:
     """A body whose centre is in the surface's body."""
-    return fl.RigidBody(0.5, np.diag([2e-3, 3e-3, 4e-3]), place(0, 0, height), _axes(place))
+    return fl.RigidBody(0.5, np.diag([2e-3, 3e-3, 4e-3]), position(0, 0, height), _axes(position))
 
 
-def _axes(place: Place) -> np.ndarray:
-    origin = place(0, 0, 0)
-    return np.column_stack([place(*row) - origin for row in np.eye(3)])
+def _axes(position: Place) -> np.ndarray:
+    origin = position(0, 0, 0)
+    return np.column_stack([position(*row) - origin for row in np.eye(3)])
 
 
-def ball(place: Place) -> Part:
-    body = rigid(place, RADIUS)
+def ball(position: Place) -> Part:
+    body = rigid(position, RADIUS)
     return Part(body, fl.contact.Sphere(body.point("centre"), RADIUS))
 
 
-def plane(place: Place) -> Part:
-    body = rigid(place, 0.1)
-    out = place(0, 0, 0) - place(0, 0, 1)
-    return Part(body, fl.contact.Plane(body.point("centre"), out, at=place(0, 0, 0)))
+def plane(position: Place) -> Part:
+    body = rigid(position, 0.1)
+    out = position(0, 0, 0) - position(0, 0, 1)
+    return Part(body, fl.contact.Plane(body.point("centre"), out, at=position(0, 0, 0)))
 
 
-def hollow(place: Place) -> Part:
-    body = rigid(place, 0.1)
-    return Part(body, fl.contact.Sphere(body.point(place(0, 0, -WIDE)), WIDE, hollow=True))
+def hollow(position: Place) -> Part:
+    body = rigid(position, 0.1)
+    return Part(body, fl.contact.Sphere(body.point(position(0, 0, -WIDE)), WIDE, hollow=True))
 
 
-def knob(place: Place) -> Part:
-    body = rigid(place, 0.1)
-    return Part(body, Knob(body.point(place(0, 0, ROUND)), ROUND))
+def knob(position: Place) -> Part:
+    body = rigid(position, 0.1)
+    return Part(body, Knob(body.point(position(0, 0, ROUND)), ROUND))
 
 
-def box(place: Place) -> Part:
-    body = rigid(place, 0.1)
+def box(position: Place) -> Part:
+    body = rigid(position, 0.1)
     return Part(body, fl.contact.Box(body.point("centre"), (0.3, 0.36, 0.2)))
 
 
-def bar(place: Place) -> Part:
-    body = rigid(place, RADIUS)
-    along = place(0.5, 0, 0) - place(0, 0, 0)
+def bar(position: Place) -> Part:
+    body = rigid(position, RADIUS)
+    along = position(0.5, 0, 0) - position(0, 0, 0)
     return Part(body, fl.contact.Cylinder(body.point("centre"), along, RADIUS))
 
 
-def beam(place: Place, cells: int) -> fl.Beam:
-    points = place(-HALF, 0, RADIUS), place(HALF, 0, RADIUS)
+def beam(position: Place, cells: int) -> fl.Beam:
+    points = position(-HALF, 0, RADIUS), position(HALF, 0, RADIUS)
     return fl.Beam.straight(*points, fl.Section.circle(RADIUS, SOFT), cells=cells)
 
 
-def line(place: Place) -> Part:
-    body = beam(place, 3)
+def line(position: Place) -> Part:
+    body = beam(position, 3)
     return Part(body, fl.contact.Line(body, RADIUS))
 
 
-def vertices(place: Place) -> Part:
-    body = beam(place, 2)
+def vertices(position: Place) -> Part:
+    body = beam(position, 2)
     return Part(body, fl.contact.Vertices([fl.extend.Point(body, k) for k in range(3)], RADIUS))
 
 
-def sheet(place: Place, smooth: bool, cell: str = "quadrilateral") -> Part:
+def sheet(position: Place, smooth: bool, cell: str = "quadrilateral") -> Part:
     mesh = fl.mesh.parametric_surface(
-        lambda a, b: place(a - 0.5, b - 0.47, 0.01), (3, 3), cell=cell
+        lambda a, b: position(a - 0.5, b - 0.47, 0.01), (3, 3), cell=cell
     )
     shell = fl.Shell(mesh, LAYER)
     return Part(shell, fl.contact.ShellSurface(shell, smooth=smooth))
 
 
-def block(place: Place, cell: str, degree: int = 1) -> Part:
+def block(position: Place, cell: str, degree: int = 1) -> Part:
     mesh = fl.mesh.parametric_volume(
-        lambda a, b, c: place(0.6 * a - 0.3, 0.6 * b - 0.28, 0.005 + 0.2 * c), (2, 2, 1), cell=cell
+        lambda a, b, c: position(0.6 * a - 0.3, 0.6 * b - 0.28, 0.005 + 0.2 * c),
+        (2, 2, 1),
+        cell=cell,
     )
     body = fl.Solid(mesh, RUBBER, degree=degree)
     return Part(body, fl.contact.Facets(body, 0.01))
 
 
-def smooth_sheet(place: Place, of: type) -> Part:
-    patch = fl.mesh.smooth_patch(lambda a, b: place(a - 0.5, b - 0.47, 0.01), (3, 3))
+def smooth_sheet(position: Place, of: type) -> Part:
+    patch = fl.mesh.smooth_patch(lambda a, b: position(a - 0.5, b - 0.47, 0.01), (3, 3))
     body = of(patch, LAYER)
     return Part(body, fl.contact.Facets(body))
 
@@ -146,13 +148,13 @@ SURFACES: dict[str, Callable[[Place], Part]] = {
     "box": box,
     "bar": bar,
     "line": line,
-    "shell": lambda place: sheet(place, smooth=True),
-    "bilinear shell": lambda place: sheet(place, smooth=False),
-    "triangles of a shell": lambda place: sheet(place, smooth=False, cell="triangle"),
-    "hexahedra": lambda place: block(place, "hexahedron"),
-    "tetrahedra": lambda place: block(place, "tetrahedron", 2),
-    "thin shell": lambda place: smooth_sheet(place, fl.ThinShell),
-    "ANCF shell": lambda place: smooth_sheet(place, fl.AncfShell),
+    "shell": lambda position: sheet(position, smooth=True),
+    "bilinear shell": lambda position: sheet(position, smooth=False),
+    "triangles of a shell": lambda position: sheet(position, smooth=False, cell="triangle"),
+    "hexahedra": lambda position: block(position, "hexahedron"),
+    "tetrahedra": lambda position: block(position, "tetrahedron", 2),
+    "thin shell": lambda position: smooth_sheet(position, fl.ThinShell),
+    "ANCF shell": lambda position: smooth_sheet(position, fl.AncfShell),
 }
 REFUSED = {
     frozenset(names): message
@@ -273,7 +275,7 @@ def test_tangent_is_the_derivative_of_the_forces(one, two):
     of = model(one, two)
     of.forces(of.H)
     rows, columns = of.term.pairs
-    blocks, h = of.term.tangent(of.H, of.term.room()), of.increment()
+    blocks, h = of.term.tangent(of.H, of.term.workspace()), of.increment()
     found = np.zeros((of.count, 6))
     np.add.at(found, rows, np.einsum("pij,pj->pi", blocks, h[columns]))
     ahead, back = (of.forces(of.moved(of.H, h, s * STEP)) for s in (1, -1))
@@ -339,6 +341,28 @@ def test_a_bar_crosses_an_edge_anywhere_on_it_with_the_same_force(turn):
         forces.append(np.linalg.norm(found.total[0]))
     assert min(forces) > 0.0
     assert np.ptp(forces) < 1e-4 * max(forces)
+
+
+GROUND = {
+    "bar": lambda: fl.contact.Cylinder(fl.ground(), (1, 0, 0), RADIUS),
+    "box": lambda: fl.contact.Box(fl.ground(), (1, 1, 2 * RADIUS)),
+    "ball": lambda: fl.contact.Sphere(fl.ground(), RADIUS),
+    "plane": lambda: fl.contact.Plane(fl.ground(), (0, 0, 1), at=(0, 0, RADIUS)),
+}
+
+
+@pytest.mark.parametrize("name", GROUND)
+def test_ground_receives_the_force_that_a_ball_gets_from_it(name):
+    """The momenta of bodies and ground together stay: with both ends of a bar on ground, too."""
+    scene = fl.Scene()
+    body = scene.add(fl.RigidBody(1.0, 1e-3 * np.eye(3), (0.02, 0, 2 * RADIUS + 1e-3)))
+    body.add_velocity((0.3, 0, -0.5))
+    ball = fl.contact.Sphere(body.point("centre"), RADIUS)
+    scene.add(fl.contact.Contact(ball, GROUND[name](), fl.contact.Penalty(1e4)))
+    result = fl.EnergyMomentum().run(scene, duration=0.05, step=1e-3, progress=False)
+    assert result.velocity(body.point("centre"))[-1, 2] > 0.2
+    assert result.momentum_error < 1e-13
+    assert result.angular_momentum_error < 1e-13
 
 
 def _about(axis: tuple[float, ...], angle: float) -> np.ndarray:

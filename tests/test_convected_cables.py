@@ -56,13 +56,13 @@ def tangent(body, rows) -> np.ndarray:
 def test_matrix_does_not_feel_a_rigid_motion(make):
     """Bent otherwise than at the start, then moved far and turned, about tangents, too."""
     body, rng = make(), np.random.default_rng(5)
-    follow = body.follow().model.axes_update()
-    assert follow is not None
+    rotate = body.convect_axes().model.axes_update()
+    assert rotate is not None
     rows = body.frames.copy()
     rows[:, 0] += 0.05 * rng.normal(size=rows[:, 0].shape)
     if make is cable:
         rows[:, 1] += 0.2 * rng.normal(size=rows[:, 1].shape)
-    follow(rows)
+    rotate(rows)
     expected = tangent(body, rows)
     for turn in ((0.0, 0, 1), (2.0, -1.5, 1.8), (3.1, 0.3, -0.2)):
         motion = lie.se3_exp(np.array([100.0, -20, 30, *turn]))
@@ -77,7 +77,7 @@ def test_matrix_does_not_feel_a_rigid_motion(make):
             )
         else:
             left[:, 1:] = rows[:, 1:]
-        follow(left)
+        rotate(left)
         np.testing.assert_allclose(left, moved, atol=1e-10)
         np.testing.assert_allclose(
             tangent(body, left), expected, atol=1e-10 * np.abs(expected).max()
@@ -91,7 +91,7 @@ def test_motion_is_the_same(make):
     for follows in (False, True):
         body = make()
         if follows:
-            body.follow()
+            body.convect_axes()
         scene = fl.Scene(gravity=(0, 0, -9.81))
         scene.add(body)
         scene.add(fl.joints.Spherical(fl.ground(), body.point(0)))
@@ -106,4 +106,4 @@ def test_motion_is_the_same(make):
 def test_a_straight_cable_has_no_rotation_to_follow():
     straight = fl.Cable.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2)
     with pytest.raises(ValueError, match="not straight"):
-        straight.follow()
+        straight.convect_axes()

@@ -126,8 +126,8 @@ def in_box(count: tuple[int, int, int], speed=0.0, restitution=0.0) -> fl.Scene:
     rng, law, radius = np.random.default_rng(1), fl.contact.Impact(0.3, restitution), BALL
     scene, balls = fl.Scene(gravity=(0, 0, -GRAVITY)), []
     for at in np.ndindex(count):
-        place = 2.1 * radius * (np.array(at) + 0.5) + 0.02 * radius * rng.standard_normal(3)
-        ball = scene.add(fl.RigidBody(1.0, np.full(3, 0.4 * radius**2), place))
+        position = 2.1 * radius * (np.array(at) + 0.5) + 0.02 * radius * rng.standard_normal(3)
+        ball = scene.add(fl.RigidBody(1.0, np.full(3, 0.4 * radius**2), position))
         ball.add_velocity(speed * rng.normal(size=3))
         ball.add_velocity(omega=speed / radius * rng.normal(size=3), about=ball.point("centre"))
         balls.append(ball.point("centre"))
@@ -169,8 +169,8 @@ def test_a_pile_comes_to_rest_next_to_a_joint():
 def test_an_impact_spreads_over_a_whole_row_in_one_step():
     """Each ball that is pushed meets the next one, which did not take part before."""
     scene, radius, count = fl.Scene(), 0.1, 24
-    places = (2 * radius + 1e-4) * np.arange(count)
-    balls = [scene.add(fl.RigidBody(1.0, 4e-3 * np.ones(3), (x, 0, 0))) for x in places]
+    positions = (2 * radius + 1e-4) * np.arange(count)
+    balls = [scene.add(fl.RigidBody(1.0, 4e-3 * np.ones(3), (x, 0, 0))) for x in positions]
     balls[0].add_velocity((5.0, 0, 0))
     for a, b in pairwise(balls):
         spheres = (fl.contact.Sphere(ball.point("centre"), radius) for ball in (a, b))
@@ -554,12 +554,12 @@ def check_plate(result: fl.Result) -> None:
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_a_plate_whose_drilling_has_no_inertia_bounces_as_one_of_five_parameters(friction):
-    places = []
+    positions = []
     for drilling in (False, True):
         result = run(bouncing_plate(drilling, friction), 0.12, 1e-3)
         check_plate(result)
-        places.append(result.frames[:, :12, 0])
-    assert np.linalg.norm(places[1] - places[0], axis=2).max() < 2e-3
+        positions.append(result.frames[:, :12, 0])
+    assert np.linalg.norm(positions[1] - positions[0], axis=2).max() < 2e-3
 
 
 @pytest.mark.parametrize("joint", [fl.joints.Revolute, fl.joints.Fixed])
@@ -621,7 +621,7 @@ def stick_and_slip() -> fl.Scene:
 @each_scheme
 @pytest.mark.parametrize("make", [stick_and_slip, bouncing_beam])
 @pytest.mark.parametrize("every", [37, 80])
-def test_a_run_goes_on_to_the_last_bit(tmp_path, make, every, scheme):
+def test_a_restart_agrees_to_the_last_bit(tmp_path, make, every, scheme):
     options, file = {"duration": 0.3, "step": 2.5e-3, "progress": False}, tmp_path / "run.h5"
     whole = scheme.run(make(), **options)
     scheme.run(make(), **options, file=file, checkpoint_every=every)

@@ -35,14 +35,14 @@ def test_bend45(elements, bound):
     assert record["iterations"] <= 20
 
 
-def test_catenary_by_places_and_three_slopes():
+def test_catenary_by_positions_and_three_slopes():
     record = main("catenary", element="ancf", elements=16)
     # its law is linear in Green's strain, of which 1.5 (0.005)² counts
     assert record["sag_error"] <= 1.2e-4
     assert record["iterations"] <= 5 and record["failed_iterations"] == 0
 
 
-def test_bend45_by_places_and_slopes():
+def test_bend45_by_positions_and_slopes():
     record = main("bend45", elements=16, formulation="ancf")
     assert record["tip_error"] <= 3e-4
     assert record["iterations"] <= 15 and record["failed_iterations"] == 0
@@ -57,7 +57,7 @@ def test_bend45_by_other_elements(formulation, bound):
     assert np.linalg.norm(tip(record) - reference) <= bound * np.linalg.norm(reference)
     # increments of the tolerance, 1e-10 of the size, times EA = 1e7 over the force of 600
     assert record["force_error"] <= 1e-5
-    # of the tip's place
+    # of the tip's position
     root = np.array([record["root_torque"], record["root_moment"]]) / 600
     assert np.linalg.norm(root - [15.6848, -47.1504]) <= bound * np.linalg.norm(reference)
     assert record["steps"] == 3

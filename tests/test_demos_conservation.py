@@ -96,11 +96,11 @@ def test_variational_free_body():
 def test_stiffly_accurate_stages():
     """Nearly fourth order where bars damp strains, and where generalised-alpha goes, too."""
     module = importlib.import_module("studies.stiffly_accurate")
-    places = [module.staged(1e-3, 0.1, steps, 1e-9)[0] for steps in (10, 20, 40)]
-    first, second = (np.abs(a - b).max() for a, b in itertools.pairwise(places))
+    positions = [module.staged(1e-3, 0.1, steps, 1e-9)[0] for steps in (10, 20, 40)]
+    first, second = (np.abs(a - b).max() for a, b in itertools.pairwise(positions))
     assert np.log2(first / second) >= 3.0
     plan = {"duration": 0.1, "step": 0.1 / 1600, "save_every": 1600}
     made = fl.GeneralisedAlpha(radius=0.8).run(module.scene(1e-3), **plan)
     run = module.staged(1e-3, 0.1, 1, 1e-2)[1]
     there = made.frames[-1, run.equations.unknowns.masters, 0]
-    assert np.abs(places[-1] - there).max() <= 3e-6
+    assert np.abs(positions[-1] - there).max() <= 3e-6

@@ -94,7 +94,7 @@ def test_net_capture():
 
 @pytest.mark.slow
 def test_net_is_shut_by_its_rope():
-    """Its edge is under the ball in the end, and narrower, and places on the rope do not jump."""
+    """Its edge is under the ball in the end, and narrower, and points on the rope do not jump."""
     found = importlib.import_module("demos.net_capture").main(time=0.16, pictures=False)
     assert found["mouth"] < 1.0
     assert found["height"] < 0.1

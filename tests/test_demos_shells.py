@@ -135,7 +135,7 @@ def test_warped_cells_of_a_thin_strip():
 def test_gmsh_makes_the_same_hemisphere():
     pytest.importorskip("gmsh")
     by_hand, by_gmsh = (quarter(8, gmsh) for gmsh in (False, True))
-    # gmsh places the nodes of a turned curve to 1e-8
+    # gmsh positions the nodes of a turned curve to 1e-8
     distances = np.linalg.norm(by_hand.points[:, np.newaxis] - by_gmsh.points, axis=2)
     assert distances.min(axis=1).max() < 1e-6
     normals = np.einsum("mkj,mkj->mk", by_gmsh.normals, by_gmsh.points[by_gmsh.cells] / 10)

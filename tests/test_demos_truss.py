@@ -51,7 +51,7 @@ def test_thin_bars_bend_as_the_papers_do():
     assert 4e-4 < record["max_strain"] < 9e-4
 
 
-def test_half_way_the_posture_follows_from_the_layout():
+def test_at_the_midpoint_the_posture_follows_from_the_layout():
     """In statics, where nothing vibrates, bars of any stiffness are where rigid ones would be."""
     section = fl.Section.tube(0.0115, 0.012, demo.STEEL)
     truss = demo.Truss(3, section, elements=1, driven=2, matrix_terms=fl.schemes.MatrixTerms())

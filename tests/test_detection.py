@@ -13,12 +13,12 @@ RADIUS = 0.1
 
 def test_pairs_are_the_same_in_any_order_and_as_all_against_all():
     rng = np.random.default_rng(0)
-    places, reach = rng.uniform(0, 4, size=(400, 3)), rng.uniform(0.05, 0.3, size=400)
-    gaps = np.linalg.norm(places[:, np.newaxis] - places, axis=2)
+    positions, reach = rng.uniform(0, 4, size=(400, 3)), rng.uniform(0.05, 0.3, size=400)
+    gaps = np.linalg.norm(positions[:, np.newaxis] - positions, axis=2)
     wanted = np.argwhere(np.triu(gaps < reach[:, np.newaxis] + reach, 1))
-    np.testing.assert_array_equal(near(places, reach), wanted)
+    np.testing.assert_array_equal(near(positions, reach), wanted)
     order = rng.permutation(400)
-    again = np.sort(order[near(places[order], reach[order])], axis=1)
+    again = np.sort(order[near(positions[order], reach[order])], axis=1)
     np.testing.assert_array_equal(again[np.lexsort(again.T[::-1])], wanted)
 
 
@@ -26,12 +26,12 @@ def test_pairs_are_the_same_in_any_order_and_as_all_against_all():
 def test_pairs_between_two_sides_are_those_of_all(first):
     """A few points among many, which may be large, and equal numbers on both sides."""
     rng = np.random.default_rng(1)
-    places, reach = rng.uniform(0, 4, size=(400, 3)), rng.uniform(0.05, 0.3, size=400)
+    positions, reach = rng.uniform(0, 4, size=(400, 3)), rng.uniform(0.05, 0.3, size=400)
     reach[:first] *= 4.0 if first == 3 else 1.0
-    pairs = near(places, reach)
+    pairs = near(positions, reach)
     wanted = pairs[(pairs[:, 0] < first) & (pairs[:, 1] >= first)]
     assert len(wanted) > 5
-    np.testing.assert_array_equal(near_between(places, reach, first), wanted)
+    np.testing.assert_array_equal(near_between(positions, reach, first), wanted)
 
 
 def curved(count: int, bend: float, seed: int) -> Strands:
@@ -98,7 +98,7 @@ def test_parallel_chords_that_touch_are_not_apart():
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("shape", [(1, 1, 1), (100, 1, 0), (0, 0, 0), (1e9, 1, 1)])
 def test_pairs_are_those_of_all_pairs(seed, shape):
-    """Whatever the cells, in increasing order, and in any order of the places."""
+    """Whatever the cells, in increasing order, and in any order of the positions."""
     rng = np.random.default_rng(seed)
     X = rng.uniform(size=(300, 3)) * shape + [5.0, -3.0, 0.0]
     reach = rng.uniform(0.02, 0.06, size=300)

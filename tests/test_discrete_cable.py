@@ -52,7 +52,7 @@ def test_load_steps_take_few_iterations():
 
 
 def ring(cells: int, natural: bool) -> tuple[fl.Net, float]:
-    """A closed thread along a circle, and its energy."""
+    """A closed cable along a circle, and its energy."""
     angle = 2 * np.pi * np.arange(cells) / cells
     points = 2.0 * np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
     net = fl.Net(
@@ -69,7 +69,7 @@ def ring(cells: int, natural: bool) -> tuple[fl.Net, float]:
 
 
 def test_energy_of_a_ring():
-    """``π EI/R`` of a straight thread that is bent to it; nothing if it is naturally so."""
+    """``π EI/R`` of a straight cable that is bent to it; nothing if it is naturally so."""
     errors = [ring(cells, False)[1] / (np.pi * 3.0 / 2.0) - 1 for cells in (16, 32, 64)]
     assert errors[0] / errors[2] == pytest.approx(16, rel=0.1) and errors[2] < 3e-3
     assert ring(32, True)[1] == pytest.approx(0, abs=1e-20)
@@ -90,12 +90,12 @@ def test_frequencies_of_a_cantilever():
 
 
 def cross(slack: float | None = None) -> fl.Net:
-    """Two threads over each other in their middle; four arms of unit length in three edges."""
+    """Two cables over each other in their middle; four arms of unit length in three edges."""
     s = np.linspace(-1, 1, 7)
     points = np.vstack([np.outer(s, (1, 0, 0)), np.outer(np.delete(s, 3), (0, 1, 0))])
-    threads = [range(7), [7, 8, 9, 3, 10, 11, 12]]
+    cables = [range(7), [7, 8, 9, 3, 10, 11, 12]]
     element = fl.elements.DiscreteCable(slack=slack)
-    return fl.Net(points, threads, section(100.0, 1e-9), formulation=element)
+    return fl.Net(points, cables, section(100.0, 1e-9), formulation=element)
 
 
 def test_load_on_a_knot():
@@ -125,14 +125,14 @@ def test_slack_net_hangs():
     result = fl.statics(scene)
     weight = 9.81 * net.model.lengths.sum()
     np.testing.assert_allclose(result.reactions[-1][:, :3].sum(axis=0), (0, 0, weight), atol=1e-6)
-    places = np.array([result.position(net.point(k))[-1] for k in range(25)]).reshape(5, 5, 3)
-    np.testing.assert_allclose(places[:, :, 2], places[::-1, :, 2], atol=1e-7)
-    np.testing.assert_allclose(places[:, :, 2], places.transpose(1, 0, 2)[:, :, 2], atol=1e-7)
-    assert places[2, 2, 2] < -0.5
+    positions = np.array([result.position(net.point(k))[-1] for k in range(25)]).reshape(5, 5, 3)
+    np.testing.assert_allclose(positions[:, :, 2], positions[::-1, :, 2], atol=1e-7)
+    np.testing.assert_allclose(positions[:, :, 2], positions.transpose(1, 0, 2)[:, :, 2], atol=1e-7)
+    assert positions[2, 2, 2] < -0.5
 
 
 def grid(cells: int, edge: float) -> tuple[np.ndarray, list[list[int]]]:
-    """Points and threads of a square net."""
+    """Points and cables of a square net."""
     n = cells + 1
     s = np.linspace(0, edge, n)
     x, y = np.meshgrid(s, s, indexing="ij")
@@ -160,7 +160,7 @@ def test_fall_of_a_net():
 
 
 class Bent:
-    """A thread with a clamped end in any state, and the springs on its nodes."""
+    """A cable with a clamped end in any state, and the springs on its nodes."""
 
     def __init__(self, natural: bool) -> None:
         rng = np.random.default_rng(3)
@@ -193,7 +193,7 @@ def test_forces_and_matrix_are_derivatives_of_the_energy(natural):
     slope = (bent.springs.energy(ahead) - bent.springs.energy(behind)) / (2 * step)
     assert np.vdot(bent.forces(bent.H), bent.h) == pytest.approx(slope, rel=1e-7)
     change = (bent.forces(ahead) - bent.forces(behind)) / (2 * step)
-    blocks, product = bent.springs.tangent(bent.H, bent.springs.room()), np.zeros((6, 6))
+    blocks, product = bent.springs.tangent(bent.H, bent.springs.workspace()), np.zeros((6, 6))
     for row, column, block in zip(*bent.springs.pairs, blocks, strict=True):
         product[row] += block @ bent.h[column]
     np.testing.assert_allclose(product, change, atol=1e-6 * np.abs(change).max())
@@ -249,8 +249,8 @@ REFUSED = {
         "distinct points",
     ),
     "one point": (lambda: fl.Net(POINTS, [[0]], section(1, 1)), "two points"),
-    "no thread": (lambda: fl.Net(POINTS, [], section(1, 1)), "one cable"),
-    "point without a thread": (lambda: fl.Net(POINTS, [[0, 1]], section(1, 1)), "point"),
+    "no cable": (lambda: fl.Net(POINTS, [], section(1, 1)), "one cable"),
+    "point without a cable": (lambda: fl.Net(POINTS, [[0, 1]], section(1, 1)), "point"),
     "edge twice": (
         lambda: fl.Net(POINTS, [[0, 1, 2], [1, 0, 3]], section(1, 1)),
         "twice",
@@ -294,16 +294,16 @@ def test_a_net_that_is_hit_converges():
 
 
 @pytest.mark.parametrize("cells", [4, 5, 6])
-def test_threads_that_are_naturally_as_laid_move_freely(cells):
+def test_cables_that_are_naturally_as_laid_move_freely(cells):
     """Along oblique straight lines curvature is round-off, and must not become a direction."""
     turns = np.exp(1j * np.pi / 3 * np.arange(7))
     corners = np.column_stack([turns.real, turns.imag])
     parts = np.arange(cells)[:, np.newaxis] / cells
     flat = np.vstack([a + parts * (b - a) for a, b in pairwise(corners)])
     points = np.column_stack([flat, np.full(len(flat), 0.31)])
-    thread = fl.Section.circle(1e-3, fl.Material(E=1e8, nu=0.3, density=1000.0))
+    cord = fl.Section.circle(1e-3, fl.Material(E=1e8, nu=0.3, density=1000.0))
     natural = fl.elements.DiscreteCable(natural=True)
-    net = fl.Net(points, [[*range(len(points)), 0]], thread, formulation=natural)
+    net = fl.Net(points, [[*range(len(points)), 0]], cord, formulation=natural)
     net.add_velocity((0.0, 0.0, -10.0))
     scene = fl.Scene()
     scene.add(net)

@@ -24,9 +24,9 @@ def pendulum(
 ) -> tuple[fl.Scene, fl.RigidBody]:
     """Compound pendulum about y through the origin, at rest along the x axis."""
     scene = fl.Scene(gravity=(0, 0, -G))
-    place = LENGTH * np.array([np.cos(angle), 0, -np.sin(angle)])
+    point_at = LENGTH * np.array([np.cos(angle), 0, -np.sin(angle)])
     R = lie.so3_exp([0, angle, 0])
-    body = scene.add(fl.RigidBody(MASS, (0.1, INERTIA, 0.25), place, R).set_group(group))
+    body = scene.add(fl.RigidBody(MASS, (0.1, INERTIA, 0.25), point_at, R).set_group(group))
     scene.add(
         fl.joints.Revolute(
             fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 1, 0), name="pivot"
@@ -294,8 +294,8 @@ def test_rigid_double_pendulum(group):
     for start, length in ((0.0, 0.3), (0.3, 0.5)):
         mass = 2700 * side**2 * length
         moments = mass / 12 * np.array([2 * side**2, length**2 + side**2, length**2 + side**2])
-        place = (start + length / 2, 0, 0)
-        bodies.append(scene.add(fl.RigidBody(mass, moments, place).set_group(group)))
+        point_at = (start + length / 2, 0, 0)
+        bodies.append(scene.add(fl.RigidBody(mass, moments, point_at).set_group(group)))
     one, two = bodies
     scene.add(fl.joints.Spherical(fl.ground(), one.point("centre"), at=(0, 0, 0)))
     scene.add(fl.joints.Spherical(one.point("centre"), two.point("centre"), at=(0.3, 0, 0)))
@@ -411,8 +411,8 @@ def test_prescribed_rotation_and_its_driving_moment():
     scene.add(fl.PrescribedMotion(hub.point("centre"), motion))
     result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=0.5, step=1e-3)
     t = result.times
-    place = offset * np.stack([np.cos(1.5 * t**2), np.sin(1.5 * t**2), 0 * t], 1)
-    assert np.abs(result.position(body.point("centre")) - place).max() < 1e-5
+    point_at = offset * np.stack([np.cos(1.5 * t**2), np.sin(1.5 * t**2), 0 * t], 1)
+    assert np.abs(result.position(body.point("centre")) - point_at).max() < 1e-5
     drive = result.joint_forces[:, -1, 5]
     inertia = INERTIA + 0.1 + MASS * offset**2
     assert np.abs(drive - inertia * 3.0)[1:].max() < 1e-3 * inertia * 3.0

@@ -81,7 +81,7 @@ def test_node_inside_of_three_is_stable_up_to_the_limit_and_no_farther():
         for i, a in enumerate(steps):
             for j, b in enumerate(steps):
                 corners = [(1, at + a + b), (-1, at + a - b), (-1, at - a + b), (1, at - a - b)]
-                K[i, j] = sum(sign * energy(*place) for sign, place in corners) / (4 * h * h)
+                K[i, j] = sum(sign * energy(*position) for sign, position in corners) / (4 * h * h)
         return float(np.linalg.eigvalsh(K)[0])
 
     assert lowest(limit - 1e-3) > 0 > lowest(limit + 1e-3)

@@ -68,7 +68,7 @@ VIEWS = {
         "twists",
     },
 }
-"""What can be asked of the constraints at a place, what is remembered, of a time, of a state."""
+"""What can be asked of the constraints at a position, what is remembered, of a time, of a state."""
 
 IMPORTED = {f"equations.{name}" for name in ("Equations", "TimeState", "LinearState", "Plan")}
 

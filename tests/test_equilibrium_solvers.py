@@ -108,10 +108,10 @@ def along(s: float) -> np.ndarray:
     return np.array([[np.sin(s), 1 - np.cos(s), 0.0], [0.0, s, 0.2 * s * s]])
 
 
-def walk(places: list[np.ndarray], factors: list[float], turned: int = 99) -> list[bool]:
+def walk(positions: list[np.ndarray], factors: list[float], turned: int = 99) -> list[bool]:
     """``turned``: from this step on the twists are against the displacements."""
-    passed = Passed(places[0])
-    steps = enumerate(zip(factors[1:], places[1:], places[:-1], strict=True))
+    passed = Passed(positions[0])
+    steps = enumerate(zip(factors[1:], positions[1:], positions[:-1], strict=True))
     return [
         passed.again(factor, here, (here - before) * (1 if k < turned else -1))
         for k, (factor, here, before) in steps
@@ -123,7 +123,7 @@ def test_running_back_is_noticed_and_a_limit_point_is_not():
     back = np.linspace(0.97, 0.17, 9)
     states = [along(s) for s in (*up, *back)]
     assert any(walk(states, [*up, *back]))
-    # a loop that passes the same places in the same sense goes on
+    # a loop that passes the same positions in the same sense goes on
     assert not any(walk(states, [*up, *back], turned=10))
     # the load goes down while the nodes go on
     beyond = [along(s) for s in (*up, *(2.0 - back))]
@@ -163,7 +163,7 @@ def test_matrix_is_the_derivative_of_the_residual(links):
     scene.add(fl.joints.Revolute(scene.bodies[0].point("11"), fl.ground(), axis=(1, 2, 3)))
     rng, equations = np.random.default_rng(4), fl.extend.Equations(scene, dynamics=False)
     unknowns = equations.unknowns
-    assert unknowns.uncoupled.sum() >= 15
+    assert unknowns.separates_director.sum() >= 15
     equations.prescribed(1.0).act(1.0)
     H, weights = equations.start.frames.copy(), 0.1 * rng.normal(size=unknowns.m)
     dx = 0.1 * rng.normal(size=unknowns.size)
@@ -206,7 +206,7 @@ def test_newton_converges_quadratically_and_needs_few_steps_with_linearised_stre
 
 def ways_of(unknowns) -> tuple[np.ndarray, ...]:
     """What is held, moves uncoupled, and straight otherwise."""
-    return unknowns.held, unknowns.uncoupled, unknowns.straight
+    return unknowns.held, unknowns.separates_director, unknowns.separates_rotation
 
 
 def derivative_error(equations: fl.extend.Equations, H, weights, *, along_motion: bool) -> float:
@@ -231,7 +231,7 @@ def derivative_error(equations: fl.extend.Equations, H, weights, *, along_motion
     values, columns, pointers = equations.matrix.csr
     A, free = sp.csr_matrix((values, columns, pointers)).toarray(), ~unknowns.held
     if not along_motion:
-        for i in np.flatnonzero(unknowns.uncoupled):
+        for i in np.flatnonzero(unknowns.separates_director):
             block = np.zeros((6, 6))
             add_turning(forces[i], 1.0, block)
             at = slice(6 * i, 6 * i + 6)

@@ -87,10 +87,10 @@ def test_pure_bending_has_no_error(estimate, formulation):
 def test_constant_stress_has_no_error(estimate, cell):
     """A sheet of cells of any shape, pulled along one side."""
 
-    def place(a, b):
+    def position(a, b):
         return a + 0.1 * np.sin(np.pi * a) * (b - 0.3), b + 0.1 * np.sin(np.pi * b) * a, 0.0
 
-    mesh = fl.mesh.parametric_surface(place, (4, 4), cell=cell)
+    mesh = fl.mesh.parametric_surface(position, (4, 4), cell=cell)
     scene = fl.Scene()
     shell = scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.1, MATERIAL), name="sheet"))
     shell.symmetry("a=0", (1, 0, 0))

@@ -14,17 +14,17 @@ from tests.test_solids import brick
 from tests.test_variational import spinning
 
 SCHEME = fl.Explicit()
-THREAD = fl.Section.from_stiffness([100.0] * 3 + [1e-4] * 3, mass=0.01)
+CABLE = fl.Section.from_stiffness([100.0] * 3 + [1e-4] * 3, mass=0.01)
 
 
 def net(cells: int = 5, pinned: bool = True) -> tuple[fl.Scene, fl.Net]:
     """A square net that is hit in the middle; stretched by a tenth if its edges are pinned."""
     x = np.linspace(0, 1, cells + 1)
-    places = np.array([(a, b, 0) for a in x for b in x])
-    grid = np.arange(len(places)).reshape(cells + 1, cells + 1)
-    threads = [list(row) for row in grid] + [list(column) for column in grid.T]
-    body = fl.Net(places, threads, THREAD, stretch=1.1 if pinned else 1.0)
-    far = ((places[:, :2] - 0.4) ** 2).sum(axis=1)
+    positions = np.array([(a, b, 0) for a in x for b in x])
+    grid = np.arange(len(positions)).reshape(cells + 1, cells + 1)
+    cables = [list(row) for row in grid] + [list(column) for column in grid.T]
+    body = fl.Net(positions, cables, CABLE, stretch=1.1 if pinned else 1.0)
+    far = ((positions[:, :2] - 0.4) ** 2).sum(axis=1)
     body.velocities[:, 2] = 3.0 * np.exp(-far / 0.1)
     if not pinned:
         body.velocities *= 0.1
@@ -38,9 +38,9 @@ def net(cells: int = 5, pinned: bool = True) -> tuple[fl.Scene, fl.Net]:
 
 
 def hermite() -> fl.Scene:
-    """A cable of places and slopes that flies."""
+    """A cable of positions and slopes that flies."""
     scene = fl.Scene()
-    rope = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), THREAD, cells=4))
+    rope = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), CABLE, cells=4))
     rope.velocities[:, 1] = np.sin(3 * rope.frames[:, 0, 0])
     rope.velocities[:, 2] = rope.frames[:, 0, 0]
     return scene
@@ -145,10 +145,10 @@ def test_second_order(name):
 def test_the_stable_step_of_a_row_of_bars():
     """It is that of the highest frequency, ``2/ω = ℓ √(μ/EA)``, if bending is none."""
     soft = fl.Section.from_stiffness([100.0] * 3 + [1e-9] * 3, mass=0.01)
-    places = np.zeros((9, 3))
-    places[:, 0] = np.arange(9) / 8
+    positions = np.zeros((9, 3))
+    positions[:, 0] = np.arange(9) / 8
     scene = fl.Scene()
-    body = scene.add(fl.Net(places, [range(9)], soft))
+    body = scene.add(fl.Net(positions, [range(9)], soft))
     body.pin(body.point(0), body.point(8))
     limit = SCHEME.stable_step(scene)
     assert limit == pytest.approx(0.125 * np.sqrt(0.01 / 100.0), rel=1e-3)
@@ -239,7 +239,7 @@ def test_resumed_to_the_last_bit(tmp_path, name):
 
 def test_damping_by_strain_rates():
     scene, damping = fl.Scene(), fl.sections.Damping(stiffness=1e-3)
-    scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), THREAD, cells=2, damping=damping))
+    scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), CABLE, cells=2, damping=damping))
     with pytest.raises(ValueError, match=r"Explicit does not support damping by strain rates"):
         SCHEME.run(scene, duration=1e-3, step=1e-4)
 

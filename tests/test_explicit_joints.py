@@ -10,7 +10,7 @@ from tests.combinations import joined
 from tests.scene_builder import build
 from tests.test_composed import resumed_as_whole, rigid_pendulum
 from tests.test_energy_momentum import SQUARE, bars
-from tests.test_explicit import THREAD
+from tests.test_explicit import CABLE
 
 SCHEME = fl.Explicit()
 BALL = 0.02, (1e-5, 2e-5, 2e-5)
@@ -19,7 +19,7 @@ BALL = 0.02, (1e-5, 2e-5, 2e-5)
 def rope() -> fl.Scene:
     """A cable that flies with a ball at its end, held off its centre."""
     scene = fl.Scene()
-    cable = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), THREAD, cells=4))
+    cable = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), CABLE, cells=4))
     ball = scene.add(fl.RigidBody(*BALL, position=(1.1, 0, 0)))
     ball.velocities[0, [1, 5]] = 0.2, 2.0
     scene.add(fl.joints.Spherical(cable.point("end"), ball.point("centre"), at=(1, 0, 0)))
@@ -28,10 +28,10 @@ def rope() -> fl.Scene:
 
 def net() -> fl.Scene:
     """A stretched net that flies with a ball on one of its knots."""
-    places = np.array([(a, b, 0) for a in (0, 0.5, 1) for b in (0, 0.5, 1)])
+    positions = np.array([(a, b, 0) for a in (0, 0.5, 1) for b in (0, 0.5, 1)])
     grid = np.arange(9).reshape(3, 3)
     scene = fl.Scene()
-    body = scene.add(fl.Net(places, [*map(list, grid), *map(list, grid.T)], THREAD, stretch=1.05))
+    body = scene.add(fl.Net(positions, [*map(list, grid), *map(list, grid.T)], CABLE, stretch=1.05))
     ball = scene.add(fl.RigidBody(*BALL, position=(1, 1, 0)))
     ball.velocities[0, 3] = 0.5
     scene.add(fl.joints.Spherical(body.point(8), ball.point("centre")))

@@ -84,7 +84,7 @@ def forces_of(term, H: np.ndarray) -> np.ndarray:
 
 
 def ball_on_ball() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
-    pair = [fl.RigidBody(1.0, np.eye(3), place) for place in ((0, 0, 0.098), (0, 0, -0.3))]
+    pair = [fl.RigidBody(1.0, np.eye(3), position) for position in ((0, 0, 0.098), (0, 0, -0.3))]
     return pair, (
         fl.contact.Sphere(pair[0].point("centre"), 0.1),
         fl.contact.Sphere(pair[1].point("centre"), 0.3),
@@ -92,7 +92,7 @@ def ball_on_ball() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
 
 
 def ball_on_plane() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
-    pair = [fl.RigidBody(1.0, np.eye(3), place) for place in ((0, 0, 0.098), (0, 0, 0))]
+    pair = [fl.RigidBody(1.0, np.eye(3), position) for position in ((0, 0, 0.098), (0, 0, 0))]
     return pair, (
         fl.contact.Sphere(pair[0].point("centre"), 0.1),
         fl.contact.Plane(pair[1].point("centre"), (0, 0, 1)),
@@ -143,7 +143,7 @@ def test_derivatives(make, friction):
     H = np.concatenate([b.frames for b in bodies])
     H = lie.se3_retract(H, 1e-3 * np.random.default_rng(1).normal(size=(len(H), 6)))
     wanted, found = np.zeros((2, 6 * len(H), 6 * len(H)))
-    for block, i, j in zip(term.tangent(H, term.room()), *term.pairs, strict=True):
+    for block, i, j in zip(term.tangent(H, term.workspace()), *term.pairs, strict=True):
         found[6 * i : 6 * i + 6, 6 * j : 6 * j + 6] += block
     for q in range(6 * len(H)):
         ends = []
@@ -169,7 +169,7 @@ def thrown() -> fl.Scene:
 
 
 @pytest.mark.parametrize("every", [37, 60])
-def test_a_run_goes_on_to_the_last_bit(tmp_path, every):
+def test_a_restart_agrees_to_the_last_bit(tmp_path, every):
     """A ball slides, then rolls: in the middle of slip, and of stick."""
 
     scheme = fl.GeneralisedAlpha(radius=0.8, tolerance=1e-9)
@@ -190,7 +190,7 @@ LAW = fl.contact.Penalty(1e5, friction=0.3)
 @pytest.mark.parametrize(
     ("case", "steps", "lost"), [("box", 60, 0.02), ("corners", 120, 1e-3), ("beams", 20, 1e-4)]
 )
-def test_conserving_steps_book_what_rubbing_takes(case, steps, lost):
+def test_conserving_steps_account_for_the_work_of_friction(case, steps, lost):
     """Free bodies and beams that touch: in no step is less than nothing lost, and momenta stay."""
     build, stiffness, mass, _ = conserving_contact.CASES[case]
     scene, _ = build(stiffness, 0.3)
@@ -233,7 +233,7 @@ def test_a_ball_slides_then_rolls_in_conserving_steps():
 
 
 @pytest.mark.parametrize("every", [30, 90], ids=["slipping", "rolling"])
-def test_a_conserving_run_goes_on_to_the_last_bit(tmp_path, every):
+def test_a_conserving_restart_agrees_to_the_last_bit(tmp_path, every):
     options = {"duration": 0.1, "step": 1e-3, "progress": False, "checkpoint_every": every}
     whole = fl.EnergyMomentum().run(thrown(), **options, file=tmp_path / "whole.h5")
     fl.EnergyMomentum().run(thrown(), **options, file=tmp_path / "run.h5")
@@ -255,7 +255,7 @@ def sliding_beam(*, line: bool) -> fl.Scene:
 
 
 @pytest.mark.parametrize("line", [False, True], ids=["nodes", "line"])
-def test_a_beam_goes_on_to_the_last_bit_amid_stick_and_slip(tmp_path, line):
+def test_a_restart_of_a_beam_during_stick_and_slip_agrees_to_the_last_bit(tmp_path, line):
     scheme = fl.GeneralisedAlpha(radius=0.8)
     options = {"duration": 0.04, "step": 1e-3, "progress": False, "checkpoint_every": 30}
     whole = scheme.run(sliding_beam(line=line), **options, file=tmp_path / "whole.h5")

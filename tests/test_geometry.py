@@ -263,8 +263,8 @@ def test_a_gmsh_frame_has_its_sections_points_and_nodes(tmp_path):
     np.testing.assert_array_equal(mesh.branching_points, mesh.named("middle"))
     assert len(mesh.points) == 16 and len(beam.frames) == 19
     attached = np.flatnonzero(beam.model.masters != np.arange(19))
-    places = [beam.point(name).node for name in ("left corner", "right corner", "middle")]
-    assert sorted(beam.model.masters[attached]) == sorted(places)
+    positions = [beam.point(name).node for name in ("left corner", "right corner", "middle")]
+    assert sorted(beam.model.masters[attached]) == sorted(positions)
     np.testing.assert_array_equal(
         beam.frames[attached, 0], mesh.points[beam.model.masters[attached]]
     )

@@ -298,7 +298,7 @@ def test_a_long_chain_arrives(options, caplog):
         )
 
 
-def test_a_run_goes_on_between_parts_of_steps(tmp_path):
+def test_a_run_restarts_between_sub_steps(tmp_path):
     """Resumed where steps are made in parts, to the last bit."""
     options = {"duration": 0.7, "step": 1e-3, "progress": False, "save_every": 10}
     whole = fl.GeneralisedAlpha().run(chain(100)[0], **options)

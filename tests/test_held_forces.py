@@ -63,9 +63,9 @@ def test_impulses_of_supports_need_only_what_is_near(scene):
     """After each step they are found around the supports, in recorded rows from the whole scene."""
     h, made = 1e-4, scene()
     result = fl.GeneralisedAlpha().run(made, duration=30 * h, step=h, progress=False)
-    places = result.frames[:, result.info.supports.at, 0]
+    positions = result.frames[:, result.info.supports.at, 0]
     F, M = np.split(result.reactions, 2, axis=-1)
-    forces = np.concatenate([F.sum(axis=1), (M + np.cross(places, F)).sum(axis=1)], axis=-1)
+    forces = np.concatenate([F.sum(axis=1), (M + np.cross(positions, F)).sum(axis=1)], axis=-1)
     wanted = np.cumsum(0.5 * h * (forces[1:] + forces[:-1]), axis=0)
     found = result.impulses[1:, 1] - result.impulses[0, 1]
     for k in (slice(0, 3), slice(3, 6)):

@@ -81,7 +81,7 @@ def test_without_it_is_refused():
 
 @pytest.mark.parametrize("law", LAWS[1:], ids=repr)
 @pytest.mark.parametrize("every", [20, 500])
-def test_a_run_goes_on_to_the_last_bit(tmp_path, law, every):
+def test_a_restart_agrees_to_the_last_bit(tmp_path, law, every):
     """From a checkpoint while it is still ignored, and from one after it has parted."""
     whole, file = run(thrown_up(law)[0]), tmp_path / "run.h5"
     run(thrown_up(law)[0], file=file, checkpoint_every=every)

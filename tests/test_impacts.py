@@ -258,8 +258,8 @@ def test_restitution_adds_no_energy_in_a_box():
     rng = np.random.default_rng(1)
     scene = fl.Scene()
     balls = []
-    for place in 0.25 * np.array(list(np.ndindex(4, 2, 2))):
-        balls.append(scene.add(fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), place)))
+    for position in 0.25 * np.array(list(np.ndindex(4, 2, 2))):
+        balls.append(scene.add(fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), position)))
         balls[-1].add_velocity(rng.normal(size=3))
     shell = scene.add(fl.RigidBody(30.0, 3.0 * np.ones(3), (0.375, 0.125, 0.125)))
     surface = fl.contact.Vertices([ball.point("centre") for ball in balls], RADIUS)
@@ -340,9 +340,9 @@ def test_many_contacts_come_to_rest():
     rng, radius, law = np.random.default_rng(1), 0.05, fl.contact.Impact(0.3)
     scene, balls = fl.Scene(gravity=(0, 0, -GRAVITY)), []
     for at in np.ndindex(5, 5, 4):
-        place = 2.1 * radius * (np.array(at) + 0.5) + 0.02 * radius * rng.standard_normal(3)
+        position = 2.1 * radius * (np.array(at) + 0.5) + 0.02 * radius * rng.standard_normal(3)
         balls.append(
-            scene.add(fl.RigidBody(1.0, np.full(3, 0.4 * radius**2), place)).point("centre")
+            scene.add(fl.RigidBody(1.0, np.full(3, 0.4 * radius**2), position)).point("centre")
         )
     heap = fl.contact.Vertices(balls, radius)
     scene.add(fl.contact.Contact(heap, heap, law))
@@ -362,8 +362,8 @@ def in_a_groove(degrees: float) -> tuple[fl.Scene, fl.extend.Point, float]:
     """A ball that falls into a groove of so small an angle, and the height at which it fits."""
     angle, scene = np.radians(degrees), fl.Scene(gravity=(0, 0, -GRAVITY))
     height = RADIUS / np.sin(angle)
-    place = (0, 0, height + 0.1 * RADIUS)
-    ball = scene.add(fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), place, name="ball"))
+    position = (0, 0, height + 0.1 * RADIUS)
+    ball = scene.add(fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), position, name="ball"))
     ball.add_velocity((3.0 * RADIUS, 0, -20.0 * RADIUS))
     for side in (1, -1):
         normal = (side * np.cos(angle), 0, np.sin(angle))
@@ -446,10 +446,12 @@ def rolling_pile(friction: float = 0.4) -> fl.Scene:
     """Balls that fall on each other in a box, with rotation, friction and rebound."""
     rng = np.random.default_rng(3)
     scene = fl.Scene(gravity=(0, 0, -9.81))
-    places = 0.22 * np.stack(np.meshgrid(*3 * [np.arange(2)], indexing="ij"), -1).reshape(-1, 3)
-    places -= (0.11, 0.11, 0.2)
+    positions = 0.22 * np.stack(np.meshgrid(*3 * [np.arange(2)], indexing="ij"), -1).reshape(-1, 3)
+    positions -= (0.11, 0.11, 0.2)
     law = fl.contact.Impact(friction, 0.3)
-    balls = [fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), tuple(place)) for place in places]
+    balls = [
+        fl.RigidBody(1.0, 0.4 * RADIUS**2 * np.ones(3), tuple(position)) for position in positions
+    ]
     for each in balls:
         each.add_velocity(rng.normal(size=3))
         each.add_velocity(omega=rng.normal(size=3), about=each.point("centre"))
@@ -462,7 +464,7 @@ def rolling_pile(friction: float = 0.4) -> fl.Scene:
 
 
 @pytest.mark.parametrize("every", [40, 110, 160])
-def test_a_run_goes_on_to_the_last_bit(tmp_path, every):
+def test_a_restart_agrees_to_the_last_bit(tmp_path, every):
     """From among impacts, in the middle of sliding, and where most sticks or rolls."""
     options, file = {"duration": 0.6, "step": 2e-3, "progress": False}, tmp_path / "run.h5"
     scheme = fl.GeneralisedAlpha(radius=0.8)

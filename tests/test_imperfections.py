@@ -128,7 +128,7 @@ def kinked(up=(0, 1, 0)):
 
 @pytest.mark.parametrize("imperfection", ["mode", "field"])
 def test_what_follows_an_imperfect_node_goes_with_it(imperfection):
-    """Other directions at a corner: the same place, and turned as much."""
+    """Other directions at a corner: the same position, and turned as much."""
     scene, beam = kinked()
     given: fl.stability.Imperfection = fl.stability.FieldImperfection(
         lambda x: (0.05 * x[2] ** 2, 0.0, 0.0)

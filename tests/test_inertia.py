@@ -186,12 +186,12 @@ def test_tangents(seed):
     body = Body(seed)
     mass, damping, step = 0.7, -1.3, 1e-5
     # blocks in a pattern with other blocks between and in another order
-    place = np.array([9, 1, 4, 0, 8, 2, 6])
+    position = np.array([9, 1, 4, 0, 8, 2, 6])
     A, K = np.ones((11, 6, 6)), np.ones((11, 6, 6))
     H, v, a = body.H, body.v, body.a
     kinds = np.zeros(3, dtype=np.int64)
-    inertia.tangents((H, v, a), kinds, body.pattern, (place, place), (mass, damping), (A, K))
-    untouched = np.setdiff1d(np.arange(11), place)
+    inertia.tangents((H, v, a), kinds, body.pattern, (position, position), (mass, damping), (A, K))
+    untouched = np.setdiff1d(np.arange(11), position)
     assert (A[untouched] == 1).all() and (K[untouched] == 1).all()
 
     acceleration, load = np.empty_like(H), np.empty_like(H)
@@ -199,7 +199,7 @@ def test_tangents(seed):
     inertia.multiply(*body.pattern, acceleration, load)
     dense = np.zeros((2, 18, 18))
     rows = np.repeat(np.arange(3), np.diff(body.indptr))
-    for i, j, p in zip(rows, body.indices, place, strict=True):
+    for i, j, p in zip(rows, body.indices, position, strict=True):
         for target, blocks in zip(dense, (A, K), strict=True):
             target[6 * i : 6 * i + 6, 6 * j : 6 * j + 6] = blocks[p] - 1
     for i in range(3):

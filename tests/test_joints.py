@@ -132,10 +132,10 @@ class Case:
         return rows.reshape(self.m, 12)
 
     def blocks(self, fill) -> np.ndarray:
-        """Matrix on both nodes of the blocks that ``fill(place, K)`` adds."""
+        """Matrix on both nodes of the blocks that ``fill(position, K)`` adds."""
         K, nodes = np.zeros((4, 6, 6)), self.table.nodes
-        place = 2 * nodes[:, :, np.newaxis] + nodes[:, np.newaxis]
-        fill(place, K)
+        position = 2 * nodes[:, :, np.newaxis] + nodes[:, np.newaxis]
+        fill(position, K)
         return K.reshape(2, 2, 6, 6).transpose(0, 2, 1, 3).reshape(12, 12)
 
 
@@ -179,8 +179,8 @@ def test_forces_are_transposed_jacobian_and_geometric_their_derivative(name, see
         # an identity: only round-off of sums of a dozen numbers of order 10
         assert np.abs(f - rows.T @ case.weights).max() < 1e-12 * (1 + np.abs(rows).max())
     K = case.blocks(
-        lambda place, K: terms.geometric(H, table, case.weights, place, K)
-    ) + case.blocks(lambda place, K: terms.add_springs(H, table, place, 1.0, 0.0, K))
+        lambda position, K: terms.geometric(H, table, case.weights, position, K)
+    ) + case.blocks(lambda position, K: terms.add_springs(H, table, position, 1.0, 0.0, K))
     numeric = differences(lambda F: case.evaluate(F)[:12], H)
     assert np.abs(K - numeric).max() < 10 * DIFFERENCE * (1 + np.abs(K).max())
 
@@ -194,7 +194,7 @@ def test_springs_have_an_energy_and_dampers_take_it(seed):
     assert np.abs(energy[0] - f).max() < 10 * DIFFERENCE * (1 + np.abs(f).max())
     viscous = case.evaluate(case.H, case.v)[:12] - f
     assert viscous @ case.v.ravel() > 0.0
-    D = case.blocks(lambda place, K: terms.add_springs(case.H, case.table, place, 0, 1.0, K))
+    D = case.blocks(lambda position, K: terms.add_springs(case.H, case.table, position, 0, 1.0, K))
     # linear in the velocities: an identity but for round-off
     assert np.abs(D @ case.v.ravel() - viscous).max() < 1e-12 * (1 + np.abs(D).max())
 

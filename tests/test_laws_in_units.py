@@ -79,12 +79,12 @@ def plate(u: UnitSystem, kind: str, nu: float, cells: tuple[int, int], width: fl
     """Of length 2, with cells that are not rectangles."""
     cell, formulation, drilling = SHELLS[kind]
 
-    def place(a: float, b: float) -> np.ndarray:
+    def position(a: float, b: float) -> np.ndarray:
         bulge = 0.1 * np.sin(np.pi * a) * np.sin(np.pi * b)
         return u.length([2.0 * (a + bulge), width * (b - bulge), 0.0])
 
     layer = fl.ShellSection.layer(u.length(0.02), steel(u, nu))
-    mesh = fl.mesh.parametric_surface(place, cells, cell=cell)
+    mesh = fl.mesh.parametric_surface(position, cells, cell=cell)
     return fl.Shell(mesh, layer, formulation=formulation, drilling=drilling, name="plate")
 
 

@@ -153,7 +153,7 @@ def refuse_kink() -> None:
 
 
 def refuse_curl() -> None:
-    """A ring as thick as it is wide: places on the axis nearest to others are not unique."""
+    """A ring as thick as it is wide: positions on the axis nearest to others are not unique."""
     beam = fl.Beam.curve(
         lambda s: 0.01 * np.array([np.cos(5 * s), np.sin(5 * s), 0.0]), SECTION, cells=40
     )

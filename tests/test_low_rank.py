@@ -101,7 +101,7 @@ def test_many_rows_go_into_the_matrix(monkeypatch):
 
 
 @pytest.mark.parametrize("line", [False, True], ids=["nodes", "line"])
-def test_a_run_goes_on_to_the_last_bit_while_it_touches(tmp_path, line):
+def test_a_restart_during_contact_agrees_to_the_last_bit(tmp_path, line):
     options = {"duration": 0.05, "step": 1e-3, "progress": False, "checkpoint_every": 37}
     whole = SCHEME.run(falling(1e4, line=line), file=tmp_path / "whole.h5", **options)
     SCHEME.run(falling(1e4, line=line), file=tmp_path / "run.h5", **options)

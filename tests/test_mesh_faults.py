@@ -29,11 +29,11 @@ def with_cell(cell: int, points) -> np.ndarray:
     return cells
 
 
-def quadratic(cell: str, node: int, place) -> fl.mesh.SurfaceMesh:
+def quadratic(cell: str, node: int, position) -> fl.mesh.SurfaceMesh:
     """A cell of degree 2 with one of its nodes moved."""
     mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0), (1, 1), cell=cell, degree=2)
     points = mesh.points.copy()
-    points[mesh.cells[0, node]] = place
+    points[mesh.cells[0, node]] = position
     return fl.mesh.SurfaceMesh.from_cells(points, mesh.cells, cell)
 
 
@@ -93,7 +93,7 @@ CASES = {
         ),
         r"cells 0 and 1 lie on top of each other beside their edge from point 0 to 1",
     ),
-    "two points at one place": (
+    "two points at one position": (
         lambda: fl.mesh.SurfaceMesh.from_cells(
             [(0, 0, 0), (1, 0, 0), (1, 0, 0)], [(0, 1, 2)], "triangle"
         ),
@@ -213,11 +213,11 @@ def test_a_director_between_is_said(caplog):
     assert "plate" not in caplog.text and "30° off" in caplog.text
 
 
-def test_points_at_one_place_are_said(caplog):
+def test_points_at_one_position_are_said(caplog):
     points = [(0, 0, 0), (1, 0, 0), (1, 0, 0), (2, 0, 0)]
     with caplog.at_level(logging.WARNING, logger="fem_lie"):
         fl.Beam(fl.mesh.LineMesh.from_cells(points, [(0, 1), (2, 3)]), SECTION, name="two")
-    assert "two has 1 pairs of points at the same place, the first are 1 and 2" in caplog.text
+    assert "two has 1 pairs of points at the same position, the first are 1 and 2" in caplog.text
 
 
 # --- gmsh -----------------------------------------------------------------------------------------

@@ -177,7 +177,7 @@ def test_what_increments_lack_of_the_series_of_velocities(kind):
 
 @every_kind
 def test_rigid_motions(kind):
-    """Turning everything about a place moves all rows as their velocities say."""
+    """Turning everything about a position moves all rows as their velocities say."""
     node, about = Node(kind), np.array([0.3, -2.0, 1.0])
     motions = node_types.rigid_motions(node.kinds, node.H, about)[0]
     ξ = np.array([0.4, 1.0, -0.3, 0.7, -0.2, 0.5])
@@ -205,7 +205,7 @@ def test_forces_are_seen_as_resultants(kind):
 
 @every_kind
 def test_shown_velocities_are_of_the_rows(kind):
-    """The place moves by ``Σ uₖ rowₖ``, and where only rotation counts the rows turn by θ."""
+    """The position moves by ``Σ uₖ rowₖ``, and where only rotation counts the rows turn by θ."""
     node, shown = Node(kind), np.empty((1, 6))
     node_types.all_result_twists(node.kinds, node.H, node.v, shown)
     if kind == MODAL:
@@ -250,10 +250,10 @@ def test_carried_axes_stay_unit_vectors_without_twist():
     np.testing.assert_allclose(H[0, 1:], [[2, 0, 0], [0, 0, 1], [0, -1, 0]], atol=1e-14)
 
 
-def test_clamps_hold_place_and_direction():
+def test_clamps_hold_position_and_direction():
     """A clamped slope may still be stretched."""
     node = Node(POSITION_GRADIENT)
-    h = np.where(TRAITS[fl.extend.NodeType.POSITION_GRADIENT].clamped, 0.0, node.h)
+    h = np.where(TRAITS[fl.extend.NodeType.POSITION_GRADIENT].clamp_holds, 0.0, node.h)
     moved = node.follow(h)
     np.testing.assert_array_equal(moved[0, 0], node.H[0, 0])
     assert np.abs(np.cross(moved[0, 1], node.H[0, 1])).max() < 1e-15

@@ -60,8 +60,8 @@ def bent(size):
 def test_units_do_not_matter(size):
     """A scene in other lengths is drawn as the same, but for the numbers at its axes."""
     one, other = (content(bent(s).page(trace=["beam.end"])) for s in (1.0, size))
-    places = [array(shown["bodies"][0]["places"]).astype(int) for shown in (one, other)]
-    assert np.abs(places[0] - places[1]).max() <= 1
+    positions = [array(shown["bodies"][0]["places"]).astype(int) for shown in (one, other)]
+    assert np.abs(positions[0] - positions[1]).max() <= 1
     assert other["unit"] == pytest.approx(one["unit"], rel=1e-6)
     traces = [array(shown["traces"][0]) for shown in (one, other)]
     np.testing.assert_allclose(*traces, atol=1e-5)

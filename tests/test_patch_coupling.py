@@ -12,7 +12,7 @@ LAYER = fl.ShellSection.layer(0.1, fl.Material(1e3, 0.3, 2.0))
 
 def test_hemisphere_of_four_patches():
     """As good as one; without its couplings it would not stand."""
-    errors, solutions = patch_coupling.pinched(patch_coupling.quarters(hemisphere.place, 8))
+    errors, solutions = patch_coupling.pinched(patch_coupling.quarters(hemisphere.position, 8))
     assert np.abs(errors).max() < 0.01 and solutions <= 14
 
 

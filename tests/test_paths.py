@@ -15,12 +15,12 @@ def arch(elements: int, *, hinged: bool = True, force: float = 1000.0):
     half = np.radians(107.5)
     section = fl.Section.from_stiffness([3e6, 3e10, 3e10, 1e8, 1e8, 1e6])
 
-    def place(s):
+    def position(s):
         angle = half * (2 * s - 1)
         return 100 * np.sin(angle), 100 * np.cos(angle), 0.0
 
     scene = fl.Scene()
-    beam = scene.add(fl.Beam.curve(place, section, cells=elements, up=(0, 0, 1), name="arch"))
+    beam = scene.add(fl.Beam.curve(position, section, cells=elements, up=(0, 0, 1), name="arch"))
     scene.add(fl.Clamp(beam.point("end")))
     if hinged:
         scene.add(fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 0, 1)))
@@ -152,11 +152,11 @@ def test_thin_roof_snaps_back_with_one_negative_pivot():
     """Displacement element of degree 4: 0.19486 and −0.12838; here 6×6 cells."""
     R = 2540.0
 
-    def place(a, b):
+    def position(a, b):
         return R * np.sin(0.1 * a), 254.0 * b, R * (np.cos(0.1 * a) - 1)
 
     shell = fl.Shell(
-        fl.mesh.parametric_surface(place, (6, 6)),
+        fl.mesh.parametric_surface(position, (6, 6)),
         fl.ShellSection.layer(6.35, fl.Material(3102.75, 0.3, 1.0)),
         director=lambda x: np.array([x[0], 0, x[2] + R]) / R,
         name="roof",

@@ -26,8 +26,8 @@ from fem_lie.solve import progress_bars
 
 
 def assert_same_beam(given, beam, **tolerance):
-    places, frames = np.array(given["places"]), np.array(given["frames"])
-    np.testing.assert_allclose(places, beam.frames[:, 0], rtol=0, atol=1e-12)
+    points_at, frames = np.array(given["places"]), np.array(given["frames"])
+    np.testing.assert_allclose(points_at, beam.frames[:, 0], rtol=0, atol=1e-12)
     np.testing.assert_allclose(frames, beam.frames[:, 1:].transpose(0, 2, 1), rtol=0, atol=1e-9)
     np.testing.assert_allclose(beam.model.lengths, given["element_length"], rtol=1e-12)
     np.testing.assert_allclose(

@@ -1,4 +1,4 @@
-"""Nodes that are places alone, by an element of this file: strings, which only resist stretch.
+"""Nodes that are positions alone, by an element of this file: strings, which only resist stretch.
 
 Nothing of the package knows the element: what it is made of stands here.
 """
@@ -48,7 +48,7 @@ PLACES = fl.extend.FrameMap(None, _pull, _push, _geometric, values=12, unknowns=
 
 @dataclass(frozen=True)
 class String(fl.elements.BeamFormulation):
-    """``½ EA (|b − a|/ℓ − 1)² ℓ`` between two places."""
+    """``½ EA (|b − a|/ℓ − 1)² ℓ`` between two positions."""
 
     node_type = fl.extend.NodeType.POSITION
     viscous = False
@@ -125,7 +125,7 @@ def test_flight_of_a_string(group):
     assert result.energy_error < 1e-4
 
 
-def test_blocks_have_nothing_of_what_a_place_lacks():
+def test_blocks_have_nothing_of_what_a_position_lacks():
     cable = string((1, 0, 0), cells=2)
     scene = fl.Scene()
     scene.add(cable)

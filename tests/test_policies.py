@@ -74,8 +74,8 @@ def full():
 )
 def test_the_motion_does_not_depend_on_what_is_made_anew(full, policy):
     result, tip = arm(policy=policy)
-    place = result.position(tip.point("end"))
-    np.testing.assert_allclose(place, full[0].position(full[1].point("end")), atol=1e-8)
+    position = result.position(tip.point("end"))
+    np.testing.assert_allclose(position, full[0].position(full[1].point("end")), atol=1e-8)
     assert 1 <= result.k_updates < result.phi_updates == result.factorisations
     assert full[0].k_updates == full[0].phi_updates == full[0].iterations[-1]
     if isinstance(policy, fl.schemes.ConstraintsOnly):
@@ -198,8 +198,8 @@ def ladder(rungs: int = 4) -> fl.Scene:
     for y in (0.0, 0.2, 0.4):
         last = fl.ground()
         for k in range(rungs):
-            places = (0.2 * k, y, 0), (0.2 * (k + 1), y, 0)
-            bar = scene.add(fl.Beam.straight(*places, section, cells=2))
+            positions = (0.2 * k, y, 0), (0.2 * (k + 1), y, 0)
+            bar = scene.add(fl.Beam.straight(*positions, section, cells=2))
             scene.add(fl.joints.Revolute(last, bar.point("start"), axis=(0, 1, 0)))
             last = bar.point("end")
             ends.append(last)

@@ -44,8 +44,8 @@ def stack(
 
 
 def moved(result, body) -> np.ndarray:
-    places = result.position(body.point("centre"))
-    return places[-1] - places[0]
+    positions = result.position(body.point("centre"))
+    return positions[-1] - positions[0]
 
 
 def energy(result) -> np.ndarray:
@@ -68,11 +68,11 @@ def overhang(count: int, part: float) -> tuple[fl.Scene, fl.RigidBody]:
     scene, law = fl.Scene(gravity=(0, 0, -GRAVITY)), fl.contact.Impact(friction=0.8)
     length, height = 1.0, 0.1
     table = fl.contact.Box(fl.ground(), (4.0, 1.0, height))
-    surfaces, place = [], 2.0 - 0.5 * length
+    surfaces, point_at = [], 2.0 - 0.5 * length
     shifts = [0.5 * part * length / (count - k) for k in range(count)]
     for k, shift in enumerate(shifts):
-        place += shift
-        body, box = box_at(scene, (place, 0, height * (k + 1)), (length, 0.5, height))
+        point_at += shift
+        body, box = box_at(scene, (point_at, 0, height * (k + 1)), (length, 0.5, height))
         surfaces.append(box)
     for below, above in pairwise([table, *surfaces]):
         scene.add(fl.contact.Contact(below, above, law))
@@ -171,10 +171,10 @@ def test_polyhedra_meet_when_a_linear_program_says(seed):
     direction /= np.linalg.norm(direction)
     start = -1.3 * direction
     scene = fl.Scene()
-    places = start, np.zeros(3)
+    positions = start, np.zeros(3)
     bodies = [
-        scene.add(fl.RigidBody(mass, (0.1 * mass,) * 3, position=place))
-        for mass, place in zip((1.0, 2.0), places, strict=True)
+        scene.add(fl.RigidBody(mass, (0.1 * mass,) * 3, position=point_at))
+        for mass, point_at in zip((1.0, 2.0), positions, strict=True)
     ]
     bodies[0].add_velocity(speed * direction)
     surfaces = [
@@ -193,13 +193,13 @@ def test_polyhedra_meet_when_a_linear_program_says(seed):
     assert result.contacts.penetration.max() < 1e-12
 
 
-def distance_to(corners: np.ndarray, place: np.ndarray) -> float:
-    """Of a place from a polyhedron, by its weights of the corners."""
+def distance_to(corners: np.ndarray, point_at: np.ndarray) -> float:
+    """Of a position from a polyhedron, by its weights of the corners."""
     n = len(corners)
     found = minimize(
-        lambda w: ((w @ corners - place) ** 2).sum(),
+        lambda w: ((w @ corners - point_at) ** 2).sum(),
         np.full(n, 1 / n),
-        jac=lambda w: 2 * corners @ (w @ corners - place),
+        jac=lambda w: 2 * corners @ (w @ corners - point_at),
         bounds=n * [(0, 1)],
         constraints={"type": "eq", "fun": lambda w: w.sum() - 1, "jac": lambda w: np.ones(n)},
         method="SLSQP",
@@ -223,8 +223,8 @@ def test_a_ball_meets_faces_edges_and_corners(aside, away):
     """It falls past a box that is fixed, and touches it where it is nearest."""
     radius, half, step = 0.1, 0.5, 1e-3
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
-    place = np.array([*aside, 0.8])
-    ball = scene.add(fl.RigidBody(1.0, (0.004,) * 3, position=place))
+    point_at = np.array([*aside, 0.8])
+    ball = scene.add(fl.RigidBody(1.0, (0.004,) * 3, position=point_at))
     scene.add(
         fl.contact.Contact(
             fl.contact.Sphere(ball.point("centre"), radius),
@@ -234,14 +234,14 @@ def test_a_ball_meets_faces_edges_and_corners(aside, away):
     )
     result = run(scene, 0.3, step)
     corners = half * np.array(list(product((-1, 1), repeat=3)))
-    places = result.position(ball.point("centre"))
+    positions = result.position(ball.point("centre"))
     if away is not None:
         assert not result.contacts.contacts.any()
         return
-    apart = np.maximum(np.abs(place[:2]) - half, 0.0)
+    apart = np.maximum(np.abs(point_at[:2]) - half, 0.0)
     rise = np.sqrt(radius**2 - apart @ apart)
     assert first_step(result) == int(np.ceil(np.sqrt(2 * (0.3 - rise) / GRAVITY) / step))
-    gaps = [distance_to(corners, x) - radius for x in places[::10]]
+    gaps = [distance_to(corners, x) - radius for x in positions[::10]]
     assert min(gaps) > -1e-6
     # the normal of an edge or corner turns while the ball goes on in the step of the impact
     assert (energy(result) <= energy(result)[0] * (1 + 1e-12)).all()
@@ -286,7 +286,7 @@ def tumbling() -> fl.Scene:
 
 
 @pytest.mark.parametrize("every", [40, 110])
-def test_a_run_goes_on_to_the_last_bit(tmp_path, every):
+def test_a_restart_agrees_to_the_last_bit(tmp_path, every):
     options, file = {"duration": 0.6, "step": 2e-3, "progress": False}, tmp_path / "run.h5"
     scheme = fl.GeneralisedAlpha()
     whole = scheme.run(tumbling(), **options)

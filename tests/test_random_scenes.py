@@ -34,7 +34,7 @@ def test_random_scenes_can_be_built(wanted):
         assert len(scene.bodies) == len(data.bodies)
 
 
-def test_units_and_places_lead_there_and_back():
+def test_units_and_positions_lead_there_and_back():
     data, rng = random_scene(3), np.random.default_rng(0)
     Q, shift = lie.so3_exp(rng.normal(size=3)), rng.normal(size=3)
     for there, back in [
@@ -63,7 +63,7 @@ def test_what_is_replaced_is_nothing_else():
 
 @pytest.mark.parametrize("seed", [8, 10])
 @pytest.mark.parametrize("study", [name for name in STUDIES if "mixed" not in name])
-def test_nothing_depends_on_units_place_direction_and_order(study, seed):
+def test_nothing_depends_on_units_position_direction_and_order(study, seed):
     first, found = differences(STUDIES[study], seed)
     assert not first.failure
     assert {way: e for way, e in found.items() if not e[0] <= allowed(way)} == {}

@@ -226,11 +226,11 @@ def test_guides_and_edges_of_a_shell_carry_what_loads_it(drills):
     np.testing.assert_allclose(total[[0, 2]], [0, 2 * load], atol=1e-6 * load)
     planes = result.reaction(*shell.points("a=0"))[-1]
     assert abs(planes[2]) <= 1e-6 * load
-    # the bending moment of half a beam under a uniform load, about the place of the first point
+    # the bending moment of half a beam under a uniform load, about the position of the first point
     assert abs(planes[4]) == pytest.approx(load * 2.0**2 / 2, rel=2e-2)
 
 
-def test_a_clamp_of_what_follows_rigidly_is_about_its_own_place():
+def test_a_clamp_of_an_attached_node_is_about_its_own_position():
     scene, beam, _ = cantilever()
     scene.clamps.clear()
     block = scene.add(fl.RigidBody(1.0, 3 * [1e-3], position=(0.4, 0.1, -0.5), name="block"))

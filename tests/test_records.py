@@ -16,11 +16,11 @@ from fem_lie._jit.fixed_arrays import FixedArrays, Frames, Integers1, Integers2,
 from fem_lie._jit.records import Fields, block_of
 from fem_lie.forms.cells import Cells
 from fem_lie.solve.conserving.model import (
-    cells_of_rows,
     incidences_of,
     model_of,
     start_state,
     step_workspace,
+    vector_cells_of,
 )
 from fem_lie.solve.conserving.step import packing, records
 from fem_lie.system import System
@@ -44,8 +44,8 @@ def given() -> dict[str, Any]:
     scene = build(random_scene(0, replace(CONSERVING, steps=1))).scene
     equations = fl.extend.Equations(scene, dynamics=True)
     cells = Cells(list(equations.tables.assemblies))
-    incidences = incidences_of(equations, follows=True)
-    rows = cells_of_rows(equations)
+    incidences = incidences_of(equations, current_jacobian=True)
+    rows = vector_cells_of(equations)
     room = equations, cells, rows, incidences
     return {
         "model": model_of(equations, cells, rows, records.Scheme(1e-3, 0.1, 0.9), incidences),
@@ -71,7 +71,7 @@ def step_arrays(table: np.ndarray) -> records.Step:
 
 @pytest.mark.parametrize("name", ["model", "state", "step"])
 def test_compiled_code_reads_each_record_as_it_was_packed(given, name):
-    """Every field has the name, the shape and the place in memory that it has in Python."""
+    """Every field has the name, the shape and the position in memory that it has in Python."""
     packed = packing.Packed(**given)
     read = {"model": model_arrays, "state": state_arrays, "step": step_arrays}[name](
         getattr(packed, name)
@@ -178,7 +178,7 @@ def test_cells_whose_nodes_follow_others_are_in_the_same_call():
     scene.add(fl.joints.RigidLink(one.point("end"), other.point("start")))
     system = System(scene, dynamics=True)
     assert system.in_one_sum
-    assert [term.following is None for term in system.terms] == [False]
+    assert [term.attached_cells is None for term in system.terms] == [False]
     rng = np.random.default_rng(2)
     H = system.frames.copy()
     H[: system.count, 0] += 1e-3 * rng.normal(size=(system.count, 3))

@@ -93,7 +93,7 @@ def test_axes_of_shells_ignore_drilling_rotations(rng):
 def test_projection_finds_coordinates_in_any_posture(rng):
     scene, body = rod(clamped=False)
     basis = fl.reduction.craig_bampton(scene, [body.point("start")], 5)
-    basis = fl.reduction.Basis(body, basis.shapes[6:])  # those that leave the start where it is
+    basis = fl.reduction.Basis(body, basis.modes[6:])  # those that leave the start where it is
     η = 1e-2 * rng.uniform(-1.0, 1.0, (3, 5))
     G = motions(rng, 3)
     frames = fl.reduction.ReducedStates(basis, G, η, np.zeros(3)).expand()
@@ -124,7 +124,7 @@ def test_shapes_of_a_motion_serve_another_posture_and_show_what_they_miss(rng):
 def test_interface_modes_are_those_of_statics_and_normal_modes_vibrations():
     scene, body = rod(clamped=False)
     basis = fl.reduction.craig_bampton(scene, [body.point("start"), body.point("end")], 4)
-    shapes = basis.shapes
+    shapes = basis.modes
     unit = shapes[:12][:, [0, -1]].reshape(12, 12)
     np.testing.assert_allclose(unit / np.diag(unit), np.eye(12), atol=1e-14)
     assert (shapes[12:][:, [0, -1]] == 0).all()
@@ -145,7 +145,7 @@ def test_vibrations_of_few_unknowns_are_found_though_they_come_in_pairs():
     basis = fl.reduction.craig_bampton(
         scene, [body.point(4), body.point("start"), body.point("end")], 6
     )
-    M, K = mass_and_stiffness(scene, basis.shapes[18:])
+    M, K = mass_and_stiffness(scene, basis.modes[18:])
     np.testing.assert_allclose(M, np.eye(6), atol=1e-10)
     k = np.diag(K)
     np.testing.assert_allclose(k[0::2], k[1::2], rtol=1e-8)
@@ -188,7 +188,7 @@ def test_a_basis_is_saved_for_its_mesh_alone(tmp_path):
     basis, path = fl.reduction.craig_bampton(scene, [], 3), tmp_path / "rod.h5"
     basis.save(path)
     _, same = rod()
-    np.testing.assert_array_equal(fl.reduction.load_basis(path, same).shapes, basis.shapes)
+    np.testing.assert_array_equal(fl.reduction.load_basis(path, same).modes, basis.modes)
     for other in (rod(9)[1], rod(end=(1.0, 0.1, 0.0))[1]):
         with pytest.raises(ValueError, match="has another mesh"):
             fl.reduction.load_basis(path, other)
@@ -230,9 +230,9 @@ def test_what_cannot_be_reduced_is_said():
         fl.reduction.craig_bampton(jointed, [], 2)
     ends = fl.reduction.craig_bampton(free, [loose.point("start")], 2)
     with pytest.raises(ValueError, match="fixed nodes"):
-        fl.reduction.reduced_frequencies(scene, fl.reduction.Basis(body, ends.shapes), 2)
-    with pytest.raises(ValueError, match="shapes of rod"):
-        fl.reduction.Basis(body, basis.shapes[:, :-1])
+        fl.reduction.reduced_frequencies(scene, fl.reduction.Basis(body, ends.modes), 2)
+    with pytest.raises(ValueError, match="modes of rod"):
+        fl.reduction.Basis(body, basis.modes[:, :-1])
     with pytest.raises(ValueError, match="another mesh"):
         fl.reduction.Basis(rod(9)[1], np.ones((1, 10, 6))).project(fl.statics(scene))
     scene.add(fl.PointLoad(body.point("end"), force=(0, 0, 1e3)))
@@ -261,7 +261,7 @@ def test_derivatives_free_modes_from_stretching():
         found = fl.reduction.reduced_statics(scene, shapes, load_steps=4)
         errors.append(np.linalg.norm(found.frames[:, 0] - full[:, 0], axis=1).max() / deflection)
     assert len(both) == 14
-    np.testing.assert_array_equal(both.shapes[:4], basis.shapes)
+    np.testing.assert_array_equal(both.modes[:4], basis.modes)
     assert errors[0] > 0.3
     assert errors[1] < 0.01
     assert found.error == pytest.approx(errors[1] * deflection, rel=0.1)
@@ -303,7 +303,7 @@ def test_krylov_shapes_match_moments_of_the_answer():
     # of all nodes but the clamped one
     M, K = mass_and_stiffness(scene, np.eye(54)[6:].reshape(48, 9, 6))
     f = np.append(np.zeros(42), wrench)
-    V = basis.shapes.reshape(2, 54)[:, 6:].T
+    V = basis.modes.reshape(2, 54)[:, 6:].T
     answers = []
     for stiffness, mass, force in (
         (K, M, f),

@@ -17,10 +17,10 @@ def part(cells=8, bow=0.0, G=AT_HOME):
     scene = fl.Scene()
     section = fl.Section.rectangle(0.02, 0.03, STEEL)
 
-    def place(s):
+    def position(s):
         return tuple(G[0] + np.array((s, bow * np.sin(np.pi * s), bow * s**2)) @ G[1:])
 
-    return scene, scene.add(fl.Beam(fl.mesh.curve(place, cells), section, name="rod", up=G[3]))
+    return scene, scene.add(fl.Beam(fl.mesh.curve(position, cells), section, name="rod", up=G[3]))
 
 
 def reduced(modes=4, bow=0.1, cells=8, stretching=True):
@@ -161,15 +161,17 @@ def test_more_shapes_come_nearer_to_the_full_body():
 
 def test_inertial_modes_respond_to_weight_as_the_full_body():
     """With no vibration at all: between clamps, along and across a bowed beam."""
-    places = []
+    positions = []
     for body in (reduced(0)[0], part(8, 0.1)[1]):
         scene = fl.Scene(gravity=(0.1, -0.2, 0.3))
         scene.add(body)
         scene.add(fl.Clamp(body.point("start")))
         scene.add(fl.Clamp(body.point("end")))
         frames = fl.statics(scene).frames[-1]
-        places.append(body.model.expand(frames[np.newaxis])[0] if len(places) == 0 else frames)
-    found, wanted = (frames[:, 0] - reduced()[1].frames[:, 0] for frames in places)
+        positions.append(
+            body.model.expand(frames[np.newaxis])[0] if len(positions) == 0 else frames
+        )
+    found, wanted = (frames[:, 0] - reduced()[1].frames[:, 0] for frames in positions)
     assert np.abs(found - wanted).max() < 1e-5 * np.abs(wanted).max()
 
 
@@ -179,7 +181,7 @@ def test_inertial_shapes_have_unit_mass_and_are_in_the_order_of_stiffness(spinni
     basis = fl.reduction.inertial_modes(
         scene, [beam.point("start"), beam.point("end")], 4, spinning=spinning
     )
-    M, K = mass_and_stiffness(scene, basis.shapes)
+    M, K = mass_and_stiffness(scene, basis.modes)
     np.testing.assert_allclose(M, np.eye(len(M)), atol=1e-6)
     np.testing.assert_allclose(K, np.diag(K.diagonal()), atol=1e-6 * np.abs(K).max())
     assert len(M) == (16 if spinning else 10)
@@ -204,14 +206,14 @@ def test_interfaces_come_in_any_order(first):
     part.add(beam)
     ends = [beam.point("start"), beam.point("end")]
     few = fl.reduction.reduced_order_body(part, ends if first == 0 else ends[::-1], 4)
-    places = []
+    positions = []
     for body in (few, beam):
         scene = fl.Scene()
         scene.add(body)
         scene.add(fl.Clamp(body.point("start")))
         scene.add(fl.PointLoad(body.point("end"), force=(0, 0, 1.07)))
-        places.append(np.ravel(fl.statics(scene).displacement("rod.end"))[-3:])
-    found, wanted = places
+        positions.append(np.ravel(fl.statics(scene).displacement("rod.end"))[-3:])
+    found, wanted = positions
     assert wanted[2] > 0.045 * 0.3
     assert np.abs(found - wanted).max() < 6e-3 * wanted[2]
 
@@ -324,7 +326,7 @@ def test_bad_input():
         body.model.interfaces,
         body.model.stiffness,
         body.model.density,
-        body.model.shapes,
+        body.model.modes,
         beam,
     )
     with pytest.raises(ValueError, match="quadratic must have shape"):

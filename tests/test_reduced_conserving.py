@@ -18,10 +18,10 @@ def bowed(name="rod", at=(0.0, 0.0, 0.0)):
     """A soft beam of one metre that no mirror leaves as it is, with its scene."""
     scene, section = fl.Scene(), fl.Section.rectangle(0.02, 0.03, RUBBER)
 
-    def place(s):
+    def position(s):
         return tuple(np.add(at, (s, 0.1 * np.sin(np.pi * s), 0.1 * s**2)))
 
-    return scene, scene.add(fl.Beam(fl.mesh.curve(place, 6), section, name=name, up=(0, 0, 1)))
+    return scene, scene.add(fl.Beam(fl.mesh.curve(position, 6), section, name=name, up=(0, 0, 1)))
 
 
 def reduced(modes=4, name="rod", at=(0.0, 0.0, 0.0)):

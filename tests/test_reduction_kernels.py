@@ -43,7 +43,7 @@ def test_what_is_missed_is_how_far_nodes_go_elsewhere():
 
 
 def rigid_twists(bent):
-    """Those of the rod's rigid motion at bent places that are nearest to its own."""
+    """Those of the rod's rigid motion at bent positions that are nearest to its own."""
     whole = fl.extend.Equations(rod(), dynamics=True)
     nodes = whole.unknowns.bodies[whole.scene.bodies[0]]
     return looking(rod(), bent).projected(np.zeros(9, dtype=int))[0][nodes]

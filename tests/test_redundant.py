@@ -102,12 +102,14 @@ def test_minimum_norm_measures_moments_by_the_length_of_the_model(u):
     mass, inertia = u.mass(2.0), u.inertia([0.1, 0.1, 0.1])
     body = scene.add(fl.RigidBody(mass, inertia, (0, 0, 0), name="body"))
     far = scene.add(fl.RigidBody(mass, inertia, u.length([length, 0, 0]), name="far"))
-    places = np.array([[-1.0, 0, 0], [0.5, 0, 0]])
+    positions = np.array([[-1.0, 0, 0], [0.5, 0, 0]])
     scene.add(
-        fl.joints.Spherical(fl.ground(), body.point("centre"), at=u.length(places[0]), name="ball")
+        fl.joints.Spherical(
+            fl.ground(), body.point("centre"), at=u.length(positions[0]), name="ball"
+        )
     )
     scene.add(
-        fl.joints.Fixed(fl.ground(), body.point("centre"), at=u.length(places[1]), name="clamp")
+        fl.joints.Fixed(fl.ground(), body.point("centre"), at=u.length(positions[1]), name="clamp")
     )
     scene.add(fl.joints.Fixed(fl.ground(), far.point("centre"), name="other"))
     result = fl.GeneralisedAlpha().run(scene, duration=u.time(0.1), step=u.time(0.01))
@@ -116,9 +118,9 @@ def test_minimum_norm_measures_moments_by_the_length_of_the_model(u):
     found = np.concatenate([[f @ e for f, e in zip(forces, axes, strict=True)]]).reshape(2, 6)
     # unknowns: force of the ball, force and moment of the clamp over the length
     B = np.zeros((6, 9))
-    for k, place in enumerate(places):
+    for k, position in enumerate(positions):
         B[:3, 3 * k : 3 * k + 3] = np.eye(3)
-        x, y, z = place
+        x, y, z = position
         B[3:, 3 * k : 3 * k + 3] = [[0, -z, y], [z, 0, -x], [-y, x, 0]]
     B[3:, 6:] = length * np.eye(3)
     least = np.linalg.lstsq(B, np.array([0, 0, 20.0, 0, 0, 0]), rcond=None)[0]
@@ -150,8 +152,10 @@ def test_one_constraint_too_many_of_a_long_ring_is_found(count):
     middles = [(radius * np.cos(k * angle), radius * np.sin(k * angle), 0) for k in range(count)]
     bodies = [scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), x)) for x in middles]
     for k, body in enumerate(bodies):
-        place = 0.5 * (np.array(middles[k - 1]) + middles[k])
-        scene.add(fl.joints.Revolute(bodies[k - 1].point("centre"), body.point("centre"), at=place))
+        position = 0.5 * (np.array(middles[k - 1]) + middles[k])
+        scene.add(
+            fl.joints.Revolute(bodies[k - 1].point("centre"), body.point("centre"), at=position)
+        )
     with pytest.raises(ValueError, match=f"3 of {5 * count} constraints are redundant"):
         fl.GeneralisedAlpha().run(scene, duration=1.0, step=0.1)
 
@@ -186,7 +190,7 @@ def test_rows_of_round_off_are_redundant(seed):
 
 
 def test_a_joint_within_one_rigid_body_is_redundant():
-    """Two places of one body, far from its centre: its rows are round-off."""
+    """Two positions of one body, far from its centre: its rows are round-off."""
     scene, body = fl.Scene(), fl.RigidBody(1.0, (1, 1, 1), (1 / 3, 0.1, -0.7))
     scene.add(body)
     at = (1 / 7, 1 / 9, 1 / 11)

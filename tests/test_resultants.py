@@ -68,12 +68,12 @@ def mises(stress):
     return np.sqrt(1.5 * ((a - mean) ** 2 + (b - mean) ** 2 + mean**2 + 2 * c**2))
 
 
-def directed(places: np.ndarray, directors: np.ndarray) -> np.ndarray:
+def directed(positions: np.ndarray, directors: np.ndarray) -> np.ndarray:
     """Frames with these third directors, turned about them at will."""
     t = directors / np.linalg.norm(directors, axis=1, keepdims=True)
     e1 = np.cross([0.3, 1.0, 0.2], t)
     e1 /= np.linalg.norm(e1, axis=1, keepdims=True)
-    return np.stack([places, e1, np.cross(t, e1), t], axis=1)
+    return np.stack([positions, e1, np.cross(t, e1), t], axis=1)
 
 
 def distorted(
@@ -82,14 +82,14 @@ def distorted(
     """Distorted cells in the plane; parallelograms for nine nodes, which want them."""
     size = 0.0 if (cell, degree) == ("quadrilateral", 2) else 0.15
 
-    def place(a: float, b: float):
+    def position(a: float, b: float):
         p, q = abs(2 * a - 1), abs(2 * b - 1)
         # (bi)linear in each cell, so that sides of second degree stay straight
         hat = (1 - p) * (1 - q) if cell == "quadrilateral" else 1 - max(p, q, 2 * abs(a - b))
         bump = size * max(0.0, hat)
         return a + bump + 0.1 * b, b - 0.7 * bump + 0.2 * a, 0.0
 
-    mesh = fl.mesh.parametric_surface(place, (2, 2), cell=cell, degree=degree)
+    mesh = fl.mesh.parametric_surface(position, (2, 2), cell=cell, degree=degree)
     return fl.Shell(mesh, section, along=along, formulation=formulation)
 
 
@@ -296,7 +296,7 @@ def test_the_order_of_cells_and_nodes_does_not_matter():
 
 
 def test_axes_of_the_user():
-    """Other axes, the same tensor; and they may depend on the place."""
+    """Other axes, the same tensor; and they may depend on the position."""
     shell = arch_shell(along=around)
     H = crumpled(shell)
     own = fl.post.resultants(states(shell, H), shell)
@@ -398,11 +398,11 @@ def test_means_of_distorted_cells_are_means_over_their_area():
     """∫N₁₂ dA is the work of the load on a unit of shear strain, whatever the cells."""
     length, width, force = 2.0, 1.0, 1e-6
 
-    def place(a: float, b: float):
+    def position(a: float, b: float):
         bump = 0.15 * np.sin(np.pi * a) * np.sin(2 * np.pi * b)
         return length * (a + bump), width * (b + a * (1 - a) * b * (1 - b)), 0.0
 
-    shell = fl.Shell(fl.mesh.parametric_surface(place, (4, 3)), LAYER, along=(1, 0, 0))
+    shell = fl.Shell(fl.mesh.parametric_surface(position, (4, 3)), LAYER, along=(1, 0, 0))
     scene = fl.Scene()
     scene.add(shell)
     shell.clamp("a=0")
@@ -506,11 +506,11 @@ RADIUS, HEIGHT, THICKNESS = 2.0, 1.0, 0.02
 def cylinder(cell, degree, formulation, count=12):
     """A quarter with free ends; symmetric about both planes and at mid-height."""
 
-    def place(a: float, b: float):
+    def position(a: float, b: float):
         angle = 0.5 * np.pi * a
         return RADIUS * np.cos(angle), RADIUS * np.sin(angle), HEIGHT * b
 
-    plain = fl.mesh.parametric_surface(place, (count, 2), cell=cell, degree=degree)
+    plain = fl.mesh.parametric_surface(position, (count, 2), cell=cell, degree=degree)
     centre = plain.points[plain.corners].mean(axis=1)
     column = np.floor(np.arctan2(centre[:, 1], centre[:, 0]) / (0.5 * np.pi) * count).astype(int)
     mesh = fl.mesh.SurfaceMesh.from_cells(
@@ -565,12 +565,14 @@ def test_functions_interpolate_the_values(cell, degree, formulation):
     H = crumpled(shell)
     found = fl.post.resultants(states(shell, H), shell)
     f = found.function("M11")
-    places = f.function_space.tabulate_dof_coordinates()
-    nearest = np.linalg.norm(shell.model.mesh.points - places[:, np.newaxis], axis=2).argmin(axis=1)
+    positions = f.function_space.tabulate_dof_coordinates()
+    nearest = np.linalg.norm(shell.model.mesh.points - positions[:, np.newaxis], axis=2).argmin(
+        axis=1
+    )
     np.testing.assert_array_equal(f.x.array, found.smooth("M11")[nearest])
     moved = found.function(deformed=True)
-    places = moved.function_space.tabulate_dof_coordinates()
-    nearest = np.linalg.norm(H[:, 0] - places[:, np.newaxis], axis=2).argmin(axis=1)
+    positions = moved.function_space.tabulate_dof_coordinates()
+    nearest = np.linalg.norm(H[:, 0] - positions[:, np.newaxis], axis=2).argmin(axis=1)
     np.testing.assert_array_equal(moved.x.array.reshape(-1, 8), found.nodal[nearest])
     # integrals by DOLFINx and by our own areas
     measures = shell.model.formulation.measures_for(cell, degree)
@@ -634,8 +636,8 @@ def test_hdf5_file_holds_everything(tmp_path):
         for name in ("in_cells", "at_points", "points", "areas", "cut_forces", "cut_moments"):
             np.testing.assert_array_equal(file[name], getattr(found, name))
         np.testing.assert_array_equal(file["axes"], found.stress_points.shared)
-        places = file["positions"][()][file["cells"][()]]
-        np.testing.assert_array_equal(places, shell.model.mesh.points[shell.model.mesh.cells])
+        positions = file["positions"][()][file["cells"][()]]
+        np.testing.assert_array_equal(positions, shell.model.mesh.points[shell.model.mesh.cells])
 
 
 def test_picture(tmp_path):

@@ -65,10 +65,10 @@ class Case:
         )
         scene.add(fl.loads.PressureLoad(beam, self.pressure, history=self.pressed))
         scene.add(fl.loads.Eigenstrain(beam, (0, 0, 0, 0, self.strain, 0)))
-        place = carrier.point("centre").frame
+        position = carrier.point("centre").frame
 
         def moved(t: float) -> np.ndarray:
-            frame = place.copy()
+            frame = position.copy()
             frame[0, 0] += self.motion(t)
             return frame
 
@@ -307,7 +307,7 @@ def test_steps_that_change_resume_to_the_last_bit(tmp_path, scheme, plan):
 
 
 @pytest.mark.parametrize("scheme", ["generalised alpha", "conserving"])
-def test_files_of_steps_that_change_have_room_for_any_number(tmp_path, scheme):
+def test_files_of_steps_that_change_have_space_for_any_number(tmp_path, scheme):
     """And the run is that in memory but for matrices that checkpoints make anew."""
     chosen, file = FELT[scheme](POLICIES["automatic"]), tmp_path / "run.h5"
     options = {"duration": 0.03, "step": fl.schemes.AdaptiveStep(1.0, first=4e-5, largest=4e-5)}

@@ -30,7 +30,7 @@ def test_error_of_a_pendulum(name):
 
 
 def test_error_of_a_net():
-    """Of nodes that are places."""
+    """Of nodes that are positions."""
     scene = net()[0]
     step = 0.2 * EXPLICIT.stable_step(scene)
     found = fl.schemes.estimate_time_error(EXPLICIT, scene, duration=20 * step, step=step)

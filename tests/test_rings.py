@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 
 import fem_lie as fl
-from benchmarks.rings import THREAD, capstan, free, place, rope
+from benchmarks.rings import CABLE, capstan, free, position, rope
 
 OPTIONS = {"duration": 0.02, "step": 5e-4, "progress": False}
 
@@ -52,16 +52,16 @@ KNOTS = np.array([0.0, 0.2, 0.5, 0.6, 1.0])
 def test_curves_of_ropes_are_exact_between_uneven_nodes(kind, backwards):
     """A parabola along the rope with positions, a cubic with position gradients."""
     if kind == "net":
-        body = fl.Net([(s, 0, 0) for s in KNOTS], [range(len(KNOTS))], THREAD)
+        body = fl.Net([(s, 0, 0) for s in KNOTS], [range(len(KNOTS))], CABLE)
         p = np.polynomial.Polynomial([0.3, -1.0, 2.0])
     else:
-        body = fl.Cable.curve(lambda s: (s + 0.3 * s * s, 0, 0), THREAD, cells=4)
+        body = fl.Cable.curve(lambda s: (s + 0.3 * s * s, 0, 0), CABLE, cells=4)
         p = np.polynomial.Polynomial([0.3, -1.0, 2.0, -0.7])
     nodes = list(range(len(body.frames)))[:: -1 if backwards else 1]
     rope = fl.contact.Rope(body, nodes)
     ends = np.cumsum([0.0, *rope.lengths])
-    places = body.frames[nodes, 0, 0]
-    np.testing.assert_allclose(ends, np.abs(places - places[0]), rtol=1e-12)
+    positions = body.frames[nodes, 0, 0]
+    np.testing.assert_allclose(ends, np.abs(positions - positions[0]), rtol=1e-12)
     rows, (slots, controls) = np.stack([p(ends), p.deriv()(ends)]), rope.controls()
     for k, length in enumerate(rope.lengths):
         found = np.einsum("akq,ka->q", controls[k], rows[:, slots[k]])  # of no node: zero
@@ -74,11 +74,11 @@ def test_curves_of_ropes_are_exact_between_uneven_nodes(kind, backwards):
 def test_rings_are_on_the_part_of_a_rope_that_is_nearest():
     """A rope that goes and comes back beside itself: not where one gets to from its start."""
     there = [(0.1 * k, 0.0, 0.0) for k in range(11)]
-    net = fl.Net([*there, *((x, 0.1, 0.0) for x, _, _ in reversed(there))], [range(22)], THREAD)
-    places = [(0.43, 0.1, 0), (0.43, 0, 0), (0.87, 0.1, 0)]
+    net = fl.Net([*there, *((x, 0.1, 0.0) for x, _, _ in reversed(there))], [range(22)], CABLE)
+    positions = [(0.43, 0.1, 0), (0.43, 0, 0), (0.87, 0.1, 0)]
     touch = fl.contact.Contact(
         fl.contact.Rope(net),
-        fl.contact.Rings([fl.ground()] * 3, at=places),
+        fl.contact.Rings([fl.ground()] * 3, at=positions),
         fl.contact.Penalty(1e4),
     )
     touch.check()
@@ -89,7 +89,7 @@ def test_rings_are_on_the_part_of_a_rope_that_is_nearest():
 def taut(friction: float, weight: float = 1.0) -> tuple[fl.Scene, fl.RigidBody]:
     """A bead on a straight rope under tension, between pins."""
     scene = fl.Scene(gravity=(0, 0, -9.81 * weight))
-    cable = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), THREAD, cells=20, length=0.9))
+    cable = scene.add(fl.Cable.straight((0, 0, 0), (1, 0, 0), CABLE, cells=20, length=0.9))
     cable.pin(cable.point("start"), cable.point("end"))
     bead = scene.add(fl.RigidBody(0.02, 1e-6 * np.eye(3), (0.31, 0, 0)))
     bead.add_velocity((1.0, 0, 0))
@@ -132,7 +132,7 @@ def test_tension_grows_from_ring_to_ring_as_on_a_capstan(friction):
 
 
 @pytest.mark.parametrize("scheme", [fl.EnergyMomentum(), fl.GeneralisedAlpha(radius=0.8)])
-def test_a_run_goes_on_to_the_last_bit(tmp_path, scheme):
+def test_a_restart_agrees_to_the_last_bit(tmp_path, scheme):
     options = {**OPTIONS, "checkpoint_every": 25}
     whole = scheme.run(free("net", "body", 0.3), **options, file=tmp_path / "whole.h5")
     scheme.run(free("net", "body", 0.3), **options, file=tmp_path / "run.h5")
@@ -153,12 +153,12 @@ def refused(rope: object, rings: object, law: object = fl.contact.Penalty(1e4)) 
 
 
 def test_bad_input():
-    thread, at = rope("net"), place(0.5)
+    cable, at = rope("net"), position(0.5)
     ground = fl.contact.Rings([fl.ground()], at=[at])
     with pytest.raises(ValueError, match=r"ring 0 is 0\..* off the rope"):
         refused(fl.contact.Rope(rope("net")), fl.contact.Rings([fl.ground()], at=[(0.5, 0.5, 0)]))
     with pytest.raises(ValueError, match="fixed to a node of its rope"):
-        refused(fl.contact.Rope(thread), fl.contact.Rings([thread.point(10)]))
+        refused(fl.contact.Rope(cable), fl.contact.Rings([cable.point(10)]))
     with pytest.raises(ValueError, match="by Penalty without damping"):
         refused(fl.contact.Rope(rope("net")), ground, fl.contact.Penalty(1e4, damping=1.0))
     with pytest.raises(ValueError, match="nodes 2 and 5 follow each other"):
@@ -168,17 +168,17 @@ def test_bad_input():
             refused(fl.contact.Rope(rope("net"), few), ground)
     with pytest.raises(ValueError, match="ropes touch rings only"):
         ball = fl.contact.Sphere(fl.RigidBody(1.0, np.eye(3), (0, 0, 1)).point("centre"), 0.1)
-        fl.contact.Contact(fl.contact.Rope(thread), ball, fl.contact.Penalty(1e4)).check()
+        fl.contact.Contact(fl.contact.Rope(cable), ball, fl.contact.Penalty(1e4)).check()
     with pytest.raises(ValueError, match="ignore_initial is for"):
         fl.contact.Contact(
-            fl.contact.Rope(thread), ground, fl.contact.Penalty(1e4), ignore_initial=True
+            fl.contact.Rope(cable), ground, fl.contact.Penalty(1e4), ignore_initial=True
         ).check()
     with pytest.raises(ValueError, match="by Penalty without damping"):
         refused(fl.contact.Rope(rope("net")), ground, fl.contact.Impact())
     with pytest.raises(ValueError, match="expected at least one point"):
         fl.contact.Rings([])
     with pytest.raises(ValueError, match="a ring with an offset from its node needs"):
-        other = fl.Net([at, (0.5, 0, 1)], [[0, 1]], THREAD)
+        other = fl.Net([at, (0.5, 0, 1)], [[0, 1]], CABLE)
         refused(fl.contact.Rope(rope("net")), fl.contact.Rings([other.point(1)], at=[at]))
     with pytest.raises(ValueError, match="at must be 1 positions"):
         fl.contact.Rings([fl.ground()], at=[(0, 0, 0), (1, 0, 0)])

@@ -189,7 +189,7 @@ def test_edges_swing_as_the_cubic_does():
 
 
 def test_edges_that_are_turned_go_round():
-    """A quarter, all in one plane with the axis: places have no spins across their edges."""
+    """A quarter, all in one plane with the axis: positions have no spins across their edges."""
     scene, own = fl.Scene(), fl.Section.rectangle(0.02, 0.02, fl.Material(1e8, 0.3, 1000.0))
     ends, edges = ((-0.5, 0, 0), (0.5, 0, 0)), fl.elements.DiscreteRod()
     rod = scene.add(fl.Rod.straight(*ends, own, cells=8, formulation=edges))
@@ -261,7 +261,7 @@ def loaded_off(off: tuple[float, float], cells: int, across: float) -> np.ndarra
 
 @pytest.mark.parametrize("off", OFF)
 def test_an_axis_anywhere_in_the_section_is_the_same_rod(off):
-    found, expected = (loaded_off(place, 4, 1.0) for place in (off, (0.0, 0.0)))
+    found, expected = (loaded_off(position, 4, 1.0) for position in (off, (0.0, 0.0)))
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10)
 
 
@@ -333,7 +333,7 @@ def test_stretch_that_bends_is_refused():
 
 
 def test_edges_that_tumble_keep_energy_and_momentum():
-    """Spins go along with edges, and accelerations are those of places in any axes."""
+    """Spins go along with edges, and accelerations are those of positions in any axes."""
     own = fl.Section.from_stiffness([1e4] * 3 + [1.0] * 3, mass=1.0, polar=1e-4)
     line, edges = (lambda s: (s, 0.2 * s**3, 0.5 * s * s)), fl.elements.DiscreteRod()
     rod = fl.Rod.curve(line, own, cells=10, formulation=edges)

@@ -41,7 +41,7 @@ def trained(name, modes, force=None):
     states = fl.statics(training, levels=np.linspace(0.1, 1.0, 8))
     basis = fl.reduction.pod(states, body, modes, axes=FIXED)
     scene, same = make(size if force is None else force)
-    basis = fl.reduction.Basis(same, basis.shapes)
+    basis = fl.reduction.Basis(same, basis.modes)
     return scene, basis, basis.project(states, axes=FIXED)
 
 
@@ -128,7 +128,7 @@ def test_what_cannot_be_sampled_is_said():
     empty, body = rod(0.0)
     with pytest.raises(ValueError, match="no load"):
         fl.reduction.sampled_statics(
-            empty, sample._replace(basis=fl.reduction.Basis(body, basis.shapes))
+            empty, sample._replace(basis=fl.reduction.Basis(body, basis.modes))
         )
     surface.add(fl.loads.SurfacePressure(shell, 1.0))
     with pytest.raises(ValueError, match="other than nodal forces"):

@@ -93,14 +93,14 @@ def test_what_is_forgotten_is_not_used():
 
 
 def slackening() -> fl.Scene:
-    """A net that is let go by all but three corners: its threads go slack and taut."""
+    """A net that is let go by all but three corners: its cables go slack and taut."""
     points = np.array([[i / 4, j / 4, 0.0] for i in range(5) for j in range(5)])
-    threads = [[5 * i + j for j in range(5)] for i in range(5)]
-    threads += [[5 * i + j for i in range(5)] for j in range(5)]
+    cables = [[5 * i + j for j in range(5)] for i in range(5)]
+    cables += [[5 * i + j for i in range(5)] for j in range(5)]
     section = fl.Section.from_stiffness([1e4] * 3 + [1e-4] * 3, mass=0.1)
     scene = fl.Scene(gravity=(0, 0, -9.81))
     own = fl.elements.DiscreteCable(slack=1e-3)
-    net = scene.add(fl.Net(points, threads, section, formulation=own))
+    net = scene.add(fl.Net(points, cables, section, formulation=own))
     net.pin(*(net.point(k) for k in (0, 4, 20)))
     return scene
 
@@ -117,12 +117,12 @@ PLAN = {"duration": 0.1, "step": 5e-3}
 def test_motion_is_the_same_with_fewer_iterations():
     """Of a tension-only net, within what iterations leave."""
     plain, better = (scheme(secants).run(slackening(), **PLAN) for secants in (0, 3))
-    places, others = (result.frames[:, :, 0] for result in (plain, better))
-    assert np.abs(places - others).max() < 1e-6 * np.abs(places - places[0]).max()
+    positions, others = (result.frames[:, :, 0] for result in (plain, better))
+    assert np.abs(positions - others).max() < 1e-6 * np.abs(positions - positions[0]).max()
     assert better.iterations[-1] < plain.iterations[-1]
 
 
-def test_goes_on_to_the_last_bit(tmp_path):
+def test_a_restart_agrees_to_the_last_bit(tmp_path):
     """For nothing is kept beyond a step."""
     resumed_as_whole(scheme(3), slackening, PLAN, tmp_path / "run.h5")
 
@@ -146,8 +146,8 @@ def test_conserving_steps_learn_too():
         policy = fl.schemes.Automatic(cost=1e6, patience=10**6, secants=secants)
         found.append(fl.EnergyMomentum(policy=policy).run(thrown(), duration=0.05, step=2e-3))
     plain, better = found
-    places, others = (result.frames[:, :, 0] for result in found)
-    assert np.abs(places - others).max() < 1e-10
+    positions, others = (result.frames[:, :, 0] for result in found)
+    assert np.abs(positions - others).max() < 1e-10
     assert better.energy_error < 1e-12
     assert better.k_updates < plain.k_updates
     assert better.iterations[-1] < plain.iterations[-1]

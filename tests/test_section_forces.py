@@ -356,7 +356,7 @@ def test_a_beam_on_a_hub(formulation):
         scale = beam.model.density[0, 0, 0] * spin**2 / 2
         a, b = found.arc.T
         mean = scale * (LENGTH**2 - (a**2 + a * b + b**2) / 3)
-        # the stretched place is N/EA = 1e-5 further out
+        # the stretched position is N/EA = 1e-5 further out
         np.testing.assert_allclose(found.mean("N")[-1], mean, rtol=2e-5, atol=1e-3 * scale)
         error = found.smooth("N")[-1] - scale * (LENGTH**2 - found.arc**2)
         errors.append(np.abs(error).max() / scale)

@@ -92,7 +92,7 @@ def test_a_variable_forbids_it(ask):
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="for root")
-def test_root_goes_on(tmp_path):
+def test_setup_continues_as_root(tmp_path):
     done = subprocess.run(["bash", "-c", ASK], stdin=subprocess.DEVNULL, capture_output=True)
     assert done.stdout == b"allowed\n"
 

@@ -35,7 +35,7 @@ def plate(cell: str = "quadrilateral", degree: int = 1, cells=(2, 2), **options)
 
 def box(cell: str, degree: int, count: int = 2) -> fl.Shell:
     """A closed surface: a cube of 2×2 squares per face, blown up to the unit sphere."""
-    grids, places = {}, []
+    grids, positions = {}, []
     faces = []
     for axis in range(3):
         for side in (-1.0, 1.0):
@@ -51,18 +51,18 @@ def box(cell: str, degree: int, count: int = 2) -> fl.Shell:
             for x in patch.points:
                 key = tuple(np.round(x, 9))
                 if key not in grids:
-                    grids[key] = len(places)
-                    places.append(x / np.linalg.norm(x))
+                    grids[key] = len(positions)
+                    positions.append(x / np.linalg.norm(x))
                 number.append(grids[key])
             faces.append(np.array(number)[patch.cells])
-    mesh = fl.mesh.SurfaceMesh.from_cells(places, np.concatenate(faces), cell)
+    mesh = fl.mesh.SurfaceMesh.from_cells(positions, np.concatenate(faces), cell)
     return fl.Shell(
         mesh, LAYER, director=lambda x: x / np.linalg.norm(x), formulation=formulation(cell, degree)
     )
 
 
 def deformed(system: Assembled, seed: int = 1, size: float = 0.2) -> np.ndarray:
-    """Random places and directors of what is free."""
+    """Random positions and directors of what is free."""
     H, rng = system.start, np.random.default_rng(seed)
     h = np.where(system.held, 0.0, size * rng.normal(size=(system.count, 6)))
     system.equations.supports.rotate_back(H, h)
@@ -87,10 +87,10 @@ def volume(shell: fl.Shell, nodes: np.ndarray, H: np.ndarray, gradient=(0, 0, 0)
         basix.ElementFamily.P, cell, degree, basix.LagrangeVariant.gll_warped
     )
     x = H[nodes, 0][shell.model.mesh.cells]
-    places, along, across = np.einsum("dgk,ckj->dcgj", element.tabulate(1, points)[..., 0], x)
+    positions, along, across = np.einsum("dgk,ckj->dcgj", element.tabulate(1, points)[..., 0], x)
     normals = weights[:, np.newaxis] * np.cross(along, across)
-    density = 1 / 3 + places @ np.asarray(gradient, dtype=float) / 4
-    return float((density * (places * normals).sum(axis=2)).sum())
+    density = 1 / 3 + positions @ np.asarray(gradient, dtype=float) / 4
+    return float((density * (positions * normals).sum(axis=2)).sum())
 
 
 # --- pressure: its forces and its stiffness ---
@@ -153,9 +153,9 @@ def test_pressure_on_a_closed_surface_is_the_gradient_of_its_volume(cell, degree
 def test_pressure_pushes_to_the_side_of_the_directors():
     """Whichever way round the cells are."""
     for director in ((0, 0, 1.0), (0, 0, -1.0)):
-        place = square if director[2] > 0 else lambda a, b: square(1 - a, b)
+        position = square if director[2] > 0 else lambda a, b: square(1 - a, b)
         shell = fl.Shell(
-            fl.mesh.parametric_surface(place, (2, 2)), LAYER, director=lambda x, d=director: d
+            fl.mesh.parametric_surface(position, (2, 2)), LAYER, director=lambda x, d=director: d
         )
         system = Assembled(scene_with(shell, fl.loads.SurfacePressure(shell, 3.0)), dynamics=False)
         total = pushes(system, system.start).sum(axis=0)
@@ -417,9 +417,9 @@ def test_an_end_moment_rolls_a_strip_up(following):
     angle = 2 * np.pi * result.factors
     expected = np.column_stack([-np.sin(angle), 0 * angle, np.cos(angle)])
     np.testing.assert_allclose(turned, np.repeat(expected[:, None], 2, axis=1), atol=1e-6)
-    place = np.column_stack([np.sin(angle) / angle, 0 * angle, (1 - np.cos(angle)) / angle])
+    position = np.column_stack([np.sin(angle) / angle, 0 * angle, (1 - np.cos(angle)) / angle])
     # chords instead of arcs
-    np.testing.assert_allclose(result.position("strip.10"), place, atol=1e-2)
+    np.testing.assert_allclose(result.position("strip.10"), position, atol=1e-2)
 
 
 @pytest.mark.parametrize("direction", [1, 2])

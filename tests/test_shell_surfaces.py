@@ -11,22 +11,22 @@ LAYER = fl.ShellSection.layer(THICK, MATERIAL)
 
 
 def plate(z, cells, start=0.0, length=1.0, cell="quadrilateral", degree=1) -> fl.Shell:
-    def place(a, b):
+    def position(a, b):
         return np.array([start + length * a, start + length * b, z])
 
     element = fl.elements.DisplacementBased() if degree == 2 else None
-    mesh = fl.mesh.parametric_surface(place, cells, cell=cell, degree=degree)
+    mesh = fl.mesh.parametric_surface(position, cells, cell=cell, degree=degree)
     return fl.Shell(mesh, LAYER, formulation=element)
 
 
 def arch(cells: int, radius: float = 1.0) -> fl.Shell:
     """A part of a cylinder about the y axis."""
 
-    def place(a, b):
+    def position(a, b):
         φ = 1.2 * (a - 0.5)
         return np.array([radius * np.sin(φ), b - 0.5, radius * np.cos(φ)])
 
-    return fl.Shell(fl.mesh.parametric_surface(place, (cells, 2)), LAYER)
+    return fl.Shell(fl.mesh.parametric_surface(position, (cells, 2)), LAYER)
 
 
 def forces_of(contact: fl.contact.Contact) -> tuple[np.ndarray, np.ndarray]:
@@ -106,11 +106,11 @@ def test_a_ball_feels_no_edges_of_cells():
 def bent(turn: float, cells: int = 24) -> fl.Shell:
     """A strip that is bent to a part of a circle with a small pitch."""
 
-    def place(a, b):
+    def position(a, b):
         φ, r = 2 * np.pi * turn * a, 0.2 + 0.6 * THICK * a
         return np.array([r * np.cos(φ), r * np.sin(φ), 0.1 * b])
 
-    return fl.Shell(fl.mesh.parametric_surface(place, (cells, 1)), LAYER)
+    return fl.Shell(fl.mesh.parametric_surface(position, (cells, 1)), LAYER)
 
 
 def test_a_sheet_that_comes_round_touches_itself_and_else_does_not():
@@ -275,7 +275,7 @@ def test_a_sheet_sticks_or_slides_on_a_slope(degrees, sticks):
 
 
 @pytest.mark.parametrize("start", [0.5, 1e-3])
-def test_goes_on_to_the_last_bit_from_the_middle_of_slip_and_stick(tmp_path, start):
+def test_a_restart_during_slip_and_stick_agrees_to_the_last_bit(tmp_path, start):
     """From a checkpoint between steps in which it slides, or begins to."""
     scheme = fl.GeneralisedAlpha(radius=0.8)
     options = {"duration": 5e-3, "step": 2.5e-4, "checkpoint_every": 13, "progress": False}

@@ -107,7 +107,7 @@ def test_gmsh_surface_has_names_and_the_normals_of_the_cad(tmp_path, command, ce
 # --- equilibrium ---
 
 
-def places(result: fl.StaticResult, step: int = -1) -> np.ndarray:
+def positions(result: fl.StaticResult, step: int = -1) -> np.ndarray:
     """Positions and directors; how frames turn about them depends on the path."""
     return result.frames[step][:, [0, 3]]
 
@@ -127,7 +127,7 @@ def loaded(formulation: fl.elements.ShellFormulation | None = None, cells=(6, 3)
 def test_load_steps_and_arc_length_find_the_same_state(formulation):
     followed = fl.follow_loads(loaded(formulation))
     stepped = fl.statics(loaded(formulation), load_steps=4)
-    difference = np.abs(places(followed) - places(stepped)).max()
+    difference = np.abs(positions(followed) - positions(stepped)).max()
     assert difference <= 1e-7
     assert np.abs(followed.frames[-1, :, 0] - followed.info.undeformed[:, 0]).max() > 0.3
 
@@ -136,7 +136,7 @@ def test_states_between_are_those_of_the_load_that_they_belong_to():
     both = fl.follow_loads(loaded(), [0.5, 1.0])
     half = fl.follow_loads(loaded(), [0.5])
     np.testing.assert_allclose(both.factors, [0.5, 1.0])
-    np.testing.assert_allclose(places(both, 0), places(half), atol=1e-7)
+    np.testing.assert_allclose(positions(both, 0), positions(half), atol=1e-7)
 
 
 def test_half_a_shell_with_a_plane_of_symmetry_is_half_of_the_whole():
@@ -170,7 +170,7 @@ def test_guide_holds_a_direction_in_space_as_a_joint_does():
             shell.roller("11", (1, 0, 1))
         else:
             scene.add(fl.joints.InPlane(fl.ground(), shell.point("11"), axis=(1, 0, 1)))
-        return places(fl.follow_loads(scene))
+        return positions(fl.follow_loads(scene))
 
     held, joined = state(True), state(False)
     np.testing.assert_allclose(held, joined, atol=1e-7)
@@ -184,7 +184,7 @@ def test_two_shells_are_one_assembly_and_do_not_feel_each_other():
     together = fl.follow_loads(scene)
     shell = together.info.body("arch").nodes
     single = alone.info.body("arch").nodes
-    np.testing.assert_allclose(places(together)[shell], places(alone)[single], atol=1e-7)
+    np.testing.assert_allclose(positions(together)[shell], positions(alone)[single], atol=1e-7)
     other_nodes = together.info.body(other.name).nodes
     np.testing.assert_allclose(together.frames[-1][other_nodes], other.frames, atol=1e-9)
 
@@ -200,7 +200,7 @@ def test_weight_is_that_of_the_mass():
         # a load that is not zero is asked for
         force = 0.0 if gravity else -0.1 * 2.0 * 0.1
         scene.add(fl.AreaLoad(shell, force=(0, 0, force)))
-        results.append(places(fl.follow_loads(scene)))
+        results.append(positions(fl.follow_loads(scene)))
     np.testing.assert_allclose(results[0], results[1], atol=1e-7)
 
 
@@ -271,8 +271,8 @@ def flipped() -> fl.mesh.SurfaceMesh:
 
 
 def kinked(**options) -> fl.Shell:
-    place = lambda a, b: (min(a, 0.5), b, max(a - 0.5, 0.0))  # noqa: E731
-    return fl.Shell(fl.mesh.parametric_surface(place, (2, 1)), LAYER, **options)
+    position = lambda a, b: (min(a, 0.5), b, max(a - 0.5, 0.0))  # noqa: E731
+    return fl.Shell(fl.mesh.parametric_surface(position, (2, 1)), LAYER, **options)
 
 
 def branched(**options) -> fl.Shell:

@@ -32,8 +32,8 @@ def scene_with(*items) -> fl.Scene:
     return scene
 
 
-def nearest(shell: fl.Shell, place) -> fl.extend.Point:
-    return shell.point(int(np.linalg.norm(shell.model.mesh.points - place, axis=1).argmin()))
+def nearest(shell: fl.Shell, position) -> fl.extend.Point:
+    return shell.point(int(np.linalg.norm(shell.model.mesh.points - position, axis=1).argmin()))
 
 
 def machine(*, clamped: bool, links: bool = True, loaded: bool = False) -> fl.Scene:
@@ -94,7 +94,7 @@ def tee(cell="quadrilateral") -> fl.mesh.SurfaceMesh:
 
 
 @pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
-def test_a_flange_goes_on_through_the_branch(cell):
+def test_a_flange_continues_through_the_branch(cell):
     shell = fl.Shell(tee(cell), LAYER)
     assert shell.model.has_drilling()
     assert len(shell.frames) == 20 + 5  # the web has nodes of its own along the branch
@@ -172,14 +172,14 @@ def test_links_and_fixed_joints_are_the_same():
 def hemisphere(drilling, *, scale=1.0, cell="quadrilateral", degree=1, cells=16):
     """Deflections of the pinched hemisphere with an 18° hole, t = 0.04, P = 400."""
 
-    def place(a, b):
+    def position(a, b):
         azimuth, height = a * np.pi / 2, b * np.radians(72)
         return 10 * np.array(
             [np.cos(height) * np.cos(azimuth), np.cos(height) * np.sin(azimuth), np.sin(height)]
         )
 
     shell = fl.Shell(
-        fl.mesh.parametric_surface(place, (cells, cells), cell=cell, degree=degree),
+        fl.mesh.parametric_surface(position, (cells, cells), cell=cell, degree=degree),
         fl.ShellSection.layer(0.04, fl.Material(6.825e7, 0.3, 1.0)),
         director=lambda x: x / 10,
         formulation=fl.elements.HellingerReissner()
@@ -311,11 +311,11 @@ def test_bent_frame_of_plates_is_that_of_beams(cell):
     """
     steel, b, t = fl.Material(1e9, 0.0, 1000.0), 0.1, 0.01
 
-    def place(a, c):
+    def position(a, c):
         return (min(2 * a, 1.0), (c - 0.5) * b, max(2 * a - 1.0, 0.0))
 
     shell = fl.Shell(
-        fl.mesh.parametric_surface(place, (20, 2), cell=cell),
+        fl.mesh.parametric_surface(position, (20, 2), cell=cell),
         fl.ShellSection.layer(t, steel),
         name="frame",
     )
@@ -342,7 +342,7 @@ def test_bent_frame_of_plates_is_that_of_beams(cell):
     np.testing.assert_allclose(found, wanted, rtol=2e-3, atol=5e-6)
 
 
-def test_strip_goes_on_as_a_beam():
+def test_a_strip_continues_as_a_beam():
     """A shell welded to a beam of the same section through a rigid cross piece, bent and twisted.
 
     Without Poisson's ratio; the strip's warping is held at both ends, which makes it stiffer in
@@ -374,9 +374,9 @@ def test_supports_hold_all_sides_of_a_kink():
 
     def tip(whole):
         reach = 1.0 if whole else 0.5
-        place = lambda a, b: fold(a, reach * b)  # noqa: E731
+        position = lambda a, b: fold(a, reach * b)  # noqa: E731
         shell = fl.Shell(
-            fl.mesh.parametric_surface(place, (4, 4 if whole else 2)), LAYER, name="fold"
+            fl.mesh.parametric_surface(position, (4, 4 if whole else 2)), LAYER, name="fold"
         )
         shell.clamp("a=0")
         scene = scene_with(shell)

@@ -81,8 +81,8 @@ def test_derivatives(kind, seed):
     np.testing.assert_allclose(force, B.T @ case.weights, atol=1e-12 * (1 + np.abs(B).max()))
     blocks = np.zeros((n * n, 6, 6))
     rows, columns = case.set.pairs
-    place = np.where((rows < n) & (columns < n), rows * n + columns, -1)
-    case.set.geometric(case.H, case.weights, place, blocks)
+    position = np.where((rows < n) & (columns < n), rows * n + columns, -1)
+    case.set.geometric(case.H, case.weights, position, blocks)
     K = blocks.reshape(n, n, 6, 6).transpose(0, 2, 1, 3).reshape(6 * n, 6 * n)
     numeric = case.differences(lambda H: case.evaluate(H)[: 6 * n])
     assert np.abs(K - numeric).max() < 1e-6 * (1 + np.abs(K).max())
@@ -132,8 +132,8 @@ def bead(
 def test_momenta_and_energy_over_the_elements(kind):
     """Second-order errors; the bead crosses two boundaries of elements of length 0.2."""
     coarse, fine = bead(kind, 4e-3), bead(kind, 2e-3)
-    place = fine[0].coordinate(fine[1])
-    assert place[0] == pytest.approx(0.2) and 0.58 < place[-1] < 0.61
+    position = fine[0].coordinate(fine[1])
+    assert position[0] == pytest.approx(0.2) and 0.58 < position[-1] < 0.61
     assert fine[0].joint_violation("ring").max() < 1e-9
     for name, bound in (("momentum", 5e-6), ("angular_momentum", 1e-5), ("energy", 1e-5)):
         errors = [getattr(run[0], f"{name}_error") for run in (coarse, fine)]
@@ -145,10 +145,10 @@ def test_momenta_and_energy_over_the_elements(kind):
 
 
 def test_path_on_the_rail_converges_with_the_elements():
-    places = [
+    positions = [
         bead(fl.joints.Sliding, 2e-3, cells)[0].position("ball.centre")[-1] for cells in (5, 10, 20)
     ]
-    gaps = [np.linalg.norm(places[k] - places[2]) for k in (0, 1)]
+    gaps = [np.linalg.norm(positions[k] - positions[2]) for k in (0, 1)]
     assert gaps[0] < 1e-5 and gaps[0] / gaps[1] > 3.0
 
 
@@ -214,21 +214,21 @@ def test_travel_is_driven_and_the_end_is_an_error():
 
 @settings(max_examples=60, deadline=None)
 @given(along=st.floats(0.0, 1.0), seed=st.integers(0, 10))
-def test_every_place_on_a_beam_is_found(along, seed):
+def test_every_position_on_a_beam_is_found(along, seed):
     """Near a node as well, where the nearest sample point is on its other side."""
     beam, rng = rail(), np.random.default_rng(seed)
     k = rng.integers(len(beam.model.lengths))
     a, b = beam.model.elements[k, :2]
     twist = lie.se3_relative(beam.frames[a], beam.frames[b])
-    place = lie.se3_retract(beam.frames[a], along * twist)[0]
-    bead = fl.RigidBody(1.0, (1.0, 1.0, 1.0), place)
+    position = lie.se3_retract(beam.frames[a], along * twist)[0]
+    bead = fl.RigidBody(1.0, (1.0, 1.0, 1.0), position)
     definition = fl.joints.Sliding(beam, bead.point("centre")).sliding_definition()
     assert definition.arclength == pytest.approx(
         beam.model.lengths[:k].sum() + along * beam.model.lengths[k]
     )
 
 
-def test_bad_places_and_beams_are_refused():
+def test_bad_positions_and_beams_are_refused():
     scene = fl.Scene()
     beam = scene.add(rail())
     ends = (0, 1, 0), (1, 1, 0)
@@ -248,7 +248,7 @@ def test_bad_places_and_beams_are_refused():
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("driven", [False, True])
-def test_a_place_just_off_the_axis_pulls_at_nothing(kind, driven):
+def test_a_position_just_off_the_axis_pulls_at_nothing(kind, driven):
     """The slider starts on the axis: the first step would close a gap, by any force."""
 
     def forces(off: float) -> np.ndarray:
@@ -384,8 +384,8 @@ def test_blade_pushes_the_ground_as_the_sledge_is_pushed():
     # differences over two steps: 3e-4 of 3 N
     np.testing.assert_allclose(force[inner], push[inner], atol=2e-3)
     assert np.abs(np.diff(R[:, 0, 0])).max() > 0.01
-    place = result.position("sledge.centre") + R @ (-0.3, 0, 0) - (-0.3, 0, 0)
-    np.testing.assert_allclose(moment, np.cross(place, force), atol=1e-9)
+    position = result.position("sledge.centre") + R @ (-0.3, 0, 0) - (-0.3, 0, 0)
+    np.testing.assert_allclose(moment, np.cross(position, force), atol=1e-9)
 
 
 def test_velocities_that_slip_are_refused():

@@ -79,9 +79,9 @@ def compared(x):
 
 @fl.extend.compiled
 def first_of_compared(a, b):
-    out, place = np.empty(3), stack(3)
-    store_parts((compared(first_order((a, b))),), place)
-    out[:] = vector_at(place, 3)
+    out, position = np.empty(3), stack(3)
+    store_parts((compared(first_order((a, b))),), position)
+    out[:] = vector_at(position, 3)
     return out
 
 

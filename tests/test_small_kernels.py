@@ -73,9 +73,9 @@ def test_cut_cells_about_one_cell_are_solved_exactly():
 def test_values_at_edges_are_those_of_planes():
     """Exact for what is linear; along a line, or with one point, flat across."""
     rng = np.random.default_rng(2)
-    places, slope = rng.normal(size=(9, 2)), np.array([[2.0, -1.0], [0.5, 3.0]])
-    places[5:8] = np.outer([1.0, 2.0, 4.0], [1.0, 0.0])
+    positions, slope = rng.normal(size=(9, 2)), np.array([[2.0, -1.0], [0.5, 3.0]])
+    positions[5:8] = np.outer([1.0, 2.0, 4.0], [1.0, 0.0])
     which = np.array([0, 0, 0, 0, 0, 1, 1, 1, 2])
-    values = places @ slope.T + [1.0, 7.0]
-    found = planes(which, places, values, 3)
+    values = positions @ slope.T + [1.0, 7.0]
+    found = planes(which, positions, values, 3)
     np.testing.assert_allclose(found, [[1, 7], [1, 7], values[8]], atol=1e-12)

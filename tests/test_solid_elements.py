@@ -90,7 +90,7 @@ def volume(x):
 @element
 @material
 def test_patch(element, material):
-    """Boundary places by any linear map: the same map within, in crooked cells."""
+    """Boundary positions by any linear map: the same map within, in crooked cells."""
     body = solid(element, material)
     F = np.array([[1.1, 0.2, 0.0], [-0.1, 0.95, 0.15], [0.05, -0.1, 1.05]])
     start = body.frames[:, 0].copy()
@@ -225,7 +225,7 @@ def stress_of(X, λ, μ, d=1e-4):
 
 
 def bulged_error(element, n):
-    """Root mean square of inner places, under the body force that belongs to the deformation."""
+    """Root mean square of inner positions, under the body force that belongs to the deformation."""
     cell, degree, formulation = element
     law = fl.sections.SaintVenantKirchhoff(1.0, 0.3)
     body = fl.Solid.brick(
@@ -260,7 +260,7 @@ def bulged_error(element, n):
     ],
 )
 def test_order_of_convergence(name, order):
-    """Of a smooth deformation: degree plus one, or more where places are the better for it."""
+    """Of a smooth deformation: degree plus one, or more where positions are the better for it."""
     meshes = (5, 10) if name == "tetrahedron 1" else (3, 6)
     coarse, fine = (bulged_error(ELEMENTS[name], n) for n in meshes)
     assert np.log2(coarse / fine) > order - 0.3

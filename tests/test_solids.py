@@ -110,7 +110,7 @@ def test_a_guide_across_the_axes():
 
 
 def test_a_face_carries_a_force_per_area():
-    """Also as a function of the place; moments about the origin of what is not uniform."""
+    """Also as a function of the position; moments about the origin of what is not uniform."""
     body = brick((3, 2, 2), lengths=(1.0, 2.0, 3.0), cell="tetrahedron", degree=2)
     forces = fl.loads.FaceLoad(body, "a=1", lambda x: (x[1], 0.0, x[2])).nodal()
     np.testing.assert_allclose(forces.sum(axis=0)[:3], (6.0, 0, 9.0), atol=1e-12)
@@ -138,7 +138,7 @@ def test_pressure_compresses_a_cube(degree):
 
 
 def test_pressure_follows_a_body_that_has_turned():
-    """The forces of a face, in its axes, are the same in any place."""
+    """The forces of a face, in its axes, are the same in any position."""
     body = brick((2, 2, 2))
     scene = scene_of(body)
     scene.add(fl.loads.FacePressure(body, "b=1", 7.0))
@@ -536,14 +536,14 @@ def test_rubber_swells_without_locking():
     a, b, pressure = 1.0, 2.0, 1e-4
     material = fl.sections.NeoHooke(3 * (1 - 1e-5), 0.5 - 5e-6)
 
-    def place(r, angle, c):
+    def position(r, angle, c):
         radius, turn = a + (b - a) * r, 0.5 * np.pi * angle
         return radius * np.cos(turn), radius * np.sin(turn), 0.1 * c
 
     found = {}
     for formulation in (fl.elements.MeanDilatation(), fl.elements.Isoparametric()):
         tube = fl.Solid(
-            fl.mesh.parametric_volume(place, (10, 16, 1)), material, formulation=formulation
+            fl.mesh.parametric_volume(position, (10, 16, 1)), material, formulation=formulation
         )
         for part, normal in (("b=0", (0, 1, 0)), ("b=1", (1, 0, 0)), ("c=0", (0, 0, 1))):
             tube.roller(part, normal)

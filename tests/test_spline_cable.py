@@ -16,7 +16,7 @@ SPLINE = BSpline(KNOTS, CONTROL, 3)
 
 
 def cubic(cable: fl.SplineCable, cell: int, ξ: float) -> np.ndarray:
-    """A place on the curve between two nodes."""
+    """A position on the curve between two nodes."""
     a, b = cable.frames[cable.model.elements[cell]]
     h = cable.model.lengths[cell]
     return (

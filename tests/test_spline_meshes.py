@@ -32,7 +32,9 @@ def cut_anyhow(function=flat, cells=(3, 2), times=4, seed=0):
     rng, patch = np.random.default_rng(seed), fl.mesh.smooth_patch(function, cells)
     if function is flat:
         # exactly, without what differences leave
-        patch = fl.mesh.SmoothPatch(patch.rows.round(6), tuple(s.round(6) for s in patch.sizes))
+        patch = fl.mesh.SmoothPatch(
+            patch.nodal_vectors.round(6), tuple(s.round(6) for s in patch.sizes)
+        )
     mesh = fl.mesh.spline_mesh(patch)
     for _ in range(times):
         mesh = fl.adaptivity.refine(mesh, rng.choice(len(mesh.cells), 3, replace=False))
@@ -40,33 +42,33 @@ def cut_anyhow(function=flat, cells=(3, 2), times=4, seed=0):
 
 
 def random_function(mesh, seed=1):
-    """One of the space, by its rows at all points, those that hang too."""
+    """One of the space, by its nodal vectors at all points, those that hang too."""
     surface = mesh.surface()
     body = fl.ThinShell(mesh, LAYER)
-    rows = np.random.default_rng(seed).normal(size=surface.rows.shape)
-    fourth, _ = body.model.fourth_vectors(surface._replace(rows=rows))
+    rows = np.random.default_rng(seed).normal(size=surface.nodal_vectors.shape)
+    fourth, _ = body.model.fourth_vectors(surface._replace(nodal_vectors=rows))
     frames = body.frames.copy()
     count = body.model.points_count
     frames[:count, :2], frames[count:, 1], frames[count:, 2] = rows[:, :2], fourth, rows[:, 2]
     a, b = mesh.sizes.T
     scales = np.stack([np.ones_like(a), a, b, a * b], axis=1)[:, np.newaxis, :, np.newaxis]
-    filled = mesh.rows.copy()
+    filled = mesh.nodal_vectors.copy()
     filled[mesh.cells] = body.model.hermite_vectors(frames).reshape(-1, 4, 4, 3) / scales
-    return replace(mesh, rows=filled)
+    return replace(mesh, nodal_vectors=filled)
 
 
 def values(mesh, cells, at, *order):
-    """Of the surface of a mesh at places (c, 2) within cells (c,), of all points' rows."""
+    """Of the surface of a mesh at points (c, 2) within cells (c,), of nodal vectors."""
     a, b = mesh.sizes[cells].T
     scales = np.stack([np.ones_like(a), a, b, a * b], axis=1)[:, np.newaxis, :, np.newaxis]
-    vectors = (mesh.rows[mesh.cells[cells]] * scales).reshape(-1, 16, 3)
+    vectors = (mesh.nodal_vectors[mesh.cells[cells]] * scales).reshape(-1, 16, 3)
     return np.einsum("ca,caj->cj", bicubic(at, *order), vectors)
 
 
 def basis(mesh):
     """Values of all functions at points of Gauss of all cells, (m g, 4 n), and their weights."""
     body, (x, w) = fl.ThinShell(mesh, LAYER), gauss_points(4)
-    parts = bicubic(x) @ body.model.extraction()
+    parts = bicubic(x) @ body.model.hermite_matrices()
     points = body.model.connectivity[:, :4]
     found = np.zeros((*parts.shape[:2], body.model.points_count, 4))
     for corner in range(4):
@@ -117,7 +119,7 @@ def test_bicubics_are_in_the_space_exactly():
     mesh = cut_anyhow()
     body, rng = fl.ThinShell(mesh, LAYER), np.random.default_rng(3)
     c, surface = rng.normal(size=(4, 4)), mesh.surface()
-    x, y = surface.rows[:, 0, :2].T / [[3.0], [2.0]]
+    x, y = surface.nodal_vectors[:, 0, :2].T / [[3.0], [2.0]]
     polynomial = np.polynomial.polynomial
     derivative = [
         polynomial.polyval2d(x, y, polynomial.polyder(polynomial.polyder(c, i, axis=0), j, axis=1))
@@ -125,7 +127,7 @@ def test_bicubics_are_in_the_space_exactly():
         for i, j in ((0, 0), (1, 0), (0, 1), (1, 1))
     ]
     rows = np.repeat(np.stack(derivative, axis=1)[:, :, np.newaxis], 3, axis=2)
-    fourth, _ = body.model.fourth_vectors(surface._replace(rows=rows))
+    fourth, _ = body.model.fourth_vectors(surface._replace(nodal_vectors=rows))
     frames, n = body.frames.copy(), body.model.points_count
     frames[:n, :2], frames[n:, 1], frames[n:, 2] = rows[:, :2], fourth, rows[:, 2]
     at = rng.random((5, 2))
@@ -141,17 +143,19 @@ def test_spaces_are_nested():
     mesh = random_function(cut_anyhow())
     finer = fl.adaptivity.refine(mesh, np.arange(0, len(mesh.cells), 3))
     again = random_function(finer)  # the space of the finer one
-    assert len(finer.surface().rows) > len(mesh.surface().rows)
+    assert len(finer.surface().nodal_vectors) > len(mesh.surface().nodal_vectors)
     # what hangs there is what the points that do not hang say
     surface = finer.surface()
     body = fl.ThinShell(finer, LAYER)
     a, b = finer.sizes.T
     scales = np.stack([np.ones_like(a), a, b, a * b], axis=1)[:, np.newaxis, :, np.newaxis]
-    whole = (finer.rows[finer.cells] * scales).reshape(-1, 16, 3)
+    whole = (finer.nodal_vectors[finer.cells] * scales).reshape(-1, 16, 3)
     np.testing.assert_allclose(
         body.model.hermite_vectors(), whole, atol=1e-13 * np.abs(whole).max()
     )
-    assert again.rows.shape == finer.rows.shape and len(surface.hanging) == len(finer.cells)
+    assert again.nodal_vectors.shape == finer.nodal_vectors.shape and len(surface.hanging) == len(
+        finer.cells
+    )
 
 
 def test_values_and_slopes_are_continuous_where_corners_hang():
@@ -170,23 +174,25 @@ def test_values_and_slopes_are_continuous_where_corners_hang():
         for share in (0.3, 0.8):
             here = values(mesh, [small], stays + share * (inner - stays))
             there = values(mesh, [large], ends[1:] + 0.5 * share * (ends[:1] - ends[1:]))
-            np.testing.assert_allclose(here, there, atol=1e-12 * np.abs(mesh.rows).max())
+            np.testing.assert_allclose(here, there, atol=1e-12 * np.abs(mesh.nodal_vectors).max())
             for order, axis in (((1, 0), 0), ((0, 1), 1)):
                 here = values(mesh, [small], stays + share * (inner - stays), *order)
                 there = values(
                     mesh, [large], ends[1:] + 0.5 * share * (ends[:1] - ends[1:]), *order
                 )
                 here, there = here / mesh.sizes[small, axis], there / mesh.sizes[large, axis]
-                np.testing.assert_allclose(here, there, atol=1e-11 * np.abs(mesh.rows).max())
+                np.testing.assert_allclose(
+                    here, there, atol=1e-11 * np.abs(mesh.nodal_vectors).max()
+                )
 
 
 def test_cells_that_meet_differ_by_one_level():
     mesh = fl.mesh.spline_mesh(fl.mesh.smooth_patch(flat, (4, 4)))
     for _ in range(4):
-        corner = np.argmin(np.linalg.norm(mesh.rows[mesh.cells, 0].mean(axis=1), axis=1))
+        corner = np.argmin(np.linalg.norm(mesh.nodal_vectors[mesh.cells, 0].mean(axis=1), axis=1))
         mesh = fl.adaptivity.refine(mesh, [corner])
     assert mesh.levels.max() == 4
-    for point in range(len(mesh.rows)):
+    for point in range(len(mesh.nodal_vectors)):
         levels = mesh.levels[(mesh.cells == point).any(axis=1)]
         hung = mesh.hanging()[point]
         levels = np.append(levels, mesh.levels[hung] if hung >= 0 else [])
@@ -251,7 +257,7 @@ def test_patch_test_across_levels(exact):
         field = [zero, zero, x * x + 0.4 * x * y], [zero, zero, 2 * x + 0.4 * y]
         field += [zero, zero, 0.4 * x], [zero, zero, 0.4 * one]
     rows = np.array(field).transpose(2, 0, 1)
-    fourth, _ = body.model.fourth_vectors(body_surface(body)._replace(rows=rows))
+    fourth, _ = body.model.fourth_vectors(body_surface(body)._replace(nodal_vectors=rows))
     d = np.zeros((2 * n, 2, 3))
     # axes are those of space: the plate is flat, along x and y
     d[:n, 0], d[:n, 1], d[n:, 1], d[n:, 0] = rows[:, 0], rows[:, 1], rows[:, 2], fourth
@@ -302,7 +308,7 @@ def test_a_strip_of_cells_of_three_sizes_bends_as_one_of_equal_ones():
     """By a large rotation: the end of an elastica, by both meshes."""
     mesh = fl.mesh.spline_mesh(strip((6, 2)))
     for _ in range(2):
-        near = np.flatnonzero(mesh.rows[mesh.cells, 0, 0].mean(axis=1) < 3.0)
+        near = np.flatnonzero(mesh.nodal_vectors[mesh.cells, 0, 0].mean(axis=1) < 3.0)
         mesh = fl.adaptivity.refine(mesh, near[::2])
     tips = []
     for given in (mesh, strip((24, 4))):

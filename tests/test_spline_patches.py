@@ -66,15 +66,15 @@ def test_a_plate_with_cells_of_different_sizes():
 
 
 def test_a_spline_through_a_surface_converges_with_order_four():
-    def place(a: float, b: float) -> list[float]:
+    def position(a: float, b: float) -> list[float]:
         return [np.sin(a), np.cos(a) + 0.1 * b * b, b + 0.2 * np.sin(a * b)]
 
     values = bicubic([[0.5, 0.5]])[0]
     errors = []
     for n in (4, 8, 16):
-        shell = fl.ThinShell(fl.mesh.spline_patch(place, (n, n)), SECTION)
+        shell = fl.ThinShell(fl.mesh.spline_patch(position, (n, n)), SECTION)
         middles = (np.arange(n) + 0.5) / n
-        wanted = np.array([place(a, b) for a in middles for b in middles])
+        wanted = np.array([position(a, b) for a in middles for b in middles])
         errors.append(
             np.abs(np.einsum("a,maj->mj", values, shell.model.hermite_vectors()) - wanted).max()
         )

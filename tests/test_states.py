@@ -37,7 +37,7 @@ MODES = ("buckling", "vibrations")
 
 @pytest.mark.parametrize("kind", PLACED)
 def test_points_are_looked_up_by_name_or_number(results, kind):
-    """One state has a place and a rotation, a series has them in each of its states."""
+    """One state has a position and a rotation, a series has them in each of its states."""
     result = results[kind]
     node = int(result.info.body("column").nodes[-1])
     for point in ("column.end", node, np.int64(node)):

@@ -297,8 +297,8 @@ def test_automatic_keeps_mass_and_stiffness_that_are_not_to_blame():
     assert asking.k_updates < deaf.k_updates / 4
     # what else there is to lose is less than was lost to make all anew
     assert asking.iterations[-1] < 1.2 * deaf.iterations[-1]
-    place = asking.position(tip.point("end"))
-    np.testing.assert_allclose(place, full.position(other.point("end")), atol=1e-8)
+    position = asking.position(tip.point("end"))
+    np.testing.assert_allclose(position, full.position(other.point("end")), atol=1e-8)
 
 
 @pytest.mark.parametrize("group", fl.lie.Group)

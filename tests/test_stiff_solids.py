@@ -99,7 +99,7 @@ SCHEMES = {"conserving": fl.EnergyMomentum(), "decaying": fl.EnergyDecaying(radi
 @pytest.mark.parametrize("held", ["free", "clamped", "joint"])
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("scheme", SCHEMES)
-def test_stiff_solids_go_on_as_saint_venants(scheme, law, held, E):
+def test_stiff_solids_move_as_saint_venants(scheme, law, held, E):
     """In full steps, in as many iterations, to as many digits."""
     found = ran(SCHEMES[scheme], spun(LAWS[law](E), held))
     linear = ran(SCHEMES[scheme], spun(fl.sections.SaintVenantKirchhoff(E, 0.3, 1000.0), held))
@@ -132,7 +132,7 @@ def test_stiff_solids_of_degree_two(cell):
 
 
 @pytest.mark.parametrize("E", [1e7, 1e9])
-def test_a_law_that_cancels_goes_on_and_is_named(E, caplog):
+def test_a_material_with_cancellation_runs_and_is_named(E, caplog):
     """Energy is conserved as far as the law has it: to an ulp of a stiffness times a volume."""
     law = fl.sections.NeoHooke(E, 0.3, 1000.0)
     result = ran(

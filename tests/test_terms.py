@@ -24,7 +24,7 @@ from tests.test_packages import MODULES, imports_of
 MATERIAL = fl.Material(100.0, 0.3, 2.0)
 INERTIA = np.diag([0.5, 0.0, 0.01, 0.02])
 SECTION = fl.Section.from_stiffness([90.0, 40.0, 50.0, 2.0, 1.0, 1.5], INERTIA)
-THREAD = fl.Section.from_stiffness([90.0, 40.0, 40.0, 2.0, 1.0, 1.0], INERTIA)
+CABLE = fl.Section.from_stiffness([90.0, 40.0, 40.0, 2.0, 1.0, 1.0], INERTIA)
 PLACES = [(0.0, 0, 0), (1, 0.2, 0), (2, 0.2, 0.3)]
 LAYER = fl.ShellSection.layer(0.2, MATERIAL)
 
@@ -56,17 +56,17 @@ def branch(**options) -> fl.Scene:
 
 
 def shell(formulation, cell="quadrilateral", degree=1, drilling=False) -> fl.Scene:
-    def place(a, b):
+    def position(a, b):
         return (2.0 * a, b, 0.3 * a * b)
 
-    mesh = fl.mesh.parametric_surface(place, (2, 1), cell=cell, degree=degree)
+    mesh = fl.mesh.parametric_surface(position, (2, 1), cell=cell, degree=degree)
     return scene_with(fl.Shell(mesh, LAYER, formulation=formulation, drilling=drilling))
 
 
 def cable(**options) -> fl.Scene:
     """Nodes of positions and slopes."""
     mesh = fl.mesh.LineMesh.from_cells(PLACES, [(0, 1), (1, 2)], kink_angle=1.5)
-    return scene_with(fl.Cable(mesh, THREAD, **options))
+    return scene_with(fl.Cable(mesh, CABLE, **options))
 
 
 def rod(**options) -> fl.Scene:
@@ -87,7 +87,7 @@ def thin_shell() -> fl.Scene:
 
 
 def solid() -> fl.Scene:
-    """Nodes of places."""
+    """Nodes of positions."""
     material = fl.sections.NeoHooke(80.0, 0.3, density=2.0)
     return scene_with(fl.Solid.brick((2.0, 1.0, 1.0), material, cells=(2, 1, 1)))
 
@@ -121,14 +121,14 @@ def sprung() -> fl.Scene:
 
 
 def held(scene: fl.Scene, **options) -> fl.Scene:
-    """Force and moment on a place that is no node."""
-    place = scene.bodies[0].point_in_cell(1, 0.3)
-    scene.add(fl.PointLoad(place, (1.0, -2.0, 3.0), (0.4, 0.7, -0.2), **options))
+    """Force and moment on a position that is no node."""
+    position = scene.bodies[0].point_in_cell(1, 0.3)
+    scene.add(fl.PointLoad(position, (1.0, -2.0, 3.0), (0.4, 0.7, -0.2), **options))
     return scene
 
 
 def plate() -> fl.Scene:
-    """Points of a place and three slopes."""
+    """Points of a position and three slopes."""
     patch = fl.mesh.smooth_patch(lambda a, b: (2.0 * a, b, 0.3 * a * b), (2, 1))
     return scene_with(fl.AncfShell(patch, LAYER))
 
@@ -146,12 +146,12 @@ def sewn() -> fl.Scene:
 
 
 def sprung_within() -> fl.Scene:
-    """Springs and dampers of a hinge within an element and of the distance to another place."""
+    """Springs and dampers of a hinge within an element and of the distance to another position."""
     scene = beam()
-    place, other = scene.bodies[0].point_in_cell(0, 0.4), scene.bodies[0].point_in_cell(1, 0.7)
+    position, other = scene.bodies[0].point_in_cell(0, 0.4), scene.bodies[0].point_in_cell(1, 0.7)
     body = scene.add(fl.RigidBody(2.0, np.diag([0.1, 0.2, 0.3]), (0.3, 0.4, 0)))
     hinge = scene.add(
-        fl.joints.Revolute(place, body.point("centre"), at=(0.4, 0.2, 0), axis=(1, 2, 3))
+        fl.joints.Revolute(position, body.point("centre"), at=(0.4, 0.2, 0), axis=(1, 2, 3))
     )
     rope = scene.add(fl.joints.Distance(other, body.point("centre")))
     for coordinate, rest in ((hinge.angle, 0.2), (rope.length, 0.7)):
@@ -274,9 +274,9 @@ def line_on_line(**law) -> fl.Scene:
     return scene
 
 
-def sheet(cell: str, place, **options) -> fl.Shell:
+def sheet(cell: str, position, **options) -> fl.Shell:
     """One square, or two triangles."""
-    mesh = fl.mesh.parametric_surface(place, (1, 1), cell=cell, **options)
+    mesh = fl.mesh.parametric_surface(position, (1, 1), cell=cell, **options)
     element = fl.elements.DisplacementBased() if options.get("degree") == 2 else None
     return fl.Shell(mesh, fl.ShellSection.layer(0.3, MATERIAL), formulation=element)
 
@@ -390,7 +390,7 @@ TERMS: dict[str, Case] = {
     "quadratic director beam": Case(lambda: beam(fl.elements.DirectorBeam(2)), "elements"),
     "Kirchhoff rod": Case(lambda: beam(fl.elements.KirchhoffRod()), "elements"),
     "rod along a spline": Case(
-        lambda: scene_with(fl.Rod(fl.mesh.Spline.through(PLACES, cells=2).mesh(), THREAD)),
+        lambda: scene_with(fl.Rod(fl.mesh.Spline.through(PLACES, cells=2).mesh(), CABLE)),
         "elements",
     ),
     "viscous beam": Case(lambda: beam(damping=VISCOUS), "elements"),
@@ -398,7 +398,7 @@ TERMS: dict[str, Case] = {
     "cable": Case(cable, "elements"),
     "discrete cable": Case(lambda: cable(formulation=fl.elements.DiscreteCable()), "elements"),
     "spline cable": Case(
-        lambda: scene_with(fl.SplineCable.through(PLACES, THREAD, cells=2)), "elements"
+        lambda: scene_with(fl.SplineCable.through(PLACES, CABLE, cells=2)), "elements"
     ),
     "bending springs": Case(
         lambda: cable(formulation=fl.elements.DiscreteCable()), "bending springs"
@@ -539,7 +539,7 @@ class Model:
 
     def tangent(self) -> np.ndarray:
         """Of the forces in the present state, blocks of pairs."""
-        kept = self.term.room()
+        kept = self.term.workspace()
         self.forces(self.H, kept)
         self.reset_stress()
         blocks, more = self.term.tangent(self.H, kept), self.term.geometric(self.H)
@@ -587,9 +587,9 @@ def test_tangent_depends_on_what_it_is_given_alone(name):
     """Not on what forces were asked for last."""
     model = Model(name)
     before = model.tangent()
-    kept = model.term.room()
+    kept = model.term.workspace()
     model.forces(model.H, kept)
-    model.forces(model.moved(model.H, model.increment(), 0.1), model.term.room())
+    model.forces(model.moved(model.H, model.increment(), 0.1), model.term.workspace())
     model.reset_stress()
     blocks, more = model.term.tangent(model.H, kept), model.term.geometric(model.H)
     close(blocks if more is None else blocks + more, before, 1e-13)
@@ -638,7 +638,7 @@ def test_linearised_stress_is_restored(name):
     stress, path = model.term.stress_update, model.term.path
     if stress is None:
         return
-    kept, values = model.term.room(), stress.linearised_values.copy()
+    kept, values = model.term.workspace(), stress.linearised_values.copy()
     model.forces(model.H, kept)
     before = model.term.tangent(model.H, kept).copy()
     if path is not None:  # what friction has waits for accepted states

@@ -163,13 +163,13 @@ def test_elastica(thickness):
 def hemisphere(cells, thickness, load):
     """A quarter of a pinched hemisphere with a hole, see demos/hemisphere.py."""
 
-    def place(a, b):
+    def position(a, b):
         azimuth, height = a * np.pi / 2, b * np.radians(72)
         level = np.cos(height)
         return [10 * level * np.cos(azimuth), 10 * level * np.sin(azimuth), 10 * np.sin(height)]
 
     section = fl.ShellSection.layer(thickness, fl.Material(6.825e7, 0.3, 1.0))
-    body = fl.ThinShell(fl.mesh.smooth_patch(place, (cells, cells)), section, name="hemisphere")
+    body = fl.ThinShell(fl.mesh.smooth_patch(position, (cells, cells)), section, name="hemisphere")
     body.symmetry("a=0", (0, 1, 0))
     body.symmetry("a=1", (1, 0, 0))
     body.roller("00", (0, 0, 1))
@@ -215,11 +215,11 @@ def test_patches_joined_are_one_surface():
     """Half a cylinder of two patches against one of one."""
 
     def half(start, end):
-        def place(a, b):
+        def position(a, b):
             angle = start + (end - start) * a
             return [np.cos(angle), np.sin(angle), 2.0 * b]
 
-        return place
+        return position
 
     def pinched(patches, corner):
         body = fl.ThinShell(patches, LAYER, name="half")
@@ -319,9 +319,9 @@ def test_pressure_on_a_closed_cylinder():
     )
     scene.add(fl.joints.InPlane(fl.ground(), body.point(int(across)), axis=(0, 1, 0)))
     scene.add(fl.loads.SurfacePressure(body, 1.0))
-    places = fl.statics(scene).frames[-1][: body.model.points_count, 0]
-    middle = places[:, :2].mean(axis=0)
-    radius = np.linalg.norm(places[:, :2] - middle, axis=1)
+    positions = fl.statics(scene).frames[-1][: body.model.points_count, 0]
+    middle = positions[:, :2].mean(axis=0)
+    radius = np.linalg.norm(positions[:, :2] - middle, axis=1)
     assert np.ptp(radius) < 1e-10
     assert 1e4 * 0.01 * (radius.mean() ** 2 - 1) / 2 == pytest.approx(1.0, rel=5e-4)
 
@@ -549,8 +549,8 @@ def test_damping_with_mass_slows_a_sheet_down():
         fl.ThinShell(patch, section, damping=fl.sections.Damping(stiffness=1e-3))
 
 
-def test_a_run_goes_on_from_its_file(tmp_path):
-    """And pictures show faces of places alone."""
+def test_a_run_restarts_from_its_file(tmp_path):
+    """And pictures show faces of positions alone."""
     result = tumbling(5, follows=True)
     result.picture(tmp_path / "sheet.png")
     assert (tmp_path / "sheet.png").stat().st_size > 1000

@@ -293,14 +293,14 @@ def test_a_torn_joint_is_refused_in_all_units(deflection, torn, u):
 
 
 @pytest.mark.parametrize("place", ["node", "attachment frame"])
-def test_a_drive_is_added_to_a_hinge_that_has_made_turns(place):
+def test_a_drive_is_added_to_a_hinge_that_has_made_turns(position):
     """The drive takes over the whole turns that the hinge has counted."""
     stiffness, moment = 5.0, 50.0
 
     def wound(cells):
         scene = fl.Scene()
         beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=cells, name="beam"))
-        point = beam.point("start") if place == "node" else beam.point((0.3, 0, 0))
+        point = beam.point("start") if position == "node" else beam.point((0.3, 0, 0))
         hinge = scene.add(fl.joints.Revolute(fl.ground(), point, name="hinge"))
         spring = scene.add(fl.joints.Spring(hinge.angle, stiffness, name="spring"))
         scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, moment)))

@@ -120,8 +120,8 @@ def test_orders_of_bending():
 def test_inertia_of_the_beam_element_is_that_of_the_rod():
     """Energy, momentum and angular momentum of any rigid motion of a straight beam are exact."""
     section = fl.Section.rectangle(0.1, 0.2, STEEL)
-    scene, place, axis = fl.Scene(), np.array([1.0, 2, 0]), np.array([2.0, -1, 1])
-    body = scene.add(fl.Beam.straight(place, place + axis, section, cells=3))
+    scene, position, axis = fl.Scene(), np.array([1.0, 2, 0]), np.array([2.0, -1, 1])
+    body = scene.add(fl.Beam.straight(position, position + axis, section, cells=3))
     omega, shift = np.array([1.0, 2, 3]), np.array([0.3, -0.2, 0.5])
     body.add_velocity(omega=omega, about=(0, 0, 0))
     body.add_velocity(shift)
@@ -140,7 +140,7 @@ def test_inertia_of_the_beam_element_is_that_of_the_rod():
         * length
     )
     J += across * (np.eye(3) - np.outer(axis, axis) / length**2)
-    centre = place + axis / 2
+    centre = position + axis / 2
     velocity = shift + np.cross(omega, centre)
     angular = mass * np.cross(centre, velocity) + J @ omega
     expected = 0.5 * mass * velocity @ velocity + 0.5 * omega @ J @ omega
@@ -172,7 +172,7 @@ def test_reference_of_the_rotating_beam():
 
 
 def test_steady_rotation_stretches():
-    """``u = tan(kL)/k − L`` with ``k² = ρΩ²/E``: centrifugal force at the stretched place."""
+    """``u = tan(kL)/k − L`` with ``k² = ρΩ²/E``: centrifugal force at the stretched position."""
     scene, body = beam()
     spin = 300.0
     k = spin * np.sqrt(RHO / E)
@@ -182,7 +182,7 @@ def test_steady_rotation_stretches():
 
 
 def test_steady_rotation_converges_quadratically():
-    """A hanging, inclined beam; both iterations arrive at the same place."""
+    """A hanging, inclined beam; both iterations arrive at the same position."""
     tips = []
     for carried in (True, False):
         scene = fl.Scene(gravity=(0, 0, -G))

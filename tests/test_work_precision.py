@@ -13,7 +13,7 @@ from benchmarks.work_precision import PROBLEMS, TOLERANCES, Row
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_references_are_those_of_the_scenes(name):
     problem = PROBLEMS[name]
-    found = work_precision.places(work_precision.run(problem, fl.schemes.Composed(), 80))
+    found = work_precision.positions(work_precision.run(problem, fl.schemes.Composed(), 80))
     exact = work_precision.references()[name]
     assert np.abs(found - exact).max() < 3e-6 * problem.length
 

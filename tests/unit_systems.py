@@ -61,7 +61,7 @@ class UnitSystem:
     # --- kinematics ---
 
     def length(self, value: npt.ArrayLike) -> Numbers:
-        """Places, displacements, thicknesses."""
+        """Positions, displacements, thicknesses."""
         return self.of(value, length=1)
 
     def area(self, value: npt.ArrayLike) -> Numbers:
@@ -77,11 +77,11 @@ class UnitSystem:
         return self.of(value, time=-1)
 
     def velocity(self, value: npt.ArrayLike) -> Numbers:
-        """Velocities of places."""
+        """Velocities of positions."""
         return self.of(value, length=1, time=-1)
 
     def acceleration(self, value: npt.ArrayLike) -> Numbers:
-        """Accelerations of places, gravity."""
+        """Accelerations of positions, gravity."""
         return self.of(value, length=1, time=-2)
 
     def twist(self, value: npt.ArrayLike) -> Numbers:
@@ -137,7 +137,7 @@ class UnitSystem:
         return self._halves(value, self.force(1.0), self.moment(1.0))
 
     def line_load(self, value: npt.ArrayLike) -> Numbers:
-        """Forces per length; also stiffness of springs between places, membrane forces."""
+        """Forces per length; also stiffness of springs between positions, membrane forces."""
         return self.of(value, mass=1, time=-2)
 
     stiffness = line_load
@@ -178,7 +178,7 @@ METRES = UnitSystem("metres", 1.0, 1.0, 1.0)
 
 MICROMETRES = UnitSystem("micrometres", 1e-6, 1e-18, 1e-6)
 """The numbers in metres, kilograms and seconds of a scene a millionth as large, of the same
-materials: places of 1e-6, masses of 1e-18, periods of 1e-6."""
+materials: positions of 1e-6, masses of 1e-18, periods of 1e-6."""
 
 KILOMETRES = UnitSystem("kilometres", 1e-3, 1.0, 1.0)
 

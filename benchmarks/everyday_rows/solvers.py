@@ -65,8 +65,8 @@ def pantograph(across: int = 48, along: int = 24, pitch: float = 0.01) -> fl.Sce
                 cells = 2 * (len(fibre) - 1)
                 beam = fl.Beam.straight(*ends, section, cells=cells, up=(0, 0, 1))
                 scene.add(beam)
-                for k, place in enumerate(fibre):
-                    at.setdefault(place, []).append(beam.point(2 * k))
+                for k, position in enumerate(fibre):
+                    at.setdefault(position, []).append(beam.point(2 * k))
     for nodes in at.values():
         if len(nodes) == 2:
             scene.add(fl.joints.Revolute(*nodes, axis=(0, 0, 1)))

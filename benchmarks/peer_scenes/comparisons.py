@@ -62,9 +62,9 @@ class Comparison(NamedTuple):
     duration: float = 0.0
     fine: Request | None = None
 
-    def error(self, place: list[float]) -> float:
+    def error(self, position: list[float]) -> float:
         """Of a probe; of hemispheres the larger one of both deflections, relative."""
-        gap = np.subtract(place, self.reference)
+        gap = np.subtract(position, self.reference)
         if len(self.reference) == 2:
             return float(np.abs(gap / self.reference).max())
         return float(np.linalg.norm(gap) / self.size)

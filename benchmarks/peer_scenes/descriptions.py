@@ -1,6 +1,6 @@
 """Scenes in numbers alone, for any code to build: lists and dictionaries that JSON can carry.
 
-Places, velocities and spins are in space, frames are rotation matrices whose first column is the
+Positions, velocities and spins are in space, frames are rotation matrices whose first column is the
 tangent of a beam. Stiffness is that of a section, (EA, GA₂, GA₃, GJ, EI₂, EI₃), inertia that of a
 length about its own axes.
 """
@@ -24,13 +24,13 @@ Array = npt.NDArray[np.float64]
 
 
 def line(
-    places: Array, frames: Array, length: float, stiffness: list[float], mass: float = 0.0
+    positions: Array, frames: Array, length: float, stiffness: list[float], mass: float = 0.0
 ) -> Description:
     """A beam of elements of equal length through nodes at rest, (n, 3) and (n, 3, 3)."""
     return {
-        "places": places.tolist(),
+        "places": positions.tolist(),
         "frames": frames.tolist(),
-        "velocities": np.zeros_like(places).tolist(),
+        "velocities": np.zeros_like(positions).tolist(),
         "spin": [0.0, 0.0, 0.0],
         "element_length": length,
         "stiffness": stiffness,
@@ -50,8 +50,8 @@ def double_pendulum(case: int, elements: int) -> Description:
         along = np.linspace(0.0, length, elements + 1)[:, np.newaxis]
         axes = np.column_stack([tangent, np.cross((0, 0, 1), tangent), (0, 0, 1)])
         frames = np.tile(axes, (elements + 1, 1, 1))
-        places = start + along * tangent
-        body = line(places, frames, length / elements, stiffness, density * A)
+        positions = start + along * tangent
+        body = line(positions, frames, length / elements, stiffness, density * A)
         return body | {"inertia": inertia}
 
     one = bar([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], 0.3)
@@ -73,11 +73,13 @@ def bend(elements: int) -> Description:
     radius, EI = 100.0, 1e7 / 12
     angle = np.linspace(0.0, pi / 4, elements + 1)
     cosine, sine, zero = np.cos(angle), np.sin(angle), np.zeros_like(angle)
-    places = radius * np.column_stack([sine, 1 - cosine, zero])
+    positions = radius * np.column_stack([sine, 1 - cosine, zero])
     tangents = np.column_stack([cosine, sine, zero])
     normals = np.column_stack([-sine, cosine, zero])
-    frames = np.stack([tangents, normals, np.broadcast_to((0.0, 0.0, 1.0), places.shape)], axis=2)
-    arc = line(places, frames, radius * pi / 4 / elements, [1e7, 5e6, 5e6, EI, EI, EI])
+    frames = np.stack(
+        [tangents, normals, np.broadcast_to((0.0, 0.0, 1.0), positions.shape)], axis=2
+    )
+    arc = line(positions, frames, radius * pi / 4 / elements, [1e7, 5e6, 5e6, EI, EI, EI])
     return {
         "beams": [arc],
         "clamp": [0, 0],
@@ -91,9 +93,9 @@ def roll(elements: int, stiffness_ratio: float) -> Description:
     """The cantilever of demos/rollup.py."""
     length, EI = rollup.LENGTH, rollup.BENDING
     EA = stiffness_ratio * EI / length**2
-    places = np.linspace((0.0, 0.0, 0.0), (length, 0.0, 0.0), elements + 1)
+    positions = np.linspace((0.0, 0.0, 0.0), (length, 0.0, 0.0), elements + 1)
     frames = np.tile(np.eye(3), (elements + 1, 1, 1))
-    straight = line(places, frames, length / elements, [EA, EA / 2, EA / 2, EI, EI, EI])
+    straight = line(positions, frames, length / elements, [EA, EA / 2, EA / 2, EI, EI, EI])
     return {
         "beams": [straight],
         "clamp": [0, 0],
@@ -154,7 +156,7 @@ def pinched(thickness: float, side: int) -> Description:
     """
     row = side + 1
     half = hemisphere.CASES[thickness][0] / 2
-    return grid(hemisphere.place, side) | {
+    return grid(hemisphere.position, side) | {
         "radius": hemisphere.RADIUS,
         "hole": float(hemisphere.HOLE),
         "thickness": thickness,

@@ -60,13 +60,13 @@ def has(python: Path, peer: str) -> bool:
 
 def install(python: Path, peer: str) -> bool:
     """Make the environment; False, and nothing left of it, where that fails."""
-    place = folder(python, peer)
-    inside = place / "bin" / "python"
-    print(f"installing {' '.join(PACKAGES[peer])} into {place}")
+    position = folder(python, peer)
+    inside = position / "bin" / "python"
+    print(f"installing {' '.join(PACKAGES[peer])} into {position}")
     pip = [inside, "-m", "pip", "install", "--quiet", *PACKAGES[peer]]
-    if silent([python, "-m", "venv", place]) and silent(pip) and has(inside, peer):
+    if silent([python, "-m", "venv", position]) and silent(pip) and has(inside, peer):
         return True
-    shutil.rmtree(place, ignore_errors=True)
+    shutil.rmtree(position, ignore_errors=True)
     return False
 
 

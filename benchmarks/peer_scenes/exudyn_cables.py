@@ -1,8 +1,8 @@
 """A cable of Exudyn (``ObjectANCFCable``): imports nothing but what its own environment has.
 
-Standard input is JSON: rows of place and slope of all nodes as they lie, the rates of both, lengths
+Standard input is JSON: position and slope of all nodes as they lie, the rates of both, lengths
 of the elements, ``EA``, ``EI``, mass per length, gravity, pinned nodes, nodes and times asked for,
-and the step. Standard output is JSON: their places, shape (times, nodes, 3).
+and the step. Standard output is JSON: their positions, shape (times, nodes, 3).
 """
 
 from __future__ import annotations

@@ -57,7 +57,7 @@ def answer(request: Record) -> Record:
     names = [arrived[key]] if key in arrived else list(ATTEMPTS)
     for name in names:
         mbs = exu.SystemContainer().AddSystem()
-        place = build(mbs, request)
+        position = build(mbs, request)
         mbs.Assemble()
         solver, settings = prepared(request, name)
         solver.InitializeSolver(mbs, settings)
@@ -69,7 +69,7 @@ def answer(request: Record) -> Record:
             arrived[key] = name
             counts = solver.it
             return {
-                "place": np.asarray(place()).tolist(),
+                "place": np.asarray(position()).tolist(),
                 "seconds": seconds,
                 "steps": counts.currentStepIndex - 1,
                 "iterations": counts.newtonStepsCount,
@@ -128,12 +128,14 @@ def beams(mbs: Any, request: Record) -> Probe:
     """
     lines = [beam(mbs, line) for line in request["beams"]]
     for joint in request.get("joints", []):
-        places = [None if at is None else lines[at[0]][at[1]] for at in joint["nodes"]]
+        positions = [None if at is None else lines[at[0]][at[1]] for at in joint["nodes"]]
         if "axis" in joint:
             frames = [np.array(request["beams"][i]["frames"][k]) for i, k in joint["nodes"]]
-            hinge(mbs, places, frames, joint["axis"])
+            hinge(mbs, positions, frames, joint["axis"])
         else:
-            ends = [node_or_ground(mbs, place, item.MarkerNodePosition) for place in places]
+            ends = [
+                node_or_ground(mbs, position, item.MarkerNodePosition) for position in positions
+            ]
             mbs.AddObject(item.SphericalJoint(markerNumbers=ends))
     line, node = request["probe"]
     tip = lines[line][node]
@@ -154,13 +156,13 @@ def beam(mbs: Any, line: Record) -> list[Any]:
     section.massPerLength = line["mass"]
     section.inertia = np.diag(line["inertia"])
     nodes = []
-    for place, frame, velocity in zip(
+    for position, frame, velocity in zip(
         line["places"], line["frames"], line["velocities"], strict=True
     ):
         turned = RotationMatrix2EulerParameters(np.array(frame))
         rate = AngularVelocity2EulerParameters_t(np.array(line["spin"]), turned)
         node = item.NodeRigidBodyEP(
-            referenceCoordinates=[*place, *turned], initialVelocities=[*velocity, *rate]
+            referenceCoordinates=[*position, *turned], initialVelocities=[*velocity, *rate]
         )
         nodes.append(mbs.AddNode(node))
     for ends in pairwise(nodes):
@@ -224,9 +226,9 @@ def body(mbs: Any, given: Record, gravity: list[float]) -> Any:
     return number
 
 
-def point(mbs: Any, body: Any, place: list[float]) -> Any:
+def point(mbs: Any, body: Any, position: list[float]) -> Any:
     """A marker at a place of a body."""
-    return mbs.AddMarker(item.MarkerBodyPosition(bodyNumber=body, localPosition=place))
+    return mbs.AddMarker(item.MarkerBodyPosition(bodyNumber=body, localPosition=position))
 
 
 def ground(mbs: Any) -> Any:
@@ -234,10 +236,10 @@ def ground(mbs: Any) -> Any:
     return mbs.AddObject(item.ObjectGround())
 
 
-def local(request: Record, index: int | None, place: list[float]) -> Any:
-    """A place from the centre of a body, whose axes are those of space."""
+def local(request: Record, index: int | None, position: list[float]) -> Any:
+    """A position from the centre of a body, whose axes are those of space."""
     centre = [0.0, 0.0, 0.0] if index is None else request["bodies"][index]["centre"]
-    return (np.array(place) - centre).tolist()
+    return (np.array(position) - centre).tolist()
 
 
 # --- shells ---------------------------------------------------------------------------------------
@@ -261,7 +263,7 @@ def hemisphere(mbs: Any, request: Record) -> Probe:
     # Lobatto points against membrane locking, as its documentation says
     mesh.CreateANCFThinPlateElements(mbs, useReducedOrderIntegration=1)
     edges = mesh.boundaryNodeNumbers
-    # coordinates 0-2 are the place, 3-5 the slope along, 6-8 the slope down
+    # coordinates 0-2 are the position, 3-5 the slope along, 6-8 the slope down
     for node in edges["left"]:
         shells.AddNodeConstraints(mbs, node, [1, 3, 5, 7])
     for node in edges["right"]:

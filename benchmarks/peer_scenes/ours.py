@@ -46,7 +46,7 @@ BEAMS: dict[str, fl.elements.BeamFormulation] = {
 
 
 class Motion(NamedTuple):
-    """A scene, and the place of its probe in a result."""
+    """A scene, and the position of its probe in a result."""
 
     scene: fl.Scene
     probe: Callable[[fl.Result], Array]
@@ -130,10 +130,10 @@ def material(result: fl.Result, node: int, arm: tuple[float, ...]) -> Array:
 
 def statics(request: Request) -> dict[str, Any]:
     """Where the probe is, and what it took."""
-    place, result, count = STATICS[request["scene"]](request)
+    position, result, count = STATICS[request["scene"]](request)
     loads = result.load_steps > len(result.factors)
     return {
-        "place": place.tolist(),
+        "place": position.tolist(),
         "seconds": result.seconds,
         "steps": result.load_steps,
         "iterations": int(result.total_iterations),
@@ -147,12 +147,12 @@ def arc(elements: int, formulation: fl.elements.BeamFormulation) -> tuple[fl.Sce
     """The bend of demos/bend45.py, meshed by a function."""
     EA, GA, EI = 1e7, 5e6, 1e7 / 12
 
-    def place(t: float) -> list[float]:
+    def position(t: float) -> list[float]:
         return [100 * np.sin(t * np.pi / 4), 100 * (1 - np.cos(t * np.pi / 4)), 0.0]
 
     section = fl.Section.from_stiffness([EA, GA, GA, EI, EI, EI])
     scene = fl.Scene()
-    beam = scene.add(fl.Beam.curve(place, section, cells=elements, formulation=formulation))
+    beam = scene.add(fl.Beam.curve(position, section, cells=elements, formulation=formulation))
     scene.add(fl.Clamp(beam.point("start")))
     scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, FORCE)))
     return scene, beam

@@ -15,32 +15,32 @@ GRAVITY = 10.0  # a mass of one per length
 def catenary(stiffness: float = STRETCH) -> tuple[Any, float, float]:
     """Places (k, 2) as a function of arc lengths, and both parts of the force at the start."""
 
-    def places(s: Any, H: float, V: float) -> np.ndarray:
+    def positions(s: Any, H: float, V: float) -> np.ndarray:
         down = V - WEIGHT * s
         x = H / WEIGHT * (np.arcsinh(V / H) - np.arcsinh(down / H)) + H * s / stiffness
         z = (np.hypot(H, down) - np.hypot(H, V)) / WEIGHT
         return np.stack([x, z + (0.5 * WEIGHT * s**2 - V * s) / stiffness], axis=-1)
 
     end = np.array([SPAN, RISE])
-    H, V = fsolve(lambda f: places(LENGTH, *f) - end, (34.0, 44.0), xtol=1e-13)
-    return (lambda s: places(s, H, V)), float(H), float(V)
+    H, V = fsolve(lambda f: positions(LENGTH, *f) - end, (34.0, 44.0), xtol=1e-13)
+    return (lambda s: positions(s, H, V)), float(H), float(V)
 
 
 def parabola(longer: float) -> Any:
     """Between the ends, so many times as long as the cable; a function of s from 0 to 1."""
 
-    def place(depth: float, s: Any) -> np.ndarray:
+    def position(depth: float, s: Any) -> np.ndarray:
         return np.stack([SPAN * s, RISE * s - 4 * depth * s * (1 - s), 0 * s], axis=-1)
 
     s = np.linspace(0, 1, 10001)
 
     def gap(depth: float) -> float:
         return float(
-            np.linalg.norm(np.diff(place(depth, s), axis=0), axis=1).sum() - longer * LENGTH
+            np.linalg.norm(np.diff(position(depth, s), axis=0), axis=1).sum() - longer * LENGTH
         )
 
     depth = brentq(gap, 0.1, LENGTH)
-    return lambda s: place(depth, np.asarray(s))
+    return lambda s: position(depth, np.asarray(s))
 
 
 def sag() -> float:

@@ -1,6 +1,6 @@
 """Collapse of an elastic ring under pressure, with opposite sides in contact.
 
-With lengths in radii and the pressure p in EI/R³, of a quarter from the place of contact (0, z) to
+With lengths in radii and the pressure p in EI/R³, of a quarter from the point of contact (0, z) to
 the side (x, 0), θ the angle of the tangent and N the force with which opposite sides push::
 
     θ'' = −cos θ (p x − N/2) − sin θ p z,   x' = cos θ,   z' = sin θ

@@ -12,7 +12,7 @@ SIDE = 1.0
 def navier(
     section: fl.ShellSection, load: float, x: float, y: float, terms: int = 199
 ) -> dict[str, float]:
-    """Deflection and resultants at a place.
+    """Deflection and resultants at a position.
 
     Args:
         section: Specially orthotropic.

@@ -33,9 +33,9 @@ def off_posture(
 ) -> float:
     """Largest distance of a corner at the end, ``time``, from where rigid bars would have it."""
     return max(
-        float(np.linalg.norm(result.position(point)[-1] - place))
+        float(np.linalg.norm(result.position(point)[-1] - position))
         for level, frame in enumerate(frames)
-        for point, place in zip(frame, corners(level, angle(time)), strict=True)
+        for point, position in zip(frame, corners(level, angle(time)), strict=True)
         if not point.is_ground
     )
 

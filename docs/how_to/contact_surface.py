@@ -69,8 +69,8 @@ LENGTH = TUBE - BEAD + DEPTH
 def bead(angle: float, speed: float) -> tuple[fl.Scene, fl.RigidBody]:
     """A bead in a tube that is fixed, off the bottom by an angle, with a speed along the ring."""
     scene = fl.Scene(gravity=(0, 0, -GRAVITY))
-    place = (RING + LENGTH * math.sin(angle), 0.0, -LENGTH * math.cos(angle))
-    body = scene.add(fl.RigidBody(MASS, 1e-4 * np.eye(3), place))
+    position = (RING + LENGTH * math.sin(angle), 0.0, -LENGTH * math.cos(angle))
+    body = scene.add(fl.RigidBody(MASS, 1e-4 * np.eye(3), position))
     body.add_velocity((0, speed, 0))
     law = fl.contact.Penalty(MASS * GRAVITY / DEPTH)
     scene.add(

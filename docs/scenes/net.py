@@ -6,9 +6,9 @@ import fem_lie as fl
 
 n = np.arange(7)
 points = np.array([(x / 6, y / 6, 0.0) for y in n for x in n])
-threads = [*(list(n + 7 * k) for k in n), *(list(7 * n + k) for k in n)]
+cables = [*(list(n + 7 * k) for k in n), *(list(7 * n + k) for k in n)]
 rope = fl.Section.circle(0.004, fl.Material(E=1e7, nu=0.3, density=1000.0))
-net = fl.Net(points, threads, rope)
+net = fl.Net(points, cables, rope)
 net.pin(*(net.point(corner) for corner in (0, 6, 42, 48)))
 scene = fl.Scene(gravity=(0, 0, -9.81))
 scene.add(net)

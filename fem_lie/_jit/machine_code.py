@@ -153,18 +153,18 @@ def _imports(file: Path) -> list[Path]:
     """Files of this package that ``file`` imports at run time, not only for type hints."""
     files: list[Path] = []
     for package, names, module in _IMPORT.findall(file.read_text(encoding="utf-8")):
-        place = PACKAGE.joinpath(*(package or module).split(".")[1:])
-        inside = [place / name for name in re.findall(r"\w+", names)]
+        path = PACKAGE.joinpath(*(package or module).split(".")[1:])
+        inside = [path / name for name in re.findall(r"\w+", names)]
         modules = [path for name in inside for path in _of_module(name) if path.is_file()]
         files += modules
-        if place != PACKAGE and not modules:
-            files += _of_module(place)
+        if path != PACKAGE and not modules:
+            files += _of_module(path)
     return [path for path in files if path.is_file()]
 
 
-def _of_module(place: Path) -> tuple[Path, Path]:
+def _of_module(path: Path) -> tuple[Path, Path]:
     """Candidate files of a module, as a file or as a folder."""
-    return place.with_suffix(".py"), place / "__init__.py"
+    return path.with_suffix(".py"), path / "__init__.py"
 
 
 def _keep_last(paths: Iterable[Path], number: int) -> None:

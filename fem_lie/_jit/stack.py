@@ -27,18 +27,18 @@ def stack(typing_context, size):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def vector_at(place: Any, count: int) -> Any:
+def vector_at(address: Any, count: int) -> Any:
     """Vector at an address, as the following also for functions without reference counts."""
-    return numba.carray(place, (count,))
+    return numba.carray(address, (count,))
 
 
 @inlined
-def matrix_at(place: Any, rows: int, columns: int) -> Any:
+def matrix_at(address: Any, rows: int, columns: int) -> Any:
     """Matrix at an address."""
-    return numba.carray(place, (rows, columns))
+    return numba.carray(address, (rows, columns))
 
 
 @inlined
-def blocks_at(place: Any, count: int, rows: int, columns: int) -> Any:
+def blocks_at(address: Any, count: int, rows: int, columns: int) -> Any:
     """Matrices of one shape at an address."""
-    return numba.carray(place, (count, rows, columns))
+    return numba.carray(address, (count, rows, columns))

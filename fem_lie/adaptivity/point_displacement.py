@@ -37,8 +37,8 @@ class PointDisplacementGoal(Goal):
     """Goal: the displacement of a node in a direction.
 
     Attributes:
-        point: Its name, "body.point"; scenes on all meshes need a point of this name.
-        along: Direction in space, shape (3,).
+        point: Name of the node, "body.point"; scenes on all meshes need a point of this name.
+        along: Direction, global components, shape (3,).
 
     Raises:
         ValueError: The direction is zero.

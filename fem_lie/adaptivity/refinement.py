@@ -84,7 +84,7 @@ def check_refinable(mesh: object, onto: object) -> None:
 
 def _refined_lines(mesh: LineMesh, marked: Indices, onto: Onto | None) -> LineMesh:
     n, m, new = len(mesh.points), len(mesh.cells), len(marked)
-    place, tangent = _arc_middles(mesh, marked)
+    new_points, tangent = _arc_middles(mesh, marked)
     cells, tangents = np.concatenate([mesh.cells, mesh.cells[marked]]), mesh.tangents
     tangents = np.concatenate([tangents, tangents[marked]])
     behind, middle = m + np.arange(new), n + np.arange(new)
@@ -94,7 +94,7 @@ def _refined_lines(mesh: LineMesh, marked: Indices, onto: Onto | None) -> LineMe
     order = np.argsort(np.concatenate([np.arange(m), marked + 0.5]), kind="stable")
     parents = np.concatenate([np.arange(m), marked])[order]
     return LineMesh(
-        np.concatenate([mesh.points, _moved(place, onto)]),
+        np.concatenate([mesh.points, _moved(new_points, onto)]),
         cells[order],
         tangents[order],
         _children(mesh.groups, parents),
@@ -227,10 +227,10 @@ def _children(groups: Mapping[str, Indices], parents: Indices) -> dict[str, Indi
     return {name: np.flatnonzero(np.isin(parents, cells)) for name, cells in groups.items()}
 
 
-def _moved(places: Array, onto: Onto | None) -> Array:
+def _moved(points: Array, onto: Onto | None) -> Array:
     if onto is None:
-        return places
-    return np.array([vector(onto(x), 3, f"onto at {x}") for x in places]).reshape(-1, 3)
+        return points
+    return np.array([vector(onto(x), 3, f"onto at {x}") for x in points]).reshape(-1, 3)
 
 
 _LARGEST = 1.2  # largest size over the target size
@@ -323,7 +323,7 @@ def order_of(body: Estimated) -> int:
 def _middles(mesh: LineMesh | SurfaceMesh | SplineMesh) -> tuple[Array, Array]:
     """Centres of all cells (m, 3) and their sizes, (m,)."""
     if isinstance(mesh, SplineMesh):
-        corners = mesh.rows[mesh.cells[:, [0, 1, 3, 2]], 0]
+        corners = mesh.nodal_vectors[mesh.cells[:, [0, 1, 3, 2]], 0]
     else:
         corners = mesh.points[mesh.cells if isinstance(mesh, LineMesh) else mesh.corners]
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)

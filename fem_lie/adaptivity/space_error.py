@@ -98,14 +98,14 @@ def _in_colours(
     if isinstance(shell, ThinShell):
         kind: CellKind = _Quadrilateral()
         areas = shell.model.cell_quadrature().weights.sum(axis=1)
-        places, pieces = _curved(shell, frames)
+        positions, pieces = _curved(shell, frames)
     else:
         kind, areas = shell.model.cut_mesh, shell.model.areas().sum(axis=1)
-        places = frames[shell.model.cut_mesh.cells, 0]
-        pieces = np.arange(places.shape[1])[np.newaxis]
-    m, k, _ = places.shape
+        positions = frames[shell.model.cut_mesh.cells, 0]
+        pieces = np.arange(positions.shape[1])[np.newaxis]
+    m, k, _ = positions.shape
     density = np.sqrt(squares / areas)
-    points = places.reshape(m * k, 3)
+    points = positions.reshape(m * k, 3)
     cells = k * np.arange(m)[:, np.newaxis, np.newaxis] + pieces
     surface = DrawnSurface(kind, cells.reshape(-1, cells.shape[2]), points)
     # logarithmic colours; zero is drawn as the least value
@@ -119,10 +119,10 @@ def _curved(shell: ThinShell, frames: Array) -> tuple[Array, Indices]:
     """Positions in each cell (m, p, 3), so that edges of cells of several sizes match; pieces."""
     x: Array = np.arange(_PIECES + 1.0) / _PIECES
     table = hermite.table(hermite.products(x, x))[:, hermite.VALUE]
-    places = np.einsum("ga,maj->mgj", table, shell.model.hermite_vectors(frames))
+    positions = np.einsum("ga,maj->mgj", table, shell.model.hermite_vectors(frames))
     number = np.arange(len(table)).reshape(len(x), len(x))
     corners = number[:-1, :-1], number[1:, :-1], number[:-1, 1:], number[1:, 1:]
-    return places, np.stack(corners, axis=-1).reshape(-1, 4)
+    return positions, np.stack(corners, axis=-1).reshape(-1, 4)
 
 
 def space_error(
@@ -196,7 +196,7 @@ class SpaceError(Summarised):
         return self.total / positive(error, "error")
 
     def worst(self, part: float = 0.5) -> Indices:
-        """The fewest elements with this fraction of the squared error, the largest first.
+        """Numbers of the fewest elements with this fraction of the squared error, largest first.
 
         (W. Dörfler, SIAM J. Numer. Anal. 33 (1996) 1106.)
 

@@ -139,7 +139,7 @@ PATCH = AttachmentKind(
 )
 
 
-def in_the_mean(
+def averaging_attachment(
     nodes: Sequence[int], positions: Array, weights: Array, axes: Array
 ) -> AttachmentFrame:
     """Averaging attachment frame of some nodes of a body.

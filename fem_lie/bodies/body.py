@@ -75,7 +75,7 @@ class Body(Summarised):
 
     @property
     def velocities(self) -> Array:
-        """Initial local velocities (translation, rotation), shape (n, 6)."""
+        """Initial velocities of the nodes along their axes: translation, rotation, shape (n, 6)."""
         return self.model.velocities
 
     @velocities.setter

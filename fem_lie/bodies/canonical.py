@@ -56,12 +56,12 @@ class CanonicalBytes:
         if isinstance(value, Point):
             if value.body is None:
                 return b"ground"
-            place = (
+            where = (
                 value.node
                 if value.attachment is None
                 else (value.attachment.nodes, value.attachment.data)
             )
-            return self.of((value.body, place))
+            return self.of((value.body, where))
         if isinstance(value, Enum):
             return str(value).encode()
         if value is None or isinstance(value, bool | int | float | str | np.generic):

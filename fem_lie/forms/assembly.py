@@ -18,7 +18,7 @@ from dolfinx import fem
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie.forms.abilities import LinearisedStress, ViscousForces
-from fem_lie.forms.cell_forms import FormTable
+from fem_lie.forms.cell_forms import FormArrays
 from fem_lie.forms.cell_sums import CellForm, CellSum, Pattern
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels import in_local_frames as kernels
@@ -80,7 +80,7 @@ class BodyTerm(Term):
         size = elements.shape[2]
         blocks = np.zeros((len(self.indices), size, size))
         pairs = elements.transpose(0, 1, 3, 2, 4).reshape(-1, size, size)
-        add_at(blocks, self._pattern.place, pairs)
+        add_at(blocks, self._pattern.pair_index, pairs)
         return blocks
 
     @property
@@ -183,7 +183,7 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
         return (self._tangent, self._viscous_tangent) if self.viscosity else (self._tangent,)
 
     @property
-    def tables(self) -> tuple[FormTable, FormTable] | None:
+    def tables(self) -> tuple[FormArrays, FormArrays] | None:
         """Tables of forces and of energy, see :func:`~fem_lie.forms.cell_forms.add_cells`."""
         return self._residual.table, self._energy.table
 
@@ -204,13 +204,13 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
         """Tangent stiffness (nnz, 6, 6) at frames ``H``, with the current independent stress."""
         return self._blocks(H, self._tangent)
 
-    def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
-        """Add the tangent stiffness at frames ``H`` to blocks ``K`` at ``place``."""
+    def add_tangent(self, H: Array, kept: Array, index: Indices, K: Array) -> None:
+        """Add the tangent stiffness at frames ``H`` to blocks ``K`` at ``index``."""
         if self._unknowns == K.shape[1]:
             self._tangent.pack()
-            self._tangent.add_matrix(H, self._pattern, place, K)
+            self._tangent.add_matrix(H, self._pattern, index, K)
         else:
-            super().add_tangent(H, kept, place, K)
+            super().add_tangent(H, kept, index, K)
 
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
         """Derivative in the twists (nnz, 6, 6); that in frames is neglected."""

@@ -19,7 +19,7 @@ from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
 
 KERNEL, CELLS, NODES, FIRST, W, WIDTH, C, X, EXTENT, GATHERED = range(10)
-"""Columns of a row of :class:`FormTable`.
+"""Columns of a row of :class:`FormArrays`.
 
 Address of the kernel; number of cells, nodes per cell, index of the first node; address and length
 of the coefficients, address of the constants, address and length of the coordinates; number of
@@ -31,7 +31,7 @@ NO_ROWS: Indices = np.empty((0, GATHERED + 1), dtype=np.int64)
 """Table without forms."""
 
 
-class FormTable(NamedTuple):
+class FormArrays(NamedTuple):
     """Forms to be summed.
 
     Attributes:
@@ -58,16 +58,16 @@ class EachCell(NamedTuple):
     nodes: Indices
 
 
-def each_cell(table: FormTable) -> EachCell:
+def each_cell(arrays: FormArrays) -> EachCell:
     """Cells of all forms, in the order of the forms."""
     calls: list[Indices] = [np.empty((0, 6), dtype=np.int64)]
     sizes = [np.zeros(1, dtype=np.int64)]
-    for row in table.rows:
+    for row in arrays.rows:
         own = np.tile(row[[KERNEL, W, C, X, WIDTH, GATHERED]], (row[CELLS], 1))
         own[:, [1, 3]] += 8 * np.arange(row[CELLS])[:, np.newaxis] * row[[WIDTH, EXTENT]]
         calls.append(own)
         sizes.append(np.full(row[CELLS], row[NODES]))
-    return EachCell(np.concatenate(calls), np.cumsum(np.concatenate(sizes)), table.nodes)
+    return EachCell(np.concatenate(calls), np.cumsum(np.concatenate(sizes)), arrays.nodes)
 
 
 @compiled
@@ -75,7 +75,7 @@ def own_coefficients(row: Indices) -> Array:
     """Copies of the coefficients of all cells of a form, with those that kernels read before them.
 
     Args:
-        row: Row of a :class:`FormTable`.
+        row: Row of a :class:`FormArrays`.
 
     Returns:
         Shape (m, any); zero at nodal coordinates.
@@ -112,7 +112,7 @@ def coefficients(at: int, width: int, gathered: int, workspace: Pointer) -> Poin
 
 @inlined
 def _add_cell(
-    H: Array, row: Indices, nodes: Indices, e: int, workspace: Pointer, place: Pointer
+    H: Array, row: Indices, nodes: Indices, e: int, workspace: Pointer, buffer: Pointer
 ) -> int:
     """Evaluate the kernel of a form for its cell ``e``; return the index of the cell's first node.
 
@@ -128,32 +128,32 @@ def _add_cell(
                 packed[k] = H[nodes[i], a, j]
                 k += 1
     x = pointer(row[X] + 8 * row[EXTENT] * e)
-    call_kernel(row[KERNEL], place, w, pointer(row[C]), x)
+    call_kernel(row[KERNEL], buffer, w, pointer(row[C]), x)
     return first
 
 
 @uncounted
-def add_cells(H: Array, table: tuple[Indices, Indices], unknowns: int, out: Array) -> None:
+def add_cells(H: Array, arrays: tuple[Indices, Indices], unknowns: int, out: Array) -> None:
     """Sum all forms over their cells at nodal frames ``H``.
 
     Args:
         H: Frames of the nodes, shape (≥ count, 4, 3).
-        table: See :class:`FormTable`.
+        arrays: See :class:`FormArrays`.
         unknowns: Unknowns per node; 0 for a scalar.
         out: Added to, shape (≥ count · unknowns,) or (1,).
     """
-    rows, nodes = table
+    rows, nodes = arrays
     most = 1
     for f in range(rows.shape[0]):
         most = max(most, rows[f, NODES] * unknowns)
-    place, workspace = stack(most), stack(workspace_size(rows))
-    values = vector_at(place, most)
+    buffer, workspace = stack(most), stack(workspace_size(rows))
+    values = vector_at(buffer, most)
     for f in range(rows.shape[0]):
         count = rows[f, NODES]
         for e in range(rows[f, CELLS]):
             for k in range(most):
                 values[k] = 0.0
-            first = _add_cell(H, rows[f], nodes, e, workspace, place)
+            first = _add_cell(H, rows[f], nodes, e, workspace, buffer)
             if unknowns == 0:
                 out[0] += values[0]
             for i in range(count):
@@ -164,9 +164,9 @@ def add_cells(H: Array, table: tuple[Indices, Indices], unknowns: int, out: Arra
 @compiled
 def add_blocks(
     H: Array,
-    table: tuple[Indices, Indices],
+    arrays: tuple[Indices, Indices],
     pair_of: Indices,
-    place: Indices,
+    index: Indices,
     unknowns: int,
     used: int,
     out: Array,
@@ -175,66 +175,66 @@ def add_blocks(
 
     Args:
         H: Frames of the nodes, shape (≥ count, 4, 3).
-        table: See :class:`FormTable`.
+        arrays: See :class:`FormArrays`.
         pair_of: Index of each pair of nodes of each cell of each form among all pairs.
-        place: Index of each pair's block in ``out``.
+        index: Index of each pair's block in ``out``.
         unknowns: Unknowns per node.
         used: Number of unknowns with entries, the first ones; kernels leave the others zero.
         out: Blocks of pairs of nodes, added to, shape (nnz, unknowns, unknowns).
     """
-    rows, nodes = table
+    rows, nodes = arrays
     most = 1
     for f in range(rows.shape[0]):
         most = max(most, rows[f, NODES] * unknowns)
-    place_of, workspace, pair = stack(most * most), stack(workspace_size(rows)), 0
+    buffer, workspace, pair = stack(most * most), stack(workspace_size(rows)), 0
     for f in range(rows.shape[0]):
         count = rows[f, NODES]
-        values = numba.carray(place_of, (count, unknowns, count, unknowns))
+        values = numba.carray(buffer, (count, unknowns, count, unknowns))
         for e in range(rows[f, CELLS]):
             for i in range(count):
                 for a in range(used):
                     for j in range(count):
                         for b in range(used):
                             values[i, a, j, b] = 0.0
-            _add_cell(H, rows[f], nodes, e, workspace, place_of)
+            _add_cell(H, rows[f], nodes, e, workspace, buffer)
             for i in range(count):
                 for j in range(count):
-                    block = out[place[pair_of[pair]]]
+                    block = out[index[pair_of[pair]]]
                     pair += 1
                     for a in range(used):
                         for b in range(used):
                             block[a, b] += values[i, a, j, b]
 
 
-def of_some_cells(table: FormTable, nodes: Flags) -> FormTable:
+def of_some_cells(arrays: FormArrays, nodes: Flags) -> FormArrays:
     """Forms restricted to cells that contain any of some nodes.
 
     Args:
-        table: Forms whose arrays stay alive.
-        nodes: Mask of all nodes that the table numbers.
+        arrays: Forms whose arrays stay alive.
+        nodes: Mask of all nodes that the arrays number.
     """
-    return of_cells(table, [np.asarray(nodes[cells].any(axis=1)) for cells in _cells(table)])
+    return of_cells(arrays, [np.asarray(nodes[cells].any(axis=1)) for cells in _cells(arrays)])
 
 
-def _cells(table: FormTable) -> list[Indices]:
+def _cells(arrays: FormArrays) -> list[Indices]:
     """Nodes of the cells of each form, shape (m, k)."""
     found: list[Indices] = []
-    for row in table.rows:
+    for row in arrays.rows:
         size, first = row[NODES], row[FIRST]
-        found.append(table.nodes[first : first + row[CELLS] * size].reshape(-1, size))
+        found.append(arrays.nodes[first : first + row[CELLS] * size].reshape(-1, size))
     return found
 
 
-def of_cells(table: FormTable, chosen: Sequence[Flags]) -> FormTable:
+def of_cells(arrays: FormArrays, chosen: Sequence[Flags]) -> FormArrays:
     """Forms restricted to some cells.
 
     Args:
-        table: Forms whose arrays stay alive.
+        arrays: Forms whose arrays stay alive.
         chosen: Mask of the cells of each form.
     """
-    found, kept, at = [], [table.nodes[:0]], 0
-    for k, cells in enumerate(_cells(table)):
-        row: Indices = table.rows[k]
+    found, kept, at = [], [arrays.nodes[:0]], 0
+    for k, cells in enumerate(_cells(arrays)):
+        row: Indices = arrays.rows[k]
         edges = np.flatnonzero(np.diff(chosen[k], prepend=False, append=False))
         # cells that follow each other in memory are one row
         for start, end in edges.reshape(-1, 2):
@@ -245,21 +245,21 @@ def of_cells(table: FormTable, chosen: Sequence[Flags]) -> FormTable:
             kept.append(cells[start:end].ravel())
             at += len(kept[-1])
     rows = np.array(found, dtype=np.int64).reshape(-1, GATHERED + 1)
-    return FormTable(rows, np.concatenate(kept))
+    return FormArrays(rows, np.concatenate(kept))
 
 
-def joined(tables: Sequence[FormTable], first: Sequence[int]) -> tuple[Indices, Indices]:
-    """Concatenation of all forms in one table, as a plain tuple.
+def joined(tables: Sequence[FormArrays], first: Sequence[int]) -> tuple[Indices, Indices]:
+    """Concatenation of the arrays of all forms, as a plain tuple.
 
     Args:
         tables: Forms whose arrays stay alive.
         first: Number of the first node of each in ``H``.
     """
     rows, nodes, at = [], [], 0
-    for table, start in zip(tables, first, strict=True):
-        own = table.rows.copy()
+    for arrays, start in zip(tables, first, strict=True):
+        own = arrays.rows.copy()
         own[:, FIRST] += at
         rows.append(own)
-        nodes.append(start + table.nodes)
-        at += len(table.nodes)
+        nodes.append(start + arrays.nodes)
+        at += len(arrays.nodes)
     return np.concatenate([NO_ROWS, *rows]), np.concatenate([np.empty(0, dtype=np.int64), *nodes])

@@ -20,7 +20,7 @@ from dolfinx import fem
 from fem_lie import _compat
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.abilities import LinearisedStress
-from fem_lie.forms.cell_forms import FormTable, add_blocks, add_cells, of_cells
+from fem_lie.forms.cell_forms import FormArrays, add_blocks, add_cells, of_cells
 from fem_lie.forms.term import Pairs, Term
 
 
@@ -30,12 +30,12 @@ class Pattern(NamedTuple):
     Attributes:
         indptr: Start of each node's row, shape (count + 1,).
         indices: Second node of each pair, increasing in each row, shape (nnz,).
-        place: Index of each pair of nodes of each cell, shape (m k k,).
+        pair_index: Index of each pair of nodes of each cell, shape (m k k,).
     """
 
     indptr: Indices
     indices: Indices
-    place: Indices
+    pair_index: Indices
 
     @classmethod
     def of(cls, cells: npt.NDArray[np.integer[Any]], count: int) -> Pattern:
@@ -43,9 +43,9 @@ class Pattern(NamedTuple):
         first, second = cells.astype(np.int64)[:, :, np.newaxis], cells[:, np.newaxis]
         own = np.arange(count, dtype=np.int64) * (count + 1)
         found = (count * first + second).ravel()
-        keys, place = np.unique(np.concatenate([own, found]), return_inverse=True)
+        keys, pair_index = np.unique(np.concatenate([own, found]), return_inverse=True)
         indptr = np.searchsorted(keys // count, np.arange(count + 1))
-        return cls(indptr, keys % count, place.ravel()[count:].astype(np.int64))
+        return cls(indptr, keys % count, pair_index.ravel()[count:].astype(np.int64))
 
 
 class CellSum:
@@ -54,7 +54,7 @@ class CellSum:
     Attributes:
         cells: Nodes of each cell, shape (m, k).
         values: Data of each cell, at a fixed address, shape (m, any).
-        table: Table for :func:`~fem_lie.forms.cell_forms.add_cells`.
+        arrays: Table for :func:`~fem_lie.forms.cell_forms.add_cells`.
         used: Number of unknowns of a node with matrix entries, the first ones.
         own_only: Whether matrices are summed over the cells of :meth:`choose` only.
     """
@@ -93,22 +93,22 @@ class CellSum:
                 f"cells of shape {cells.shape} need data of shape ({len(cells)}, ≥ {least}), got "
                 f"{self.values.shape}"
             )
-        row = [kernel, *cells.shape, 0, *_place(self.values), constants.ctypes.data]
-        row += [*_place(self._x), rows if separate_nodes else 0]
-        self.table = FormTable(np.array([row], dtype=np.int64), cells.ravel().astype(np.int64))
+        row = [kernel, *cells.shape, 0, *_address_and_width(self.values), constants.ctypes.data]
+        row += [*_address_and_width(self._x), rows if separate_nodes else 0]
+        self.table = FormArrays(np.array([row], dtype=np.int64), cells.ravel().astype(np.int64))
         self._plain: tuple[Indices, Indices] = (self.table[0], self.table[1])
 
     def add_vector(self, H: Array, out: Array) -> None:
         """Add forces at nodal coordinates ``H``, six per node, shape (6 count,)."""
         add_cells(H, self._plain, 6, out)
 
-    def add_matrix(self, H: Array, pattern: Pattern, place: Indices, out: Array) -> None:
-        """Add matrices at coordinates ``H`` to blocks (any, u, u), at ``place`` of the pairs."""
-        table, pairs = self._plain, pattern.place
+    def add_matrix(self, H: Array, pattern: Pattern, index: Indices, out: Array) -> None:
+        """Add matrices at coordinates ``H`` to blocks (any, u, u), at ``index`` of the pairs."""
+        arrays, pairs = self._plain, pattern.pair_index
         if self.own_only:
-            table, pairs = self._own, pairs.reshape(len(self.cells), -1)[self._chosen].ravel()
+            arrays, pairs = self._own, pairs.reshape(len(self.cells), -1)[self._chosen].ravel()
         size = out.shape[1]
-        add_blocks(H, table, pairs, place, size, min(size, self.used), out)
+        add_blocks(H, arrays, pairs, index, size, min(size, self.used), out)
 
     def choose(self, cells: Flags) -> None:
         """Choose the cells of matrices while :attr:`own_only` is set, shape (m,)."""
@@ -160,7 +160,7 @@ class CellTerm(Term):
         return (self._matrix,)
 
     @property
-    def tables(self) -> tuple[FormTable, FormTable] | None:
+    def tables(self) -> tuple[FormArrays, FormArrays] | None:
         """Tables of forces and of energy."""
         return self._forces.table, self._energy.table
 
@@ -176,9 +176,9 @@ class CellTerm(Term):
         """Tangent stiffness at nodal coordinates ``H``, shape (nnz, 6, 6)."""
         return self._matrix.matrix(H, self._pattern)
 
-    def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
-        """Add the tangent stiffness to blocks ``K`` at ``place``."""
-        self._matrix.add_matrix(H, self._pattern, place, K)
+    def add_tangent(self, H: Array, kept: Array, index: Indices, K: Array) -> None:
+        """Add the tangent stiffness to blocks ``K`` at ``index``."""
+        self._matrix.add_matrix(H, self._pattern, index, K)
 
 
 class LinearisedCellTerm(CellTerm, LinearisedStress):
@@ -251,6 +251,6 @@ class CellForm(CellSum):
         self.values[:] = self._packed()
 
 
-def _place(array: Array) -> tuple[int, int]:
+def _address_and_width(array: Array) -> tuple[int, int]:
     """Address of an array, and length of its rows."""
     return array.ctypes.data, array.shape[1]

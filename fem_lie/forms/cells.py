@@ -33,7 +33,7 @@ NOTHING, COORDINATES, ITSELF = 0, 1, 2
 """Part of the energy evaluation that the force kernel has done."""
 
 
-class CellTable(NamedTuple):
+class CellArrays(NamedTuple):
     """Addresses of the data of ``M`` cells, with four kernels each.
 
     Attributes:
@@ -114,7 +114,7 @@ class Cells:
         columns = {
             name: np.concatenate([_EMPTY[name], *(part[name] for part in parts)]) for name in _EMPTY
         }
-        self.table = CellTable(
+        self.table = CellArrays(
             **columns,
             first=np.cumsum(sizes).astype(np.int64),
             nodes=np.concatenate([np.empty(0), *(n.ravel() for n in nodes)]).astype(np.int64),
@@ -272,8 +272,8 @@ def _take_coordinates(w: Indices, c: Indices) -> None:
 
 
 @uncounted
-def evaluate(cells: CellTable, H: Array, more: Array, F: Array, W: Array) -> None:
-    """Forces ``F`` along nodal axes (places, 6), and energies ``W`` (M,), at ``H + more``.
+def evaluate(cells: CellArrays, H: Array, more: Array, F: Array, W: Array) -> None:
+    """Forces ``F`` along nodal axes (p, 6), and energies ``W`` (M,), at ``H + more``.
 
     Local fields are solved by one step of Newton's method, exact if the energy is quadratic in
     them.
@@ -283,8 +283,8 @@ def evaluate(cells: CellTable, H: Array, more: Array, F: Array, W: Array) -> Non
     size = 1
     for e in range(x.shape[0]):
         size = max(size, 6 * (first[e + 1] - first[e]), n_s[e])
-    place = stack(size)
-    out = vector_at(place, size)
+    buffer = stack(size)
+    out = vector_at(buffer, size)
     for e in range(x.shape[0]):
         mine = nodes[first[e] : first[e + 1]]
         count, b = mine.shape[0], unknowns[e]
@@ -295,7 +295,7 @@ def evaluate(cells: CellTable, H: Array, more: Array, F: Array, W: Array) -> Non
             for i in range(n_s[e]):
                 out[i] = 0.0
             call_kernel(
-                kernel[e, LOCAL], place, pointer(w[e, LOCAL]), pointer(c[e, LOCAL]), pointer(x[e])
+                kernel[e, LOCAL], buffer, pointer(w[e, LOCAL]), pointer(c[e, LOCAL]), pointer(x[e])
             )
             for k in range(LOCAL + 1):
                 s = vector_at(pointer(w[e, k] + 8 * at[e, k]), n_s[e])
@@ -305,7 +305,7 @@ def evaluate(cells: CellTable, H: Array, more: Array, F: Array, W: Array) -> Non
             out[i] = 0.0
         call_kernel(
             kernel[e, RESIDUAL],
-            place,
+            buffer,
             pointer(w[e, RESIDUAL]),
             pointer(c[e, RESIDUAL]),
             pointer(x[e]),
@@ -322,20 +322,20 @@ def evaluate(cells: CellTable, H: Array, more: Array, F: Array, W: Array) -> Non
             _take_coordinates(w[e], c[e])
         out[0] = 0.0
         call_kernel(
-            kernel[e, ENERGY], place, pointer(w[e, ENERGY]), pointer(c[e, ENERGY]), pointer(x[e])
+            kernel[e, ENERGY], buffer, pointer(w[e, ENERGY]), pointer(c[e, ENERGY]), pointer(x[e])
         )
         W[e] = out[0]
 
 
 @compiled
-def viscous_forces(cells: CellTable, H: Array, v: Array, F: Array) -> None:
-    """Viscous forces ``F`` (places, 6) at frames ``H`` and twists ``v`` (N, 6)."""
+def viscous_forces(cells: CellArrays, H: Array, v: Array, F: Array) -> None:
+    """Viscous forces ``F`` (p, 6) at frames ``H`` and twists ``v`` (N, 6)."""
     kernel, w, c, at, x, _, _, _, first, nodes = cells
     size = 1
     for e in range(x.shape[0]):
         size = max(size, 6 * (first[e + 1] - first[e]))
-    place = stack(size)
-    out, zero = numba.carray(place, (size,)), np.zeros_like(H)
+    buffer = stack(size)
+    out, zero = numba.carray(buffer, (size,)), np.zeros_like(H)
     for e in range(x.shape[0]):
         mine = nodes[first[e] : first[e + 1]]
         count = mine.shape[0]
@@ -350,7 +350,7 @@ def viscous_forces(cells: CellTable, H: Array, v: Array, F: Array) -> None:
         out[: 6 * count] = 0.0
         call_kernel(
             kernel[e, VISCOUS],
-            place,
+            buffer,
             pointer(w[e, VISCOUS]),
             pointer(c[e, VISCOUS]),
             pointer(x[e]),

@@ -25,27 +25,27 @@ from fem_lie.forms.abilities import (
     StepForces,
     ViscousForces,
 )
-from fem_lie.forms.cell_forms import FormTable
+from fem_lie.forms.cell_forms import FormArrays
 
 Pairs: TypeAlias = tuple[Indices, Indices]
 """First and second node of each pair that a matrix couples."""
 
 
 @compiled
-def add_at(target: Array, place: Indices, blocks: Array) -> None:
-    """Add square blocks, ``target[place] += blocks``.
+def add_at(target: Array, index: Indices, blocks: Array) -> None:
+    """Add square blocks, ``target[index] += blocks``.
 
     Raises:
-        ValueError: There are more or fewer places than blocks: the pairs of a term have changed
-            since the places were computed.
+        ValueError: There are more or fewer indices than blocks: the pairs of a term have changed
+            since the indices were computed.
     """
-    if place.shape[0] != blocks.shape[0]:
-        raise ValueError("there must be a place for each block: the pairs of a term have changed")
+    if index.shape[0] != blocks.shape[0]:
+        raise ValueError("expected an index for each block: the pairs of a term have changed")
     size = blocks.shape[1]
-    for b in range(place.shape[0]):
+    for b in range(index.shape[0]):
         for k in range(size):
             for n in range(size):
-                target[place[b], k, n] += blocks[b, k, n]
+                target[index[b], k, n] += blocks[b, k, n]
 
 
 class PushedPieces(NamedTuple):
@@ -60,16 +60,16 @@ class PushedPieces(NamedTuple):
     across: Array
 
 
-class FollowingTable(NamedTuple):
+class AttachedForms(NamedTuple):
     """Forces as a sum over cells, on nodes rigidly attached to nodes of the equations.
 
     Attributes:
-        table: Table of the cells.
-        master: Master node of each node that the table numbers, shape (k,).
+        arrays: Packed arrays of the cells.
+        master: Master node of each node that the arrays number, shape (k,).
         offset: Frames of these nodes in the frames of their masters, shape (k, 4, 3).
     """
 
-    table: FormTable
+    arrays: FormArrays
     master: Indices
     offset: Array
 
@@ -170,9 +170,9 @@ class Term(ABC):
     @property
     @abstractmethod
     def pairs(self) -> Pairs:
-        """First and second node of each block of :meth:`tangent`; both move."""
+        """First and second node of each block of :meth:`tangent`, (pairs,) each; both move."""
 
-    def room(self) -> Array:
+    def workspace(self) -> Array:
         """Zero array for the forces that :meth:`tangent` reads; default: empty."""
         return np.empty((0, 6))
 
@@ -183,7 +183,7 @@ class Term(ABC):
         Args:
             H: Nodal coordinates.
             out: Forces, shape (≥ moving nodes, 6).
-            kept: Array of :meth:`room`, overwritten.
+            kept: Array of :meth:`workspace`, overwritten.
         """
 
     @abstractmethod
@@ -198,29 +198,29 @@ class Term(ABC):
         """
 
     def linear_forces(self, H: Array, kept: Array, h: Array) -> Array:
-        """First-order change of the forces of :meth:`room` by increments ``h`` (n, 6).
+        """First-order change of the forces of :meth:`workspace` by increments ``h`` (n, 6).
 
         Args:
             H: Nodal coordinates of the current independent stress.
             kept: Forces that :meth:`add_forces` stored at these coordinates.
             h: Increments along nodal axes.
         """
-        forces = self.room()
+        forces = self.workspace()
         if len(forces):
             rows, columns = self.pairs
             np.add.at(forces, rows, np.einsum("pij,pj->pi", self.tangent(H, kept), h[columns]))
         return forces
 
-    def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
+    def add_tangent(self, H: Array, kept: Array, index: Indices, K: Array) -> None:
         """Add :meth:`tangent` to blocks of a larger matrix.
 
         Args:
             H: Nodal coordinates.
             kept: See :meth:`tangent`.
-            place: Index of the block of each pair, shape (pairs,).
+            index: Index of the block of each pair, shape (pairs,).
             K: Blocks, shape (any, 6, 6).
         """
-        add_at(K, place, self.tangent(H, kept))
+        add_at(K, index, self.tangent(H, kept))
 
     def near(self, nodes: Flags) -> NearCells | None:
         """Forces on some nodes only, if that is less work; else ``None``.
@@ -231,7 +231,9 @@ class Term(ABC):
         return None
 
     def geometric(self, H: Array) -> Array | None:
-        """Part of the derivative that :meth:`tangent` omits, of forces without stress field.
+        """Part of the tangent stiffness that :meth:`tangent` omits, shape (pairs, 6, 6).
+
+        It belongs to forces without a stress field. ``None``: there is none.
 
         Args:
             H: Frames of all nodes, shape (n, 4, 3).
@@ -247,23 +249,23 @@ class Term(ABC):
         return 0.0
 
     @property
-    def tables(self) -> tuple[FormTable, FormTable] | None:
+    def tables(self) -> tuple[FormArrays, FormArrays] | None:
         """Tables of forces and energy if these are sums over cells; else ``None``."""
         return None
 
     @property
-    def over_cells(self) -> tuple[FormTable, FormTable] | None:
+    def over_cells(self) -> tuple[FormArrays, FormArrays] | None:
         """The tables for schemes that evaluate cells individually; default: :attr:`tables`."""
         return self.tables
 
     @property
-    def following(self) -> FollowingTable | None:
+    def attached_cells(self) -> AttachedForms | None:
         """Forces as a sum over cells on nodes attached to those of the equations."""
         return None
 
     @property
     def matrices(self) -> Sequence[CellMatrices]:
-        """Tangents as sums over the cells of :attr:`tables`, if they are such sums."""
+        """Tangent stiffness as sums over the cells of :attr:`tables`; empty if it is none."""
         return ()
 
     @property
@@ -290,5 +292,5 @@ class Term(ABC):
 
     @property
     def pieces(self) -> PushedPieces | None:
-        """Segments with pressure on nodes of bodies, for conserving schemes."""
+        """Line segments with pressure, for conserving schemes; ``None`` if there are none."""
         return None

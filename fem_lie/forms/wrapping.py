@@ -134,26 +134,26 @@ class Wrapping:
         """Header of integers that :mod:`fem_lie.forms.kernels` reads."""
         unknowns = packed_size(self.increment.function_space)
         head = [0] * kernels.HEADER_SIZE
-        for place, function in (
+        for entry, function in (
             (kernels.COORDINATES, self.frame_map.coordinates),
             (kernels.PULL_BACK, self.frame_map.pull_back),
             (kernels.PUSH_FORWARD, self.frame_map.push_forward),
             (kernels.GEOMETRIC, self.frame_map.geometric),
         ):
-            head[place] = 0 if function is None else function.address
+            head[entry] = 0 if function is None else function.address
         head[kernels.N_Y] = packed_size(self.coordinates.function_space)
         head[kernels.N_S] = self.local_size
         head[kernels.N_H] = unknowns
         head[kernels.NODES] = unknowns // self.frame_map.unknowns
         head[kernels.AT_STATE] = offsets[self.state]
         head[kernels.AT_Y] = offsets[self.coordinates]
-        for place, f in zip((kernels.AT_H, kernels.AT_DY), extra, strict=False):
-            head[place] = offsets[f]
+        for entry, f in zip((kernels.AT_H, kernels.AT_DY), extra, strict=False):
+            head[entry] = offsets[f]
         # the constants follow the header, so its length must be known before it is written
         constants_at = len(head) + sum(len(part.description(offsets, 0)) for part in inner)
         descriptions = kernels.FIRST, kernels.SECOND, kernels.THIRD, kernels.FOURTH
-        for place, part in zip(descriptions, inner, strict=False):
-            head[place] = len(head)
+        for entry, part in zip(descriptions, inner, strict=False):
+            head[entry] = len(head)
             head += part.description(offsets, constants_at)
             constants_at += sum(int(np.prod(c.ufl_shape)) for c in part.constants)
         return head

@@ -150,7 +150,7 @@ class Connection(ABC):
         return False
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Relative coordinates that results report."""
+        """Coordinates of the relative motion in results, lengths or rad; default: none."""
         return ()
 
     @property
@@ -227,7 +227,7 @@ class Coordinate(NamedTuple):
 
     @property
     def label(self) -> str:
-        """Name in messages."""
+        """Name of the joint in messages."""
         return f"{self.name} of {self.joint.label}"
 
     @property

@@ -143,15 +143,15 @@ class Joint(Connection):
         moving = [point for point in (self.a, self.b) if not point.is_ground]
         if not moving:
             raise ValueError(f"{self.label}: both points are ground; a joint needs a body")
-        places = [point.position for point in moving]
+        positions = [point.position for point in moving]
         size = max(point.size for point in moving)
-        gap = np.linalg.norm(places[-1] - places[0])
+        gap = np.linalg.norm(positions[-1] - positions[0])
         if gap > _COINCIDENT * size:
-            middle = ", ".join(f"{x:.9g}" for x in 0.5 * (places[0] + places[-1]))
+            middle = ", ".join(f"{x:.9g}" for x in 0.5 * (positions[0] + positions[-1]))
             raise ValueError(
-                f"{self.label}: the points are {gap:g} apart, at {places[0]} and {places[-1]}, "
-                f"more than {_COINCIDENT:g} of the size {size:g} of their bodies; let them "
-                f"coincide, or give at=... to join them there by rigid links over any gap, such as "
-                f"at=({middle})"
+                f"{self.label}: the points are {gap:g} apart, at {positions[0]} and "
+                f"{positions[-1]}, more than {_COINCIDENT:g} of the size {size:g} of their "
+                f"bodies; let them coincide, or give at=... to join them there by rigid links over "
+                f"any gap, such as at=({middle})"
             )
-        return places[0]
+        return positions[0]

@@ -52,5 +52,5 @@ class RigidLink:
 
     @property
     def label(self) -> str:
-        """Name in messages."""
+        """Name of the link in messages."""
         return f"RigidLink({self.a.label}, {self.b.label})"

@@ -122,14 +122,14 @@ class Sliding(Connection):
                 f"{self.label}: the beam must be one smooth line of geodesic elements from its "
                 "start to its end"
             )
-        place = self.b.position if self.at is None else vector(self.at, 3, f"{self.label}: at")
+        position = self.b.position if self.at is None else vector(self.at, 3, f"{self.label}: at")
         starts = np.cumsum(lengths) - lengths
-        s, gap = _nearest(self.beam, elements, starts, place)
+        s, gap = _nearest(self.beam, elements, starts, position)
         size = self.beam.model.size
         if gap > _ON_AXIS * size:
             frame = _axis_frame(self.beam, elements, starts, s)
             raise ValueError(
-                f"{self.label}: the position {place} is {gap:g} off the beam's axis, more than "
+                f"{self.label}: the position {position} is {gap:g} off the beam's axis, more than "
                 f"{_ON_AXIS:g} of its size {size:g}; give at=... on the axis, such as "
                 f"at=({', '.join(f'{x:.9g}' for x in frame[0])}), to which the point is joined by "
                 "a rigid link"
@@ -196,7 +196,7 @@ def _axis_frame(beam: Beam, elements: Indices, starts: Array, s: float) -> Array
     return lie.se3_retract(a, (s - starts[e]) / beam.model.lengths[e] * lie.se3_relative(a, b))
 
 
-def _nearest(beam: Beam, elements: Indices, starts: Array, place: Array) -> tuple[float, float]:
+def _nearest(beam: Beam, elements: Indices, starts: Array, position: Array) -> tuple[float, float]:
     """Arc length of the point of the axis closest to a position, and the distance.
 
     Every element is searched, since the closest element is not known beforehand.
@@ -205,16 +205,16 @@ def _nearest(beam: Beam, elements: Indices, starts: Array, place: Array) -> tupl
     d = lie.se3_relative(a, b)
     ξ = np.linspace(0.0, 1.0, 9)
     points = lie.se3_retract(a[:, np.newaxis], ξ[:, np.newaxis] * d[:, np.newaxis])
-    distance = np.linalg.norm(points[:, :, 0] - place, axis=2)
+    distance = np.linalg.norm(points[:, :, 0] - position, axis=2)
     at = ξ[distance.argmin(axis=1)]
     for _ in range(30):
         frames = lie.se3_retract(a, at[:, np.newaxis] * d)
-        gap = np.einsum("eij,ej->ei", frames[:, 1:], place - frames[:, 0])
+        gap = np.einsum("eij,ej->ei", frames[:, 1:], position - frames[:, 0])
         slope = -d[:, 0] + np.cross(gap, d[:, 3:])[:, 0]
         # no slope: all points of a far element have the same distance
         step = np.divide(gap[:, 0], slope, out=np.zeros_like(at), where=slope != 0.0)
         at = np.clip(at - step, 0.0, 1.0)
     frames = lie.se3_retract(a, at[:, np.newaxis] * d)
-    off = np.linalg.norm(place - frames[:, 0], axis=1)
+    off = np.linalg.norm(position - frames[:, 0], axis=1)
     e = int(off.argmin())
     return float(starts[e] + at[e] * beam.model.lengths[e]), float(off[e])

@@ -24,11 +24,11 @@ from fem_lie.lie.tuples import (
 
 @inlined
 def adjoint(H: Array, out: Array) -> None:
-    """``Ad(H) = [[R, x̂R], [0, R]]``.
+    """Adjoint matrix ``Ad(H) = [[R, x̂R], [0, R]]`` of a frame, on twists.
 
     Args:
         H: Frame, shape (4, 3).
-        out: The result, written in place.
+        out: The result, shape (6, 6), written in place.
     """
     x, d1, d2, d3 = load_frame(H)
     m1, m2, m3 = cross(x, d1), cross(x, d2), cross(x, d3)
@@ -39,12 +39,12 @@ def adjoint(H: Array, out: Array) -> None:
 
 @inlined
 def apply_adjoint(H: Array, v: Array, out: Array) -> None:
-    """``Ad(H) v``: the twist ``v`` of the frame H in the frame that H is given in.
+    """Twist ``Ad(H) v``: from components in the frame H to those in its reference frame.
 
     Args:
         H: Frame, shape (4, 3).
         v: Twist, shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6,), written in place.
     """
     x, d1, d2, d3 = load_frame(H)
     ω = rotate(d1, d2, d3, load(v, 3))
@@ -54,12 +54,12 @@ def apply_adjoint(H: Array, v: Array, out: Array) -> None:
 
 @inlined
 def apply_adjoint_inverse(H: Array, v: Array, out: Array) -> None:
-    """``Ad(H)⁻¹ v``.
+    """Twist ``Ad(H)⁻¹ v``: from components in the reference frame of H to those in H.
 
     Args:
         H: Frame, shape (4, 3).
         v: Twist, shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6,), written in place.
     """
     x, d1, d2, d3 = load_frame(H)
     u, ω = load(v, 0), load(v, 3)
@@ -69,12 +69,12 @@ def apply_adjoint_inverse(H: Array, v: Array, out: Array) -> None:
 
 @inlined
 def apply_adjoint_transposed(H: Array, f: Array, out: Array) -> None:
-    """``Ad(H)ᵀ f``.
+    """Force and moment ``Ad(H)ᵀ f``: from the reference frame of H to H.
 
     Args:
         H: Frame, shape (4, 3).
         f: Force and moment, shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6,), written in place.
     """
     x, d1, d2, d3 = load_frame(H)
     n, m = load(f, 0), load(f, 3)
@@ -84,12 +84,12 @@ def apply_adjoint_transposed(H: Array, f: Array, out: Array) -> None:
 
 @inlined
 def apply_adjoint_inverse_transposed(H: Array, f: Array, out: Array) -> None:
-    """``Ad(H)⁻ᵀ f``: the force ``f`` on the frame H in the frame that H is given in.
+    """Force and moment ``Ad(H)⁻ᵀ f``: from the frame H to its reference frame.
 
     Args:
         H: Frame, shape (4, 3).
         f: Force and moment, shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6,), written in place.
     """
     x, d1, d2, d3 = load_frame(H)
     n = rotate(d1, d2, d3, load(f, 0))
@@ -99,12 +99,12 @@ def apply_adjoint_inverse_transposed(H: Array, f: Array, out: Array) -> None:
 
 @inlined
 def apply_ad(v: Array, w: Array, out: Array) -> None:
-    """``ad(v) w``, the Lie bracket.
+    """Lie bracket ``ad(v) w`` of two twists.
 
     Args:
         v: Twist, shape (6,).
         w: Twist, shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6,), written in place.
     """
     ω, q = load(v, 3), load(w, 3)
     translation = plus(cross(ω, load(w, 0)), cross(load(v, 0), q))
@@ -114,12 +114,12 @@ def apply_ad(v: Array, w: Array, out: Array) -> None:
 
 @inlined
 def apply_ad_transposed(v: Array, p: Array, out: Array) -> None:
-    """``ad(v)ᵀ p``.
+    """Product ``ad(v)ᵀ p`` of a twist with a force or momentum.
 
     Args:
         v: Twist, shape (6,).
         p: Force or momentum (n, m), shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6,), written in place.
     """
     u, ω, n, m = load(v, 0), load(v, 3), load(p, 0), load(p, 3)
     store(out, 0, cross(n, ω))
@@ -128,11 +128,11 @@ def apply_ad_transposed(v: Array, p: Array, out: Array) -> None:
 
 @inlined
 def coadjoint_matrix(p: Array, out: Array) -> None:
-    """``P(p) = [[0, n̂], [n̂, m̂]]`` of ``p = (n, m)``: ``ad(v)ᵀ p = P(p) v``.
+    """Matrix ``P(p) = [[0, n̂], [n̂, m̂]]`` of ``p = (n, m)``: ``ad(v)ᵀ p = P(p) v``.
 
     Args:
         p: Force or momentum (n, m), shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6, 6), written in place.
     """
     n, m = shifted_hat(0.0, load(p, 0)), shifted_hat(0.0, load(p, 3))
     store_codual(out, n, m)

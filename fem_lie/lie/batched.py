@@ -88,7 +88,7 @@ def homogeneous(H: ArrayLike) -> Array:
 
 
 def hat(v: ArrayLike) -> Array:
-    """``v̂`` with ``v̂ w = v × w``, shape ``(…, 3, 3)``, of vectors ``(…, 3)``.
+    """Skew matrices ``v̂`` with ``v̂ w = v × w``, shape ``(…, 3, 3)``, of vectors ``(…, 3)``.
 
     Of twists ``(…, 6)``: ``[[θ̂, u], [0, 0]]``, shape ``(…, 4, 4)``.
 
@@ -143,7 +143,7 @@ def so3_log(R: ArrayLike) -> Array:
 
 
 def so3_tangent(theta: ArrayLike) -> Array:
-    """``T(θ)``, shape ``(…, 3, 3)``: ``RᵀδR = (T δθ)^`` for ``R = exp θ̂``.
+    """Tangent operators ``T(θ)``, ``(…, 3, 3)``: ``RᵀδR = (T δθ)^`` for ``R = exp θ̂``.
 
     Args:
         theta: Rotation vectors, rad, shape (…, 3).
@@ -152,7 +152,7 @@ def so3_tangent(theta: ArrayLike) -> Array:
 
 
 def so3_tangent_inverse(theta: ArrayLike) -> Array:
-    """``T⁻¹(θ)``, shape ``(…, 3, 3)``, for ``|θ| < 2π``.
+    """Inverse tangent operators ``T⁻¹(θ)``, shape ``(…, 3, 3)``, for ``|θ| < 2π``.
 
     Args:
         theta: Rotation vectors, rad, shape (…, 3).
@@ -161,7 +161,7 @@ def so3_tangent_inverse(theta: ArrayLike) -> Array:
 
 
 def so3_tangent_derivative(theta: ArrayLike, w: ArrayLike) -> Array:
-    """``∂(T(θ) w)/∂θ``, shape ``(…, 3, 3)``.
+    """Derivatives ``∂(T(θ) w)/∂θ`` at constant ``w``, shape ``(…, 3, 3)``.
 
     Args:
         theta: Rotation vectors, rad, shape (…, 3).
@@ -171,7 +171,7 @@ def so3_tangent_derivative(theta: ArrayLike, w: ArrayLike) -> Array:
 
 
 def so3_tangent_inverse_derivative(theta: ArrayLike, w: ArrayLike) -> Array:
-    """``∂(T⁻¹(θ) w)/∂θ``, shape ``(…, 3, 3)``.
+    """Derivatives ``∂(T⁻¹(θ) w)/∂θ`` at constant ``w``, shape ``(…, 3, 3)``.
 
     Args:
         theta: Rotation vectors, rad, shape (…, 3).
@@ -190,7 +190,7 @@ def so3_cayley(psi: ArrayLike) -> Array:
 
 
 def so3_cayley_tangent(psi: ArrayLike) -> Array:
-    """``C(ψ)``, shape ``(…, 3, 3)``: ``RᵀδR = (C δψ)^`` for ``R = cay ψ``.
+    """Tangent operators ``C(ψ)``, ``(…, 3, 3)``: ``RᵀδR = (C δψ)^`` for ``R = cay ψ``.
 
     Args:
         psi: Cayley vectors, shape (…, 3).
@@ -250,7 +250,7 @@ def se3_compose(A: ArrayLike, B: ArrayLike) -> Array:
 
 
 def se3_inverse(H: ArrayLike) -> Array:
-    """Frames ``H⁻¹``, shape ``(…, 4, 3)``.
+    """Inverse frames ``H⁻¹``, shape ``(…, 4, 3)``.
 
     Args:
         H: Frames, shape (…, 4, 3).
@@ -259,7 +259,7 @@ def se3_inverse(H: ArrayLike) -> Array:
 
 
 def se3_tangent(d: ArrayLike) -> Array:
-    """``T₆(d)``, shape ``(…, 6, 6)``: ``H⁻¹δH = (T₆ δd)^`` for ``H = exp d``.
+    """Tangent operators ``T₆(d)``, ``(…, 6, 6)``: ``H⁻¹δH = (T₆ δd)^`` for ``H = exp d``.
 
     Args:
         d: Twists, shape (…, 6).
@@ -268,7 +268,7 @@ def se3_tangent(d: ArrayLike) -> Array:
 
 
 def se3_tangent_inverse(d: ArrayLike) -> Array:
-    """``T₆⁻¹(d)``, shape ``(…, 6, 6)``, for ``|θ| < 2π``.
+    """Inverse tangent operators ``T₆⁻¹(d)``, shape ``(…, 6, 6)``, for ``|θ| < 2π``.
 
     Args:
         d: Twists, shape (…, 6).
@@ -277,7 +277,7 @@ def se3_tangent_inverse(d: ArrayLike) -> Array:
 
 
 def se3_tangent_inverse_transposed_derivative(d: ArrayLike, f: ArrayLike) -> Array:
-    """``G(d, f) = ∂(T₆⁻ᵀ(d) f)/∂d``, shape ``(…, 6, 6)``, of twists and forces ``(…, 6)``.
+    """Derivatives ``G(d, f) = ∂(T₆⁻ᵀ(d) f)/∂d`` at constant ``f``, shape ``(…, 6, 6)``.
 
     Args:
         d: Twists, shape (…, 6).
@@ -288,7 +288,7 @@ def se3_tangent_inverse_transposed_derivative(d: ArrayLike, f: ArrayLike) -> Arr
 
 
 def se3_adjoint(H: ArrayLike) -> Array:
-    """``Ad(H)``, shape ``(…, 6, 6)``, of frames ``(…, 4, 3)``.
+    """Adjoint matrices ``Ad(H)``, shape ``(…, 6, 6)``, of frames ``(…, 4, 3)``, on twists.
 
     Args:
         H: Frames, shape (…, 4, 3).
@@ -297,7 +297,7 @@ def se3_adjoint(H: ArrayLike) -> Array:
 
 
 def se3_ad(v: ArrayLike) -> Array:
-    """``ad(v)``, shape ``(…, 6, 6)``, of twists ``(…, 6)``: ``ad(v) w`` is the Lie bracket.
+    """Matrices ``ad(v)``, ``(…, 6, 6)``, of twists ``(…, 6)``: ``ad(v) w`` is the Lie bracket.
 
     Args:
         v: Twists, shape (…, 6).
@@ -310,7 +310,7 @@ def se3_ad(v: ArrayLike) -> Array:
 
 
 def se3_coadjoint(p: ArrayLike) -> Array:
-    """``P(p)``, shape ``(…, 6, 6)``, of forces or momenta ``(…, 6)``: ``ad(v)ᵀ p = P(p) v``.
+    """Matrices ``P(p)``, ``(…, 6, 6)``, of forces or momenta: ``ad(v)ᵀ p = P(p) v``.
 
     Args:
         p: Forces or momenta, shape (…, 6).
@@ -328,7 +328,7 @@ def se3_cayley(d: ArrayLike) -> Array:
 
 
 def se3_cayley_tangent(d: ArrayLike) -> Array:
-    """``C₆(d)``, shape ``(…, 6, 6)``: ``H⁻¹δH = (C₆ δd)^`` for ``H = cay d``.
+    """Tangent operators ``C₆(d)``, ``(…, 6, 6)``: ``H⁻¹δH = (C₆ δd)^`` for ``H = cay d``.
 
     Args:
         d: Twists, shape (…, 6).

@@ -51,11 +51,11 @@ from fem_lie.lie.tuples import (
 
 @inlined
 def exp_se3(d: Array, out: Array) -> None:
-    """Frame ``exp(d) = (exp θ̂, Tᵀ(θ) u)`` of ``d = (u, θ)``.
+    """Frame ``exp(d) = (exp θ̂, Tᵀ(θ) u)`` of an increment ``d = (u, θ)``.
 
     Args:
         d: Increment (u, θ), shape (6,).
-        out: The result, written in place.
+        out: The result, shape (4, 3), written in place.
     """
     p, r1, r2, r3 = exponential(load(d, 0), load(d, 3))
     store_frame(out, p, r1, r2, r3)
@@ -63,12 +63,12 @@ def exp_se3(d: Array, out: Array) -> None:
 
 @inlined
 def retract(H: Array, d: Array, out: Array) -> None:
-    """Frame ``H exp(d)``.
+    """Frame ``H exp(d)`` after a local increment ``d``.
 
     Args:
         H: Frame, shape (4, 3).
         d: Increment (u, θ), shape (6,).
-        out: The result, written in place.
+        out: The result, shape (4, 3), written in place.
     """
     p, r1, r2, r3 = exponential(load(d, 0), load(d, 3))
     x, d1, d2, d3 = load_frame(H)
@@ -78,11 +78,11 @@ def retract(H: Array, d: Array, out: Array) -> None:
 
 @inlined
 def log_se3(H: Array, out: Array) -> None:
-    """Twist ``log(H)`` with ``|θ| ≤ π``.
+    """Increment ``d = log(H)`` with ``|θ| ≤ π``: translation, rotation in rad.
 
     Args:
         H: Frame, shape (4, 3).
-        out: The result, written in place.
+        out: The result, shape (6,), written in place.
     """
     x, d1, d2, d3 = load_frame(H)
     _store_log(out, x, d1, d2, d3)
@@ -90,12 +90,12 @@ def log_se3(H: Array, out: Array) -> None:
 
 @inlined
 def relative(A: Array, B: Array, out: Array) -> None:
-    """Twist ``log(A⁻¹B)`` with ``|θ| ≤ π``.
+    """Increment ``log(A⁻¹B)`` from frame A to frame B, components in A, ``|θ| ≤ π``.
 
     Args:
         A: Frame, shape (4, 3).
         B: Frame, shape (4, 3).
-        out: The result, written in place.
+        out: The result, shape (6,), written in place.
     """
     xa, a1, a2, a3 = load_frame(A)
     xb, b1, b2, b3 = load_frame(B)
@@ -115,7 +115,7 @@ def compose(A: Array, B: Array, out: Array) -> None:
     Args:
         A: Frame, shape (4, 3).
         B: Frame, shape (4, 3).
-        out: The result, written in place.
+        out: The result, shape (4, 3), written in place.
     """
     xa, a1, a2, a3 = load_frame(A)
     xb, b1, b2, b3 = load_frame(B)
@@ -125,11 +125,11 @@ def compose(A: Array, B: Array, out: Array) -> None:
 
 @inlined
 def inverse(H: Array, out: Array) -> None:
-    """Frame ``H⁻¹ = (Rᵀ, −Rᵀx)``.
+    """Inverse frame ``H⁻¹ = (Rᵀ, −Rᵀx)``.
 
     Args:
         H: Frame, shape (4, 3).
-        out: The result, written in place.
+        out: The result, shape (4, 3), written in place.
     """
     x, (a, b, c), (d, e, f), (g, h, i) = load_frame(H)
     back = rotate_back((a, b, c), (d, e, f), (g, h, i), x)
@@ -155,117 +155,117 @@ def reorthonormalise(H: Array) -> None:
 
 @inlined
 def tangent(d: Array, out: Array) -> None:
-    """``T₆(d)``, the right Jacobian of exp: ``H⁻¹δH = (T₆(d) δd)^``.
+    """Tangent operator ``T₆(d)`` of the exponential map: ``H⁻¹δH = (T₆(d) δd)^``.
 
     Args:
         d: Increment (u, θ), shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6, 6), written in place.
     """
     _store_matrix(tangent_coefficients(_angle2(d)), 1.0, d, out)
 
 
 @inlined
 def tangent_inverse(d: Array, out: Array) -> None:
-    """``T₆⁻¹(d)``, for ``|θ| < 2π``.
+    """Inverse ``T₆⁻¹(d)`` of the tangent operator, for ``|θ| < 2π``.
 
     Args:
         d: Increment (u, θ), shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6, 6), written in place.
     """
     _store_matrix(inverse_coefficients(_angle2(d)), 1.0, d, out)
 
 
 @inlined
 def tangent_inverse_minus(d: Array, out: Array) -> None:
-    """``T₆⁻¹(−d) = T₆⁻¹(d) Ad(exp −d)``.
+    """Inverse of the tangent operator at ``−d``: ``T₆⁻¹(−d) = T₆⁻¹(d) Ad(exp −d)``.
 
     Args:
         d: Increment (u, θ), shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6, 6), written in place.
     """
     _store_matrix(inverse_coefficients(_angle2(d)), -1.0, d, out)
 
 
 @inlined
 def apply_tangent(d: Array, v: Array, out: Array) -> None:
-    """``T₆(d) v``.
+    """Product ``T₆(d) v`` of the tangent operator with a twist.
 
     Args:
         d: Increment (u, θ), shape (6,).
         v: Twist, shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6,), written in place.
     """
     _store_twist(tangent_coefficients(_angle2(d)), 1.0, d, v, out)
 
 
 @inlined
 def apply_tangent_transposed(d: Array, f: Array, out: Array) -> None:
-    """``T₆ᵀ(d) f``.
+    """Product ``T₆ᵀ(d) f`` of the transposed tangent operator with a force and moment.
 
     Args:
         d: Increment (u, θ), shape (6,).
         f: Force and moment, shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6,), written in place.
     """
     _store_force(tangent_coefficients(_angle2(d)), -1.0, d, f, out)
 
 
 @inlined
 def apply_tangent_inverse(d: Array, v: Array, out: Array) -> None:
-    """``T₆⁻¹(d) v``.
+    """Product ``T₆⁻¹(d) v`` of the inverse tangent operator with a twist.
 
     Args:
         d: Increment (u, θ), shape (6,).
         v: Twist, shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6,), written in place.
     """
     _store_twist(inverse_coefficients(_angle2(d)), 1.0, d, v, out)
 
 
 @inlined
 def apply_tangent_inverse_minus(d: Array, v: Array, out: Array) -> None:
-    """``T₆⁻¹(−d) v``.
+    """Product ``T₆⁻¹(−d) v`` of the inverse tangent operator at ``−d`` with a twist.
 
     Args:
         d: Increment (u, θ), shape (6,).
         v: Twist, shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6,), written in place.
     """
     _store_twist(inverse_coefficients(_angle2(d)), -1.0, d, v, out)
 
 
 @inlined
 def apply_tangent_inverse_transposed(d: Array, f: Array, out: Array) -> None:
-    """``T₆⁻ᵀ(d) f``.
+    """Product ``T₆⁻ᵀ(d) f`` of the inverse transpose with a force and moment.
 
     Args:
         d: Increment (u, θ), shape (6,).
         f: Force and moment, shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6,), written in place.
     """
     _store_force(inverse_coefficients(_angle2(d)), -1.0, d, f, out)
 
 
 @inlined
 def apply_tangent_inverse_transposed_minus(d: Array, f: Array, out: Array) -> None:
-    """``T₆⁻ᵀ(−d) f``.
+    """Product ``T₆⁻ᵀ(−d) f`` of the inverse transpose at ``−d`` with a force and moment.
 
     Args:
         d: Increment (u, θ), shape (6,).
         f: Force and moment, shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6,), written in place.
     """
     _store_force(inverse_coefficients(_angle2(d)), 1.0, d, f, out)
 
 
 @inlined
 def tangent_inverse_transposed_derivative(d: Array, f: Array, out: Array) -> None:
-    """``G(d, f) = ∂(T₆⁻ᵀ(d) f)/∂d``.
+    """Derivative ``G(d, f) = ∂(T₆⁻ᵀ(d) f)/∂d`` at constant ``f``; a column per component.
 
     Args:
         d: Increment (u, θ), shape (6,).
         f: Force and moment, shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6, 6), written in place.
     """
     _store_derivative(1.0, d, f, out)
 
@@ -277,7 +277,7 @@ def tangent_inverse_transposed_derivative_minus(d: Array, f: Array, out: Array) 
     Args:
         d: Increment (u, θ), shape (6,).
         f: Force and moment, shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6, 6), written in place.
     """
     _store_derivative(-1.0, d, f, out)
 
@@ -291,7 +291,7 @@ def cayley_se3(d: Array, out: Array) -> None:
 
     Args:
         d: Increment (u, θ), shape (6,).
-        out: The result, written in place.
+        out: The result, shape (4, 3), written in place.
     """
     p, r1, r2, r3 = cayley(load(d, 0), load(d, 3))
     store_frame(out, p, r1, r2, r3)
@@ -299,13 +299,15 @@ def cayley_se3(d: Array, out: Array) -> None:
 
 @inlined
 def cayley_tangent_se3(d: Array, out: Array) -> None:
-    """``C₆(d) = [[A, −½ûC], [0, C]]``, ``A = (I + ½ψ̂)⁻¹``: ``H⁻¹δH = (C₆(d) δd)^``, ``H = cay d``.
+    """Tangent operator of Cayley's map: ``H⁻¹δH = (C₆(d) δd)^`` for ``H = cay d``.
+
+    ``C₆(d) = [[A, −½ûC], [0, C]]``, ``A = (I + ½ψ̂)⁻¹``.
 
     From ``H⁻¹δH = (I + ½X)⁻¹ δX (I − ½X)⁻¹``; ``C(ψ)`` is that of SO(3).
 
     Args:
         d: Increment (u, θ), shape (6,).
-        out: The result, written in place.
+        out: The result, shape (6, 6), written in place.
     """
     u, ψ = load(d, 0), load(d, 3)
     r = 1.0 / (1.0 + 0.25 * dot(ψ, ψ))

@@ -32,11 +32,11 @@ from fem_lie.lie.tuples import (
 
 @inlined
 def exp_so3(theta: Array, out: Array) -> None:
-    """Director rows of ``exp θ̂``.
+    """Directors of the rotation ``R = exp θ̂``: rows of ``Rᵀ``.
 
     Args:
         theta: Rotation vector, rad, shape (3,).
-        out: The result, written in place.
+        out: The result, shape (3, 3), written in place.
     """
     _, r1, r2, r3 = exponential((0.0, 0.0, 0.0), load(theta, 0))
     store_rows(out, 0, r1, r2, r3)
@@ -44,22 +44,22 @@ def exp_so3(theta: Array, out: Array) -> None:
 
 @inlined
 def log_so3(D: Array, out: Array) -> None:
-    """Rotation vector of the director rows ``D``, ``|θ| ≤ π``.
+    """Rotation vector of a rotation given by its directors, rad, ``|θ| ≤ π``.
 
     Args:
         D: Director rows, shape (3, 3).
-        out: The result, written in place.
+        out: The result, shape (3,), written in place.
     """
     store(out, 0, rotation_vector(load_row(D, 0), load_row(D, 1), load_row(D, 2)))
 
 
 @inlined
 def tangent_so3(theta: Array, out: Array) -> None:
-    """``T(θ)``: ``RᵀδR = (T(θ) δθ)^``.
+    """Tangent operator ``T(θ)`` of the exponential map: ``RᵀδR = (T(θ) δθ)^``.
 
     Args:
         theta: Rotation vector, rad, shape (3,).
-        out: The result, written in place.
+        out: The result, shape (3, 3), written in place.
     """
     t = load(theta, 0)
     k, _ = tangent_coefficients(dot(t, t))
@@ -68,11 +68,11 @@ def tangent_so3(theta: Array, out: Array) -> None:
 
 @inlined
 def tangent_inverse_so3(theta: Array, out: Array) -> None:
-    """``T⁻¹(θ)``, for ``|θ| < 2π``.
+    """Inverse ``T⁻¹(θ)`` of the tangent operator, for ``|θ| < 2π``.
 
     Args:
         theta: Rotation vector, rad, shape (3,).
-        out: The result, written in place.
+        out: The result, shape (3, 3), written in place.
     """
     t = load(theta, 0)
     k, _ = inverse_coefficients(dot(t, t))
@@ -81,12 +81,12 @@ def tangent_inverse_so3(theta: Array, out: Array) -> None:
 
 @inlined
 def apply_tangent_so3(theta: Array, w: Array, out: Array) -> None:
-    """``T(θ) w``.
+    """Product ``T(θ) w`` of the tangent operator with a vector.
 
     Args:
         theta: Rotation vector, rad, shape (3,).
         w: Vector, shape (3,).
-        out: The result, written in place.
+        out: The result, shape (3,), written in place.
     """
     t = load(theta, 0)
     k, _ = tangent_coefficients(dot(t, t))
@@ -95,12 +95,12 @@ def apply_tangent_so3(theta: Array, w: Array, out: Array) -> None:
 
 @inlined
 def apply_tangent_transposed_so3(theta: Array, w: Array, out: Array) -> None:
-    """``Tᵀ(θ) w = T(−θ) w``.
+    """Product ``Tᵀ(θ) w = T(−θ) w`` of the transposed tangent operator with a vector.
 
     Args:
         theta: Rotation vector, rad, shape (3,).
         w: Vector, shape (3,).
-        out: The result, written in place.
+        out: The result, shape (3,), written in place.
     """
     t = load(theta, 0)
     k, _ = tangent_coefficients(dot(t, t))
@@ -109,12 +109,12 @@ def apply_tangent_transposed_so3(theta: Array, w: Array, out: Array) -> None:
 
 @inlined
 def apply_tangent_inverse_so3(theta: Array, w: Array, out: Array) -> None:
-    """``T⁻¹(θ) w``.
+    """Product ``T⁻¹(θ) w`` of the inverse tangent operator with a vector.
 
     Args:
         theta: Rotation vector, rad, shape (3,).
         w: Vector, shape (3,).
-        out: The result, written in place.
+        out: The result, shape (3,), written in place.
     """
     t = load(theta, 0)
     k, _ = inverse_coefficients(dot(t, t))
@@ -123,12 +123,12 @@ def apply_tangent_inverse_so3(theta: Array, w: Array, out: Array) -> None:
 
 @inlined
 def apply_tangent_inverse_transposed_so3(theta: Array, w: Array, out: Array) -> None:
-    """``T⁻ᵀ(θ) w = T⁻¹(−θ) w``.
+    """Product ``T⁻ᵀ(θ) w = T⁻¹(−θ) w`` of the inverse transpose with a vector.
 
     Args:
         theta: Rotation vector, rad, shape (3,).
         w: Vector, shape (3,).
-        out: The result, written in place.
+        out: The result, shape (3,), written in place.
     """
     t = load(theta, 0)
     k, _ = inverse_coefficients(dot(t, t))
@@ -137,12 +137,12 @@ def apply_tangent_inverse_transposed_so3(theta: Array, w: Array, out: Array) -> 
 
 @inlined
 def tangent_derivative_so3(theta: Array, w: Array, out: Array) -> None:
-    """``∂(T(θ) w)/∂θ``.
+    """Derivative ``∂(T(θ) w)/∂θ`` at constant ``w``; one column per component of θ.
 
     Args:
         theta: Rotation vector, rad, shape (3,).
         w: Vector, shape (3,).
-        out: The result, written in place.
+        out: The result, shape (3, 3), written in place.
     """
     t = load(theta, 0)
     k, dk = tangent_coefficients(dot(t, t))
@@ -151,12 +151,12 @@ def tangent_derivative_so3(theta: Array, w: Array, out: Array) -> None:
 
 @inlined
 def tangent_inverse_derivative_so3(theta: Array, w: Array, out: Array) -> None:
-    """``∂(T⁻¹(θ) w)/∂θ``.
+    """Derivative ``∂(T⁻¹(θ) w)/∂θ`` at constant ``w``; one column per component of θ.
 
     Args:
         theta: Rotation vector, rad, shape (3,).
         w: Vector, shape (3,).
-        out: The result, written in place.
+        out: The result, shape (3, 3), written in place.
     """
     t = load(theta, 0)
     k, dk = inverse_coefficients(dot(t, t))
@@ -165,11 +165,11 @@ def tangent_inverse_derivative_so3(theta: Array, w: Array, out: Array) -> None:
 
 @inlined
 def cayley_so3(psi: Array, out: Array) -> None:
-    """Director rows of ``cay ψ = I + (ψ̂ + ½ψ̂²)/(1 + |ψ|²/4)``.
+    """Directors of the rotation ``R = cay ψ = I + (ψ̂ + ½ψ̂²)/(1 + |ψ|²/4)``: rows of ``Rᵀ``.
 
     Args:
         psi: Cayley vector ψ, shape (3,).
-        out: The result, written in place.
+        out: The result, shape (3, 3), written in place.
     """
     t = load(psi, 0)
     x = dot(t, t)
@@ -180,11 +180,13 @@ def cayley_so3(psi: Array, out: Array) -> None:
 
 @inlined
 def cayley_tangent_so3(psi: Array, out: Array) -> None:
-    """``C(ψ) = (I − ½ψ̂)/(1 + |ψ|²/4)``: ``RᵀδR = (C(ψ) δψ)^`` for ``R = cay ψ``.
+    """Tangent operator of Cayley's map: ``RᵀδR = (C(ψ) δψ)^`` for ``R = cay ψ``.
+
+    ``C(ψ) = (I − ½ψ̂)/(1 + |ψ|²/4)``.
 
     Args:
         psi: Cayley vector ψ, shape (3,).
-        out: The result, written in place.
+        out: The result, shape (3, 3), written in place.
     """
     t = load(psi, 0)
     r = 1.0 / (1.0 + 0.25 * dot(t, t))
@@ -193,11 +195,11 @@ def cayley_tangent_so3(psi: Array, out: Array) -> None:
 
 @inlined
 def cayley_tangent_inverse_so3(psi: Array, out: Array) -> None:
-    """``C⁻¹(ψ) = I + ½ψ̂ + ¼ψψᵀ``.
+    """Inverse ``C⁻¹(ψ) = I + ½ψ̂ + ¼ψψᵀ`` of the tangent operator of Cayley's map.
 
     Args:
         psi: Cayley vector ψ, shape (3,).
-        out: The result, written in place.
+        out: The result, shape (3, 3), written in place.
     """
     t = load(psi, 0)
     store_block(out, 0, 0, matrix((1.0, 0.5, 0.25), t))

@@ -115,10 +115,10 @@ def _columns(adjacency: sp.csr_matrix, order: Indices, sizes: Indices) -> Array:
         order: Elimination order, shape (v,).
         sizes: Number of unknowns of each vertex, shape (v,).
     """
-    place = np.empty_like(order)
-    place[order] = np.arange(len(order))
+    position = np.empty_like(order)
+    position[order] = np.arange(len(order))
     columns: Array = sizes[order].astype(np.float64)
-    _count(adjacency.indptr, adjacency.indices, order, place, sizes, columns)
+    _count(adjacency.indptr, adjacency.indices, order, position, sizes, columns)
     return columns
 
 
@@ -146,7 +146,7 @@ def _count(
     pointers: Indices,
     neighbours: Indices,
     order: Indices,
-    place: Indices,
+    position: Indices,
     sizes: Indices,
     columns: Array,
 ) -> None:
@@ -156,7 +156,7 @@ def _count(
         pointers: Row pointers of the graph.
         neighbours: Column indices of the graph.
         order: Elimination order, shape (v,).
-        place: Position of each vertex in it.
+        position: Position of each vertex in it.
         sizes: Number of unknowns of each vertex.
         columns: Column lengths in elimination order, shape (v,), updated.
     """
@@ -165,7 +165,7 @@ def _count(
     for k in range(n):
         seen[k] = k
         for p in range(pointers[order[k]], pointers[order[k] + 1]):
-            j = place[neighbours[p]]
+            j = position[neighbours[p]]
             while j < k and seen[j] != k:
                 if parent[j] < 0:
                     parent[j] = k

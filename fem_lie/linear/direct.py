@@ -278,10 +278,10 @@ class DirectSolver:
         return None if found is None else found - self._own.rank
 
     def times(self, x: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """Product of the factorised matrix with ``x``.
+        """Product of the factorised matrix with ``x``, shape (n,).
 
         Args:
-            x: Vector.
+            x: Vector, shape (n,).
         """
         own, n = self._own, len(x)
         given, product = self._local.createVecs()

@@ -34,7 +34,7 @@ _SYMMETRIC = 1e-13
 
 
 class SingularMatrixError(ArithmeticError):
-    """The matrix has no factorisation."""
+    """Error: the matrix is singular, so that it has no factorisation."""
 
 
 class InaccurateSolutionError(SingularMatrixError):

@@ -248,9 +248,9 @@ def _call(typing_context: Any, function: Any, holder: Any, b: Any, x: Any) -> An
     """Call ``int function(holder, b, x)``, all of them addresses."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        place, number = ir.IntType(8).as_pointer(), ir.IntType(32)
-        kind = ir.FunctionType(number, [place] * 3).as_pointer()
-        given = [builder.inttoptr(argument, place) for argument in arguments[1:]]
+        pointer, number = ir.IntType(8).as_pointer(), ir.IntType(32)
+        kind = ir.FunctionType(number, [pointer] * 3).as_pointer()
+        given = [builder.inttoptr(argument, pointer) for argument in arguments[1:]]
         return builder.call(builder.inttoptr(arguments[0], kind), given)
 
     return types.int32(*[types.int64] * 4), generate

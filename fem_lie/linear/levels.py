@@ -82,7 +82,7 @@ class Levels(Generic[Kept]):
         assert self._now is not None
         return np.asarray(self._now.scale / self.factor)
 
-    def make_room(self) -> Kept | None:
+    def release(self) -> Kept | None:
         """Delete the factorisation that the next one replaces: of this level, or the oldest."""
         old = [slot for slot in self._slots if _near(slot.mass, self._wanted)]
         if not old and len(self._slots) == MOST:
@@ -128,7 +128,7 @@ class StoredFactors(DirectSolver):
         Raises:
             SingularMatrixError: It cannot be factorised.
         """
-        solver = self.levels.make_room() or DirectSolver(*self._args)
+        solver = self.levels.release() or DirectSolver(*self._args)
         solver.factorise()
         self.factorisations += 1
         self.levels.keep(solver, scale)

@@ -59,8 +59,8 @@ class LowRank(NamedTuple):
 
     def matrix(self, size: int) -> sp.csr_matrix:
         """The part as a sparse matrix, shape (size, size)."""
-        shape, places = (size, len(self.core)), (self.rows, self.columns)
-        U, W = (sp.csr_matrix((each, places), shape=shape) for each in (self.left, self.right))
+        shape, indices = (size, len(self.core)), (self.rows, self.columns)
+        U, W = (sp.csr_matrix((each, indices), shape=shape) for each in (self.left, self.right))
         return (U @ sp.csr_matrix(self.core) @ W.T).tocsr()
 
     def times(self, x: Array) -> Array:
@@ -87,13 +87,13 @@ class Extended:
         """
         n, r, k = len(pointers) - 1, len(part.core), len(columns)
         keys, self._sums = np.unique(part.rows * r + part.columns, return_inverse=True)
-        places, ends = (keys // r, keys % r), np.cumsum([k, len(keys), len(keys), r, r * r])
+        indices, ends = (keys // r, keys % r), np.cumsum([k, len(keys), len(keys), r, r * r])
         # entries are the numbers of their sources, from one: zeros would not be stored
         first = np.arange(1.0, ends[-1] + 1.0)
         own, left, right, ones, core = np.split(first, ends[:-1])
         A = sp.csr_matrix((own, columns, pointers), shape=(n, n))
-        U = sp.csr_matrix((left, places), shape=(n, r))
-        W = sp.csr_matrix((right, places), shape=(n, r))
+        U = sp.csr_matrix((left, indices), shape=(n, r))
+        W = sp.csr_matrix((right, indices), shape=(n, r))
         one, C = sp.diags(ones), sp.csr_matrix(core.reshape(r, r))
         whole = sp.bmat([[A, U, None], [W.T, None, one], [None, one, C]], format="csr")
         whole.sort_indices()
@@ -178,15 +178,15 @@ class Columns:
         for row, z in enumerate(Z):
             part = slice(correction.first[row], correction.first[row + 1])
             unknowns, left = correction.unknowns[part], correction.left[part]
-            place, turn = unknowns.tobytes(), 0
-            while (place, turn) in kept:
+            key, turn = unknowns.tobytes(), 0
+            while (key, turn) in kept:
                 turn += 1
-            u, known = self._known((place, turn), left)
+            u, known = self._known((key, turn), left)
             if known is None:
                 solve(_spread(unknowns, u, size), z)
             else:
                 z[:] = known
-            kept[place, turn] = u, z
+            kept[key, turn] = u, z
         self._kept, self._lefts = kept, {}
         return Z
 
@@ -199,7 +199,7 @@ class Columns:
 
     def saved_state(self) -> dict[str, Array]:
         """All ``u``, for a checkpoint."""
-        unknowns = [np.frombuffer(place, dtype=np.int64) for place, _ in self._kept]
+        unknowns = [np.frombuffer(key, dtype=np.int64) for key, _ in self._kept]
         none = np.empty(0, dtype=np.int64)
         return {
             "sizes": np.array([len(part) for part in unknowns], dtype=np.int64),
@@ -211,8 +211,8 @@ class Columns:
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Solve for the columns of :meth:`saved_state` again when they are needed."""
         ends = np.cumsum(kept["sizes"])[:-1]
-        places = np.split(kept["unknowns"], ends)
+        keys = np.split(kept["unknowns"], ends)
         lefts = np.split(kept["left"], ends)
         turns = (int(turn) for turn in kept["turns"])
-        known = zip(places, turns, lefts, strict=False)
-        self._lefts = {(place.tobytes(), turn): left for place, turn, left in known}
+        known = zip(keys, turns, lefts, strict=False)
+        self._lefts = {(key.tobytes(), turn): left for key, turn, left in known}

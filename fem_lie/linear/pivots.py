@@ -53,9 +53,7 @@ def negative_determinant(A: sp.csr_matrix, shared: SharedNodes | None = None) ->
     return bool(factors.getMumpsRinfog(_MANTISSA) < 0.0)
 
 
-def _factors(
-    A: sp.csr_matrix, kind: str, option: int, shared: SharedNodes | None
-) -> PETSc.Mat:
+def _factors(A: sp.csr_matrix, kind: str, option: int, shared: SharedNodes | None) -> PETSc.Mat:
     """MUMPS' factors with an option switched on."""
     A.sort_indices()
     csr = A.indptr.astype(PETSc.IntType), A.indices.astype(PETSc.IntType), A.data

@@ -315,7 +315,7 @@ class KKT:
         self._columns[own.sum() :] = of_constraints
         self._size = len(self._columns)
 
-    def place(self, rows: Indices, columns: Indices) -> Indices:
+    def block_index(self, rows: Indices, columns: Indices) -> Indices:
         """Positions of node pairs among the blocks; −1 if a node does not move."""
         found: Indices = np.empty(rows.shape, dtype=np.int64)
         _find(self.indptr, self.indices, rows.ravel(), columns.ravel(), found.ravel())
@@ -386,7 +386,7 @@ class KKT:
         otherwise round-off of the constraints would move them in every iteration.
         """
         nodes, m = np.arange(len(self.held)), len(scale)
-        S = np.abs(blocks[self.place(nodes, nodes)].diagonal(axis1=1, axis2=2))
+        S = np.abs(blocks[self.block_index(nodes, nodes)].diagonal(axis1=1, axis2=2))
         scaled = columns * np.sqrt(flexibility(S, self.free_units))[self.incidences.nodes]
         scaled *= scale[self.incidences.rows, np.newaxis]
         total = np.bincount(self.incidences.rows, (scaled**2).sum(axis=1), minlength=m)

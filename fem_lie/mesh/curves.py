@@ -66,7 +66,7 @@ class Spline(NamedTuple):
         rates = numbers(slopes, "slopes of a spline")
         if u.shape != (len(x),) or rates.shape != x.shape or len(x) < 2:
             raise ValueError(
-                "a spline has two knots or more, with a place and a slope at each, got shapes "
+                "a spline has two knots or more, with a position and a slope at each, got shapes "
                 f"{u.shape}, {x.shape} and {rates.shape}"
             )
         if not (np.diff(u) > 0).all():

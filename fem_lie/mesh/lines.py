@@ -352,8 +352,8 @@ def _refuse_overlaps(points: Array, cells: Indices) -> None:
         on_top = np.flatnonzero(np.linalg.norm(away[a] - away[b], axis=1) < CORNER_ANGLE)
         if len(on_top):
             first, second = sorted((a[on_top[0]] // 2, b[on_top[0]] // 2))
-            place = points[point[a[on_top[0]]]]
+            position = points[point[a[on_top[0]]]]
             raise ValueError(
-                f"cells {first} and {second} lie on top of each other at {place}: the line goes "
+                f"cells {first} and {second} lie on top of each other at {position}: the line goes "
                 "back on itself there"
             )

@@ -186,21 +186,21 @@ def smooth_patches(
     graph = sp.coo_matrix(links, shape=(cells.size, cells.size))
     _, label = connected_components(graph, directed=False)
     _, first, label = np.unique(label, return_index=True, return_inverse=True)
-    place = cells.ravel()[first]
-    number = _numbered(place, len(points))
+    point_of = cells.ravel()[first]
+    number = _numbered(point_of, len(points))
     nodes = number[label.ravel()].reshape(cells.shape)
-    masters = np.empty(len(place), dtype=np.int64)
-    masters[number] = place
+    masters = np.empty(len(point_of), dtype=np.int64)
+    masters[number] = point_of
     return Patches(nodes, masters, _means(points, masters, nodes, normals, kink_angle))
 
 
-def _numbered(place: Indices, count: int) -> Indices:
+def _numbered(point_of: Indices, count: int) -> Indices:
     """Number of each node: that of the point for its first node."""
-    order = np.argsort(place, kind="stable")
-    leads = np.append(True, np.diff(place[order]) > 0)
-    number = np.empty(len(place), dtype=np.int64)
-    number[order[leads]] = place[order[leads]]
-    number[order[~leads]] = np.arange(count, len(place))
+    order = np.argsort(point_of, kind="stable")
+    leads = np.append(True, np.diff(point_of[order]) > 0)
+    number = np.empty(len(point_of), dtype=np.int64)
+    number[order[leads]] = point_of[order[leads]]
+    number[order[~leads]] = np.arange(count, len(point_of))
     return number
 
 
@@ -213,9 +213,9 @@ def _means(
     mean = np.divide(total, size, out=np.zeros_like(total), where=size > 0)
     cosine = np.einsum("mkj,mkj->mk", normals, mean[nodes])
     if cosine.min() < min(cos(kink_angle), 0.99) - 1e-12:
-        place = points[masters[nodes.ravel()[cosine.argmin()]]]
+        position = points[masters[nodes.ravel()[cosine.argmin()]]]
         raise ValueError(
-            f"the surface has a tip at {place}, where normals are "
+            f"the surface has a tip at {position}, where normals are "
             f"{degrees(np.arccos(cosine.min())):.0f}° away from their mean though neighbours "
             f"differ by less than the kink angle of {degrees(kink_angle):.0f}°"
         )

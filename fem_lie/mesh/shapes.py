@@ -61,7 +61,7 @@ def turn(cells: Indices, cell: str, chosen: Flags) -> Indices:
     return np.where(chosen[:, np.newaxis], cells[:, swapped], cells)
 
 
-# exact for hydrostatic pressure: two slopes, a place and a shape function
+# exact for hydrostatic pressure: two slopes, a position and a shape function
 _DEGREES = {
     ("triangle", 1): 2,
     ("quadrilateral", 1): 3,
@@ -152,7 +152,7 @@ def cell_normals(points: Array, cells: Indices, cell: str) -> Array:
             re-entrant corner, or nodes on its edges that are far off.
     """
     k = cells.shape[1]
-    nodes, inside = _places(cell, DEGREES[cell][k])
+    nodes, inside = _nodes_inside(cell, DEGREES[cell][k])
     normal, sine = _normals(points, cells, cell, nodes)
     size = np.linalg.norm(normal, axis=-1)
     bad = np.flatnonzero((sine <= _NO_ANGLE).any(axis=1))
@@ -163,7 +163,7 @@ def cell_normals(points: Array, cells: Indices, cell: str) -> Array:
     return np.asarray(normal / size[..., np.newaxis])
 
 
-def _places(cell: str, degree: int) -> tuple[Array, Array]:
+def _nodes_inside(cell: str, degree: int) -> tuple[Array, Array]:
     """Nodes of the reference cell, and points inside."""
     return nodes_of(cell, degree), rule(cell, 2 * degree)[0]
 
@@ -171,7 +171,7 @@ def _places(cell: str, degree: int) -> tuple[Array, Array]:
 def _normals(points: Array, cells: Indices, cell: str, positions: Array) -> tuple[Array, Array]:
     """``x,₁ × x,₂`` at points of the reference cell, (m, p, 3), and the sine of the two, (m, p)."""
     slopes = tabulated(cell, DEGREES[cell][cells.shape[1]], positions)[1:]
-    # about a point of the cell: far from the origin differences of places are small
+    # about a point of the cell: far from the origin differences of positions are small
     x = points[cells] - points[cells[:, :1]]
     g1, g2 = np.einsum("apk,mkj->ampj", slopes, x)
     normal = np.cross(g1, g2)
@@ -196,7 +196,9 @@ def _refuse_folded(points: Array, cells: Indices, cell: str, normals: Array) -> 
     if cell == "quadrilateral" and cells.shape[1] == 4:
         for order in (_AROUND, _CROSSED):
             turned = cells[first : first + 1, order]
-            if (_cosines(_normals(points, turned, cell, _places(cell, 1)[0])[0]) > _FOLDED).all():
+            if (
+                _cosines(_normals(points, turned, cell, _nodes_inside(cell, 1)[0])[0]) > _FOLDED
+            ).all():
                 raise ValueError(
                     f"{what} crosses itself like a bow tie, as {len(bad)} of {len(cells)} cells do "
                     "or nearly so: corners of a quadrilateral are expected row by row, as DOLFINx "

@@ -262,10 +262,10 @@ class SurfaceMesh(Summarised):
         """
         patches = self.patches(kink_angle)
         if len(patches.split):
-            place = self.points[patches.split[0]]
+            position = self.points[patches.split[0]]
             raise ValueError(
                 f"the surface has a kink of more than {degrees(kink_angle):.0f}°, or a branch, at "
-                f"{place}: its sides have directors of their own there"
+                f"{position}: its sides have directors of their own there"
             )
         return patches.directors
 
@@ -337,11 +337,11 @@ def parametric_surface(
     if not isinstance(cells, Sequence) or len(cells) != 2:
         raise ValueError(f"cells must be two numbers, along a and b, got {cells!r}")
     n, m = (degree * whole_number(count) for count in cells)
-    places = [(i / n, j / m) for i in range(n + 1) for j in range(m + 1)]
-    number = np.arange(len(places)).reshape(n + 1, m + 1)
+    parameters = [(i / n, j / m) for i in range(n + 1) for j in range(m + 1)]
+    number = np.arange(len(parameters)).reshape(n + 1, m + 1)
     sides = {"a=0": number[0], "a=1": number[-1], "b=0": number[:, 0], "b=1": number[:, -1]}
     return SurfaceMesh.from_cells(
-        points_of([function(a, b) for a, b in places]),
+        points_of([function(a, b) for a, b in parameters]),
         _grid_cells(number, cell, degree),
         cell,
         curves={name: _edges(along, degree) for name, along in sides.items()},

@@ -225,8 +225,8 @@ def _fit(camera: Any, corners: Array, size: tuple[int, int], margin: float) -> N
     picks = np.array(list(np.ndindex(2, 2, 2)))
     points = np.concatenate([box[picks, np.arange(3)] for box in boxes]) @ seen.T
     low, high = points.min(axis=0), points.max(axis=0)
-    room = np.maximum(np.array(size) - 2.0 * margin, 0.2 * np.array(size))
-    per_pixel = float(((high - low) / room).max())
+    available = np.maximum(np.array(size) - 2.0 * margin, 0.2 * np.array(size))
+    per_pixel = float(((high - low) / available).max())
     middle = 0.5 * (low + high) @ seen
     focus = middle + (np.array(camera.focal_point) @ forward) * forward
     camera.focal_point = focus.tolist()

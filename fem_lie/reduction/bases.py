@@ -55,14 +55,14 @@ def pod(result: StateSeries, body: Body, modes: int, *, axes: Axes | None = None
     motion = local_motion(body, frames, MeanAxes() if axes is None else axes)
     scale = np.repeat([1.0, body.model.size], 3)
     snapshots = (motion.increments * scale).reshape(len(frames), -1)
-    _, sizes, shapes = np.linalg.svd(snapshots, full_matrices=False)
+    _, sizes, mode_vectors = np.linalg.svd(snapshots, full_matrices=False)
     rank = int((sizes > 1e-12 * body.model.size).sum())
     if modes > rank:
         raise ValueError(
             f"modes must be at most {rank}, the number of independent states of {body.label} in "
             f"the result, got {modes}"
         )
-    return Basis(body, shapes[:modes].reshape(modes, -1, 6) / scale)
+    return Basis(body, mode_vectors[:modes].reshape(modes, -1, 6) / scale)
 
 
 _NEW_SHAPE = 1e-8  # least relative norm of the part of a mode that is orthogonal to the others
@@ -89,7 +89,7 @@ def krylov(scene: Scene, inputs: Sequence[tuple[Point, npt.ArrayLike]], moments:
             raise ValueError(
                 f"{point.label} is not a node of {found.body.label}, so no load can act there"
             )
-        loads[number, found.place(point.node)] = vector(wrench, 6, f"the load at {point.label}")
+        loads[number, found.index_of(point.node)] = vector(wrench, 6, f"the load at {point.label}")
     forces = (loads * found.weight)[:, found.free]
     if not len(forces) or not forces.any(axis=1).all():
         raise ValueError("inputs must be loads on free degrees of freedom")
@@ -106,7 +106,7 @@ def krylov(scene: Scene, inputs: Sequence[tuple[Point, npt.ArrayLike]], moments:
             if size > _NEW_SHAPE:
                 block = np.concatenate([block, new[np.newaxis] / size])
         vectors, forces = np.concatenate([vectors, block]), (found.pencil.M @ block.T).T
-    return Basis(found.body, found.shapes(vectors))
+    return Basis(found.body, found.modes_of(vectors))
 
 
 _DENSE = 400  # unknowns
@@ -163,18 +163,18 @@ def interface_modes(found: LinearisedBody, interfaces: Sequence[Point], modes: i
         vectors[: len(outer), inner] = -solve.solve(K[inner][:, outer].toarray()).T
     if modes:
         vectors[len(outer) :, inner] = _slowest(within, M[inner][:, inner], modes)
-    return Basis(found.body, found.shapes(vectors))
+    return Basis(found.body, found.modes_of(vectors))
 
 
 def _slowest(K: sp.csc_array, M: sp.csc_array, modes: int) -> Array:
     """Vibration modes of lowest frequency, (modes, f), with unit mass."""
     size = K.shape[0]
     if size > _DENSE:
-        shapes = scipy.sparse.linalg.eigsh(K, modes, M=M, sigma=0.0, v0=np.ones(size))[1]
+        mode_vectors = scipy.sparse.linalg.eigsh(K, modes, M=M, sigma=0.0, v0=np.ones(size))[1]
     else:  # the Lanczos method may break down, or miss a multiple frequency
         some = (0, modes - 1)
-        shapes = scipy.linalg.eigh(K.toarray(), M.toarray(), subset_by_index=some)[1]
-    return np.asarray(shapes.T)
+        mode_vectors = scipy.linalg.eigh(K.toarray(), M.toarray(), subset_by_index=some)[1]
+    return np.asarray(mode_vectors.T)
 
 
 def _nodes(rest: LinearisedBody, interfaces: Sequence[Point]) -> list[int]:
@@ -186,14 +186,14 @@ def _nodes(rest: LinearisedBody, interfaces: Sequence[Point]) -> list[int]:
             raise ValueError(
                 f"{point.label} is not a node of {body.label}, so it cannot be an interface"
             )
-        place = rest.place(point.node)
-        if place in found:
+        index = rest.index_of(point.node)
+        if index in found:
             raise ValueError(f"{point.label} is given twice as an interface")
-        if not rest.free[place].all():
+        if not rest.free[index].all():
             raise ValueError(
                 f"{point.label} has fixed degrees of freedom, so it cannot be an interface"
             )
-        found.append(place)
+        found.append(index)
     return found
 
 
@@ -215,8 +215,8 @@ def with_derivatives(scene: Scene, basis: Basis) -> Basis:
     instance(basis, Basis, "basis", "a Basis")
     rest, reduced = LinearisedBody(scene, None), ReducedForces(scene, basis)
     solve = rest.factor().solve
-    steps = np.diag(_STEP * basis.body.model.size / np.abs(basis.shapes).max(axis=(1, 2)))
-    vectors = list(_orthonormal(rest.vectors(basis.shapes)))
+    steps = np.diag(_STEP * basis.body.model.size / np.abs(basis.modes).max(axis=(1, 2)))
+    vectors = list(_orthonormal(rest.unknowns_of(basis.modes)))
     first = len(vectors)
     for i, j in combinations_with_replacement(range(len(basis)), 2):
         forces = _second_difference(reduced, steps[i], steps[j]) * rest.weight
@@ -227,8 +227,8 @@ def with_derivatives(scene: Scene, basis: Basis) -> Basis:
             vector = vector - old.T @ (old @ vector)
         if np.linalg.norm(vector) > _NEW_DERIVATIVE * size:
             vectors.append(vector / np.linalg.norm(vector))
-    new = rest.shapes(np.array(vectors[first:]).reshape(-1, int(rest.free.sum())))
-    return Basis(basis.body, np.concatenate([basis.shapes, new]))
+    new = rest.modes_of(np.array(vectors[first:]).reshape(-1, int(rest.free.sum())))
+    return Basis(basis.body, np.concatenate([basis.modes, new]))
 
 
 def _orthonormal(vectors: Array) -> Array:

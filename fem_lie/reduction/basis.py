@@ -24,7 +24,7 @@ from fem_lie.results.states import StateSeries
 if TYPE_CHECKING:
     import h5py
 
-VERSION = 2
+VERSION = 3
 _SAME = 1e-9  # relative to the size of the body
 
 
@@ -82,7 +82,7 @@ class ReducedStates(Summarised):
 
     def expand(self) -> Array:
         """Frames of all nodes of the body, shape (k, n, 4, 3)."""
-        increments = np.einsum("km,mni->kni", self.coordinates, self.basis.shapes)
+        increments = np.einsum("km,mni->kni", self.coordinates, self.basis.modes)
         return expanded(self.basis.body, LocalMotion(self.rigid, increments))
 
     def within(self, result: States) -> States:
@@ -128,27 +128,28 @@ class Basis(Summarised):
 
     Attributes:
         body: The body.
-        shapes: Modes: translation and rotation of each node in its initial frame, shape (m, n, 6).
+        modes: Translation and rotation of each node in each mode, along its initial axes, shape
+            (m, n, 6).
     """
 
     body: Body
-    shapes: Array
+    modes: Array
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` or ``TypeError`` if the modes do not fit the body."""
         instance(self.body, Body, "Basis: body", "a body")
         wanted = (len(self.body.frames), 6)
-        if self.shapes.ndim != 3 or self.shapes.shape[1:] != wanted or not len(self.shapes):
+        if self.modes.ndim != 3 or self.modes.shape[1:] != wanted or not len(self.modes):
             raise ValueError(
-                f"Basis: shapes of {self.body.label} must have shape (m, {wanted[0]}, 6), got "
-                f"{self.shapes.shape}"
+                f"Basis: modes of {self.body.label} must have shape (m, {wanted[0]}, 6), got "
+                f"{self.modes.shape}"
             )
-        if not np.isfinite(self.shapes).all():
-            raise ValueError("Basis: shapes must be finite numbers")
+        if not np.isfinite(self.modes).all():
+            raise ValueError("Basis: modes must be finite numbers")
 
     def __len__(self) -> int:
         """Number of modes."""
-        return len(self.shapes)
+        return len(self.modes)
 
     def project(self, result: StateSeries, *, axes: Axes | None = None) -> ReducedStates:
         """Project states onto the basis by least squares, with the projection error.
@@ -164,7 +165,7 @@ class Basis(Summarised):
         frames = frames_of(result, self.body)
         motion = local_motion(self.body, frames, MeanAxes() if axes is None else axes)
         scale = np.repeat([1.0, self.body.model.size], 3)  # rotations are multiplied by this length
-        flat = (self.shapes * scale).reshape(len(self), -1)
+        flat = (self.modes * scale).reshape(len(self), -1)
         wanted = (motion.increments * scale).reshape(len(frames), -1)
         coordinates = np.linalg.lstsq(flat.T, wanted.T, rcond=None)[0].T
         shown = ReducedStates(self, motion.rigid, coordinates, np.zeros(len(frames)))
@@ -184,7 +185,7 @@ class Basis(Summarised):
         """
         if not 1 <= whole(number, "number") <= len(self):
             raise ValueError(f"modes are 1 … {len(self)}, got {number}")
-        shape = self.shapes[number - 1] / np.repeat([self.body.model.size, 1.0], 3)
+        shape = self.modes[number - 1] / np.repeat([self.body.model.size, 1.0], 3)
         shape = shape * (positive(amplitude, "amplitude") / np.abs(shape).max())
         moved = shape * np.repeat([self.body.model.size, 1.0], 3)
         swing = np.linspace(-1.0, 1.0, 5)[:, np.newaxis, np.newaxis]
@@ -204,7 +205,7 @@ class Basis(Summarised):
 
         with h5py.File(path, "w") as file:
             write_mesh(file, _WHAT, self.body)
-            file["shapes"] = self.shapes
+            file["modes"] = self.modes
 
 
 def load_basis(path: str | os.PathLike[str], body: Body) -> Basis:
@@ -223,4 +224,4 @@ def load_basis(path: str | os.PathLike[str], body: Body) -> Basis:
     instance(body, Body, "body", "a body")
     with h5py.File(path, "r") as file:
         check_mesh(file, path, _WHAT, body)
-        return Basis(body, file["shapes"][()])
+        return Basis(body, file["modes"][()])

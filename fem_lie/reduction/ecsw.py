@@ -50,27 +50,27 @@ class ReducedNodes:
     """Some nodes of a body, and the modes there.
 
     Attributes:
-        shapes: Modes ``Φ`` at each node, shape (n, 6, m).
+        modes: Modes ``Φ`` at each node, shape (n, 6, m).
     """
 
     def __init__(self, basis: Basis, nodes: Indices) -> None:
         """Select nodes; a node may be given several times."""
         self._start = basis.body.frames[nodes]
-        self.shapes: Array = np.ascontiguousarray(basis.shapes[:, nodes].transpose(1, 2, 0))
+        self.modes: Array = np.ascontiguousarray(basis.modes[:, nodes].transpose(1, 2, 0))
 
     def at(self, coordinates: Array) -> Moved:
         """The nodes at modal coordinates (m,)."""
-        d = self.shapes @ coordinates
+        d = self.modes @ coordinates
         return Moved(d, np.asarray(lie.se3_retract(self._start, d)), lie.se3_tangent(d))
 
     def pulled(self, moved: Moved, forces: Array) -> Array:
         """Reduced forces ``Φᵀ Tᵀ f`` of each node, shape (n, m), for nodal forces (n, 6)."""
         local = np.einsum("nij,ni->nj", moved.tangents, forces)
-        return np.asarray(np.einsum("njm,nj->nm", self.shapes, local))
+        return np.asarray(np.einsum("njm,nj->nm", self.modes, local))
 
     def motions(self, moved: Moved) -> Array:
         """``T Φ``, twists of the nodes per modal velocity, shape (n, 6, m)."""
-        return np.asarray(moved.tangents @ self.shapes)
+        return np.asarray(moved.tangents @ self.modes)
 
     def bent(self, moved: Moved, forces: Array) -> Array:
         """Geometric stiffness ``Σ Φᵀ ∂(Tᵀ f)/∂d Φ``, shape (m, m).
@@ -80,7 +80,7 @@ class ReducedNodes:
         turned = np.einsum("nij,ni->nj", moved.tangents, forces)
         change = lie.se3_tangent_inverse_transposed_derivative(moved.d, turned)
         change = -np.swapaxes(moved.tangents, 1, 2) @ change
-        return summed(self.shapes, change @ self.shapes)
+        return summed(self.modes, change @ self.modes)
 
 
 def summed(first: Array, second: Array) -> Array:
@@ -114,8 +114,8 @@ class ReducedCells:
         self._H = np.empty((self._term.count, 4, 3))
         self._r, self._order = np.empty((self._term.count, 6)), self._term.order
         rows, columns = self._term.pairs
-        place = np.argsort(self._order)
-        self._rows, self._columns = place[rows], place[columns]
+        inverse = np.argsort(self._order)
+        self._rows, self._columns = inverse[rows], inverse[columns]
 
     def energy(self, coordinates: Array) -> float:
         """Stored energy."""
@@ -125,7 +125,7 @@ class ReducedCells:
     def of_each(self, coordinates: Array) -> Array:
         """Reduced forces of each cell, shape (s, m)."""
         moved = self.nodes.at(coordinates)
-        pulled = self.nodes.pulled(moved, self._forces(moved, self._term.room()))
+        pulled = self.nodes.pulled(moved, self._forces(moved, self._term.workspace()))
         return np.asarray(pulled.reshape(self.count, -1, pulled.shape[1]).sum(axis=1))
 
     def forces(self, coordinates: Array) -> Array:
@@ -134,7 +134,7 @@ class ReducedCells:
 
     def forces_and_matrix(self, coordinates: Array) -> tuple[Array, Array]:
         """Gradient (m,) and second derivative (m, m) of the energy."""
-        moved, kept = self.nodes.at(coordinates), self._term.room()
+        moved, kept = self.nodes.at(coordinates), self._term.workspace()
         forces = self._forces(moved, kept)
         if self._term.stress_update is not None:
             self._term.stress_update.reset_stress(self._H)

@@ -58,8 +58,8 @@ class LinearisedBody:
         tables, nodes = equations.tables, equations.unknowns.bodies[self.body]
         self.inertia = tables.inertia
         self.master: Indices = tables.master[nodes]
-        place = np.argsort(nodes)
-        self.leads: Indices = place[equations.unknowns.masters]
+        inverse = np.argsort(nodes)
+        self.leads: Indices = inverse[equations.unknowns.masters]
         # maps the twist of the master to that of the node
         self._turn = lie.se3_adjoint(lie.se3_inverse(tables.offset[nodes]))
 
@@ -82,14 +82,14 @@ class LinearisedBody:
             f"{self.body.label} has rigid-body modes: it needs an interface or a clamp"
         )
 
-    def shapes(self, vectors: Array) -> Array:
+    def modes_of(self, vectors: Array) -> Array:
         """Modes (m, n, 6) of vectors (m, f) of the free unknowns."""
         found = np.zeros((len(vectors), *self.free.shape))
         found[:, self.free] = vectors
         own = (found * self.weight)[:, self.master]
         return np.asarray(np.einsum("nij,mnj->mni", self._turn, own))
 
-    def place(self, node: int) -> int:
+    def index_of(self, node: int) -> int:
         """Index of a node of the body among the independent ones.
 
         Raises:
@@ -102,13 +102,13 @@ class LinearisedBody:
             )
         return found
 
-    def vectors(self, shapes: Array) -> Array:
+    def unknowns_of(self, mode_vectors: Array) -> Array:
         """Vectors (m, f) of modes (m, n, 6).
 
         Raises:
             ValueError: A mode moves fixed degrees of freedom.
         """
-        scaled = shapes[:, self.leads] / self.weight
+        scaled = mode_vectors[:, self.leads] / self.weight
         if np.abs(scaled[:, ~self.free]).max(initial=0.0) > 1e-9 * np.abs(scaled).max(initial=0.0):
             raise ValueError(f"modes move fixed nodes of {self.body.label}")
         return np.asarray(scaled[:, self.free])
@@ -182,8 +182,8 @@ class ReducedForces:
 
     def residual(self, coordinates: Array) -> Array:
         """Residual of equilibrium in modal coordinates, (m,)."""
-        shapes = self.basis.shapes
-        return np.asarray(np.einsum("mni,ni->m", shapes, self.forces(coordinates)))
+        mode_vectors = self.basis.modes
+        return np.asarray(np.einsum("mni,ni->m", mode_vectors, self.forces(coordinates)))
 
     def _increments(self, coordinates: Array) -> Array:
-        return np.asarray(np.einsum("m,mni->ni", coordinates, self.basis.shapes))
+        return np.asarray(np.einsum("m,mni->ni", coordinates, self.basis.modes))

@@ -48,7 +48,7 @@ _WEIGHTS = {1.0: 4.0 / 3.0, 2.0: -1.0 / 12.0}
 any step."""
 
 
-def quadratic_strains(rest: LinearisedBody, frame: Array, shapes: Array, K: Array) -> Array:
+def quadratic_strains(rest: LinearisedBody, frame: Array, mode_vectors: Array, K: Array) -> Array:
     """Coefficients ``Q`` (m, m, m) of quadratic strains.
 
     See :class:`~fem_lie.reduction.ReducedOrderBody`.
@@ -56,19 +56,19 @@ def quadratic_strains(rest: LinearisedBody, frame: Array, shapes: Array, K: Arra
     Args:
         rest: The linearised full body.
         frame: Floating frame, (4, 3).
-        shapes: Modes: displacement and rotation of all nodes, components along the frame, (m, n,
-            6).
+        mode_vectors: Displacement and rotation of all nodes in each mode, components along the
+            frame, (m, n, 6).
         K: Stiffness in modal coordinates, (m, m).
     """
-    C = _third_derivative(_Within(rest, frame, shapes))
-    flat = shapes * np.repeat([_STRAIGHT / rest.body.model.size, 1.0], 3)
-    k, V, back = _principal_shapes(K, flat.reshape(len(flat), -1))
+    C = _third_derivative(_Within(rest, frame, mode_vectors))
+    flat = mode_vectors * np.repeat([_STRAIGHT / rest.body.model.size, 1.0], 3)
+    k, V, back = _principal_modes(K, flat.reshape(len(flat), -1))
     own = np.einsum("abc,ai,bj,ck->ijk", C, V, V, V, optimize=True)
     own /= k[:, np.newaxis, np.newaxis] + k[:, np.newaxis] + k
     return np.asarray(np.einsum("ijk,ai,jb,kc->abc", own, V, back, back, optimize=True))
 
 
-def _principal_shapes(K: Array, rows: Array) -> tuple[Array, Array, Array]:
+def _principal_modes(K: Array, rows: Array) -> tuple[Array, Array, Array]:
     """``k``, ``V`` and ``V⁻¹`` with ``VᵀKV = k`` and ``VᵀRV = 1``, ``R = rows rowsᵀ`` (m, m).
 
     Stretching is 1e8 times as stiff as bending in ``R``, so eight digits would be lost in its
@@ -83,18 +83,18 @@ def _principal_shapes(K: Array, rows: Array) -> tuple[Array, Array, Array]:
 class _Within:
     """Forces of the full body with a fixed floating frame at the origin, for least round-off."""
 
-    def __init__(self, rest: LinearisedBody, frame: Array, shapes: Array) -> None:
+    def __init__(self, rest: LinearisedBody, frame: Array, mode_vectors: Array) -> None:
         self._equations, body, leads = rest.equations, rest.body, rest.leads
-        self._shapes = shapes[:, leads]
+        self._modes = mode_vectors[:, leads]
         self._inside = lie.se3_compose(lie.se3_inverse(frame), body.frames[leads])
         self._r = np.empty(self._equations.unknowns.size)
         self._still = np.zeros((len(leads), 6))
-        reach = np.abs(shapes * np.repeat([1.0, body.model.size], 3)).max(axis=(1, 2))
+        reach = np.abs(mode_vectors * np.repeat([1.0, body.model.size], 3)).max(axis=(1, 2))
         self.steps = np.diag(_STEP * body.model.size / reach)
 
     def forces(self, z: Array) -> Array:
         """Forces on modal coordinates, (m,)."""
-        h = np.einsum("m,mni->ni", z, self._shapes)
+        h = np.einsum("m,mni->ni", z, self._modes)
         turned = lie.so3_exp(h[:, 3:])
         H = self._inside.copy()
         H[:, 0] += h[:, :3]
@@ -108,7 +108,7 @@ class _Within:
         force, moment = np.einsum("nki,nhk->hni", axes, f)
         moment = np.einsum("nij,ni->nj", lie.so3_tangent(-h[:, 3:]), moment)
         dual = np.concatenate([force, moment], axis=1)
-        return np.asarray(np.einsum("mni,ni->m", self._shapes, dual))
+        return np.asarray(np.einsum("mni,ni->m", self._modes, dual))
 
 
 def _second_derivative(within: _Within, step: Array) -> Array:
@@ -170,16 +170,16 @@ def inertial_modes(
 def answers_to_inertia(
     rest: LinearisedBody, interfaces: Sequence[Point], modes: int, *, spinning: bool = False
 ) -> Basis:
-    """:func:`inertial_shapes` for a linearised body."""
-    normal = interface_modes(rest, interfaces, modes).shapes[6 * len(interfaces) :]
+    """:func:`inertial_modes` for a linearised body."""
+    normal = interface_modes(rest, interfaces, modes).modes[6 * len(interfaces) :]
     inside = rest.free.copy()
-    inside[[rest.place(point.node) for point in interfaces]] = False
+    inside[[rest.index_of(point.node) for point in interfaces]] = False
     inner = np.flatnonzero(inside[rest.free])
     K, M = rest.pencil.K.tocsc()[inner][:, inner], rest.pencil.M.tocsc()
     moved = _accelerations(rest.body, spinning)[:, rest.leads] / rest.weight
     loads = M @ moved[:, rest.free].T
     answers = rest.factor(inner).solve(loads[inner])
-    X = np.hstack([answers, rest.vectors(normal)[:, inner].T])
+    X = np.hstack([answers, rest.unknowns_of(normal)[:, inner].T])
     M = M[inner][:, inner]
     sizes = np.sqrt(np.einsum("ij,ij->j", X, M @ X))
     X = X[:, sizes > 0.0] / sizes[sizes > 0.0]
@@ -189,7 +189,7 @@ def answers_to_inertia(
     X = X @ scipy.linalg.eigh(X.T @ (K @ X))[1]
     vectors = np.zeros((X.shape[1], rest.pencil.K.shape[0]))
     vectors[:, inner] = X.T
-    return Basis(rest.body, rest.shapes(vectors))
+    return Basis(rest.body, rest.modes_of(vectors))
 
 
 def _accelerations(body: Body, spinning: bool) -> Array:
@@ -221,9 +221,9 @@ def reduced_order_body(
     """A reduced-order body, with the frame of its first interface as floating frame.
 
     Its modes are the interface modes of :func:`craig_bampton`, and inner modes: those of
-    :func:`inertial_shapes` or of another basis. The modes of the first interface are omitted,
+    :func:`inertial_modes` or of another basis. The modes of the first interface are omitted,
     because together with the others they are rigid motions. Strains and rotations relative to the
-    first interface must be small. For fast rotation use ``inertial_shapes(…, spinning=True)``.
+    first interface must be small. For fast rotation use ``inertial_modes(…, spinning=True)``.
 
     Args:
         scene: The full body alone, free to move, without joints and loads.
@@ -266,13 +266,13 @@ def reduced_order_body(
         )
     if rest.pencil.C is not None:
         raise ValueError(f"{body.label} has damping, which reduced-order bodies do not support yet")
-    shapes = _shapes(rest, interfaces, modes)
+    mode_vectors = _mode_vectors(rest, interfaces, modes)
     nodes = [point.node for point in interfaces]
-    V, K = rest.vectors(shapes), rest.pencil.K
+    V, K = rest.unknowns_of(mode_vectors), rest.pencil.K
     stiffness = V @ (K @ V.T)
     turn = _turn(body, nodes[0])
-    along = np.einsum("nij,mnhj->mnhi", turn, shapes.reshape(*shapes.shape[:2], 2, 3))
-    along = along.reshape(shapes.shape)
+    along = np.einsum("nij,mnhj->mnhi", turn, mode_vectors.reshape(*mode_vectors.shape[:2], 2, 3))
+    along = along.reshape(mode_vectors.shape)
     frame = body.frames[nodes[0]]
     density, quadratic = _density(rest, along, frame), None
     if stretching:
@@ -283,10 +283,10 @@ def reduced_order_body(
     return ReducedOrderBody(nodes, *matrices, body, points=points, quadratic=quadratic, name=label)
 
 
-def _shapes(rest: LinearisedBody, interfaces: Sequence[Point], modes: int | Basis) -> Array:
+def _mode_vectors(rest: LinearisedBody, interfaces: Sequence[Point], modes: int | Basis) -> Array:
     """Modes of the other interfaces, in axes of the first, and inner modes, in nodal axes."""
     body, nodes = rest.body, [point.node for point in interfaces]
-    static: Array = interface_modes(rest, interfaces, 0).shapes.reshape(len(nodes), _SIX, -1, _SIX)
+    static: Array = interface_modes(rest, interfaces, 0).modes.reshape(len(nodes), _SIX, -1, _SIX)
     own = static[np.arange(len(nodes)), :, nodes].diagonal(axis1=1, axis2=2)
     static /= own[:, :, np.newaxis, np.newaxis].copy()
     within = modes if isinstance(modes, Basis) else answers_to_inertia(rest, interfaces, modes)
@@ -294,7 +294,7 @@ def _shapes(rest: LinearisedBody, interfaces: Sequence[Point], modes: int | Basi
         raise ValueError(
             f"the basis belongs to {within.body.label}, which is not the body of the scene"
         )
-    inner = within.shapes - np.einsum("mik,iknj->mnj", within.shapes[:, nodes], static)
+    inner = within.modes - np.einsum("mik,iknj->mnj", within.modes[:, nodes], static)
     outer = np.einsum("iab,ibnj->ianj", turns(_turn(body, nodes[0])[nodes[1:]]), static[1:])
     return np.concatenate([outer.reshape(-1, *inner.shape[1:]), _scaled(inner, body.model.size)])
 
@@ -311,21 +311,21 @@ def turns(R: Array) -> Array:
     return found
 
 
-def _scaled(shapes: Array, size: float) -> Array:
+def _scaled(mode_vectors: Array, size: float) -> Array:
     """Modes scaled as nodal unknowns are: three times to a length, three times to an angle."""
-    largest = np.abs(shapes * np.repeat([1.0, size], 3)).max(axis=(1, 2))
-    unit = np.where(np.arange(len(shapes)) % _SIX < 3, 1.0, size)
-    return np.asarray(shapes * (unit / largest)[:, np.newaxis, np.newaxis])
+    largest = np.abs(mode_vectors * np.repeat([1.0, size], 3)).max(axis=(1, 2))
+    unit = np.where(np.arange(len(mode_vectors)) % _SIX < 3, 1.0, size)
+    return np.asarray(mode_vectors * (unit / largest)[:, np.newaxis, np.newaxis])
 
 
-def _density(rest: LinearisedBody, shapes: Array, frame: Array) -> Array:
+def _density(rest: LinearisedBody, mode_vectors: Array, frame: Array) -> Array:
     """Mass matrix of ``(x, d_k, z_a d_k)``, in which the coordinates of all nodes are linear."""
-    leads, m = rest.leads, len(shapes)
+    leads, m = rest.leads, len(mode_vectors)
     inside = lie.se3_compose(lie.se3_inverse(frame), rest.body.frames[leads])
     P = np.zeros((len(leads), 4, 4 + 3 * m))
     P[:, 0, 0] = 1.0
     P[:, :, 1:4] = inside
-    own = shapes[:, leads]
+    own = mode_vectors[:, leads]
     P[:, 0, 4:] = own[:, :, :3].swapaxes(0, 1).reshape(len(leads), -1)
     for k in range(3):
         turned = np.cross(own[:, :, 3:], inside[:, 1 + k])

@@ -48,7 +48,7 @@ class ActivityCheck:
     """A state of a scene without merged frames, and the nodes that need independent frames.
 
     Attributes:
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
         v: Twists of the independent nodes, shape (n, 6).
         mass: Mass matrix of these twists, (6 n, 6 n).
         kinetic: Kinetic energy.
@@ -302,9 +302,9 @@ class _Run:
         twists = master_map.twists(check.projected(root)[0])
         masters = unknowns.masters[root[master_map.master]]
         for body, nodes in zip(scene.bodies, unknowns.bodies.values(), strict=True):
-            place = np.full(unknowns.total, -1)
-            place[nodes] = np.arange(len(nodes))
-            body.model.masters = place[masters[nodes]]
+            index = np.full(unknowns.total, -1)
+            index[nodes] = np.arange(len(nodes))
+            body.model.masters = index[masters[nodes]]
             body.model.start_frames = check.state.frames[nodes]
             body.velocities[:] = twists[nodes]
         scene.began = Began(check.state.time)

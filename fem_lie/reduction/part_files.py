@@ -16,7 +16,7 @@ from fem_lie.results.history import Result
 from fem_lie.results.record import Record, with_others
 
 _WHAT = "reduced body"
-_ARRAYS = ("interfaces", "stiffness", "density", "shapes", "quadratic")
+_ARRAYS = ("interfaces", "stiffness", "density", "modes", "quadratic")
 
 
 def save_reduced(body: ReducedOrderBody, path: str | os.PathLike[str]) -> None:
@@ -63,9 +63,9 @@ def load_reduced(path: str | os.PathLike[str], full: Body, *, name: str = "") ->
         label = name or str(file.attrs["name"])
     pairs = (each.split(" ", 1) for each in names)
     points = {point: int(node) for node, point in pairs}
-    stiffness, density, shapes = matrices
+    stiffness, density, modes = matrices
     return ReducedOrderBody(
-        nodes, stiffness, density, shapes, full, points=points, quadratic=quadratic, name=label
+        nodes, stiffness, density, modes, full, points=points, quadratic=quadratic, name=label
     )
 
 

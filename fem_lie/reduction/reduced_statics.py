@@ -50,7 +50,7 @@ def reduced_frequencies(
         raise ValueError(
             f"the basis belongs to {basis.body.label}, which is not the body of the scene"
         )
-    V = found.vectors(basis.shapes).T
+    V = found.unknowns_of(basis.modes).T
     V, _ = np.linalg.qr(V)
     pencil, m = found.pencil, len(basis)
     M, K = V.T @ (pencil.M @ V), V.T @ (pencil.K @ V)
@@ -123,7 +123,7 @@ def _beyond(scene: Scene, forces: Array) -> float:
     """Largest displacement of the body at rest due to forces (n, 6)."""
     rest = LinearisedBody(scene, None, loaded=True)
     vector = scipy.sparse.linalg.spsolve(rest.pencil.K.tocsc(), (forces * rest.weight)[rest.free])
-    moved = rest.shapes(vector[np.newaxis])[0, :, :3]
+    moved = rest.modes_of(vector[np.newaxis])[0, :, :3]
     return float(np.linalg.norm(moved, axis=1).max())
 
 
@@ -170,7 +170,7 @@ class _Equilibrium(Iterated):
 
 def _matrix(reduced: ReducedForces, at: Array) -> Array:
     """Derivative of the residual by central differences, (m, m)."""
-    reach = np.abs(reduced.basis.shapes).max(axis=(1, 2))
+    reach = np.abs(reduced.basis.modes).max(axis=(1, 2))
     steps = np.diag(_STEP * reduced.basis.body.model.size / reach)
     columns = [
         (reduced.residual(at + step) - reduced.residual(at - step)) / (2.0 * step.sum())

@@ -54,11 +54,11 @@ class ReducedLoads:
         """Find these nodes."""
         now = equations.system.lasting_loads
         acting = [each.reshape(len(each), -1).any(axis=1) for each in now]
-        place = equations.unknowns.bodies[basis.body]
-        own = np.flatnonzero(np.any(acting, axis=0)[place])
+        own_nodes = equations.unknowns.bodies[basis.body]
+        own = np.flatnonzero(np.any(acting, axis=0)[own_nodes])
         self._nodes = ReducedNodes(basis, own)
-        self._dead, self._moment, self._following = (each[place[own]] for each in now)
-        self._kinds = equations.unknowns.kinds[place[own]]
+        self._dead, self._moment, self._following = (each[own_nodes[own]] for each in now)
+        self._kinds = equations.unknowns.kinds[own_nodes[own]]
 
     def forces_and_matrix(self, coordinates: Array) -> tuple[Array, Array]:
         """Reduced forces (m,) opposite to the loads, and their derivative (m, m)."""
@@ -108,7 +108,7 @@ def equilibria(
         found.append(η)
         iterations.append(needed)
     coordinates = np.array(found)
-    increments = np.einsum("km,mni->kni", coordinates, basis.shapes)
+    increments = np.einsum("km,mni->kni", coordinates, basis.modes)
     frames = np.asarray(lie.se3_retract(basis.body.frames, increments))
     counts = np.cumsum(iterations, dtype=np.int64)
     return SampledEquilibria(coordinates, frames, counts, SceneInfo.of([basis.body]))
@@ -135,11 +135,11 @@ def loads_of(scene: Scene, basis: Basis) -> ReducedLoads:
             f"{body.label} has loads or springs other than nodal forces, which sampled cells do "
             "not support"
         )
-    shapes = basis.shapes.transpose(1, 2, 0)
+    mode_vectors = basis.modes.transpose(1, 2, 0)
     held = unknowns.held[unknowns.bodies[body]]
     if body.model.separates_director:
         held = held & ~np.eye(6, dtype=bool)[5]
-    if np.abs(shapes[held]).max(initial=0.0) > _HELD * np.abs(shapes).max():
+    if np.abs(mode_vectors[held]).max(initial=0.0) > _HELD * np.abs(mode_vectors).max():
         raise ValueError(f"modes move fixed nodes of {body.label}")
     loads = ReducedLoads(equations, basis)
     if not loads.forces_and_matrix(np.zeros(len(basis)))[0].any():

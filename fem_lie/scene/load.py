@@ -49,16 +49,16 @@ def amplitudes(histories: Mapping[int, History], times: npt.ArrayLike) -> Array:
     return factors
 
 
-def at_points(force: Field, places: Array, what: str) -> Array:
+def at_points(force: Field, positions: Array, what: str) -> Array:
     """Values of a force per area or volume at points of the unloaded configuration, both (m, g, 3).
 
     Raises:
         ValueError: A value does not have three finite components.
     """
     if not callable(force):
-        return np.broadcast_to(vector(force, 3, what), places.shape)
-    values = [vector(force(x), 3, f"{what} at {x}") for x in places.reshape(-1, 3)]
-    return np.array(values).reshape(places.shape)
+        return np.broadcast_to(vector(force, 3, what), positions.shape)
+    values = [vector(force(x), 3, f"{what} at {x}") for x in positions.reshape(-1, 3)]
+    return np.array(values).reshape(positions.shape)
 
 
 class Sum(Protocol):

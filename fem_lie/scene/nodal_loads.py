@@ -35,8 +35,10 @@ class PointLoad(NodalLoad):
 
     Attributes:
         point: The loaded point of a body.
-        force: Three components: global if fixed in space, of the point's frame if following.
-        moment: About axes fixed in space, or about those of the point's frame if following.
+        force: Force, shape (3,): global components, or components in the point's frame if
+            following.
+        moment: Moment, shape (3,): global components, or components in the point's frame if
+            following.
         following: Whether the load rotates with the point's frame.
         history: Factor as a function of time.
 

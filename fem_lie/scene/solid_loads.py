@@ -132,7 +132,8 @@ class BulkLoad(NodalLoad):
 
     Attributes:
         solid: The loaded solid.
-        force: Three global components per volume, or a function of the unloaded position.
+        force: Force per unloaded volume, global components, shape (3,), or a function that
+            returns it for an unloaded position.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
 

@@ -60,7 +60,7 @@ class Temperature(StrainLoad):
         beam: The loaded beam.
         rise: Temperature change at the axis.
         expansion: Coefficient of thermal expansion, per temperature.
-        gradient: Along e₂ and e₃, temperature per length.
+        gradient: Temperature gradient along e₂ and e₃, shape (2,), temperature per length.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
 

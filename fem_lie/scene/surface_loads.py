@@ -50,7 +50,7 @@ class EdgeLoad(NodalLoad):
     following: bool = False
 
     def check(self) -> None:
-        """Raise ``ValueError`` if it is not finite, or there is no such curve or no outer side."""
+        """Raise ``ValueError`` if the load is not finite or the curve missing or no edge."""
         super().check()
         if isinstance(self.shell, SmoothSurface):
             self.shell.model.edge_quadrature(self.curve)
@@ -125,7 +125,7 @@ class SurfaceLoad(NodalLoad):
     following = False
 
     def check(self) -> None:
-        """Raise ``ValueError`` if it is not finite or the shell has no such group of cells."""
+        """Raise ``ValueError`` if the load is not finite or the group of cells is missing."""
         super().check()
         self.nodal()
 
@@ -231,7 +231,7 @@ class MassLoad(SurfaceLoad):
     """
 
     def check(self) -> None:
-        """Raise ``ValueError`` if it is not finite, or the shell has no such cells or no mass."""
+        """Raise ``ValueError`` if the load is not finite, or the cells or the mass are missing."""
         super().check()
         if not self.shell.model.has_mass:
             raise ValueError(f"a force per mass needs mass, {self.shell.label} has none")

@@ -230,14 +230,14 @@ def shared_nodes(mesh: LineMesh, frames: Array) -> tuple[Array, Indices, Indices
     others: dict[int, list[int]] = {}
     apart = np.linalg.norm(ends[:, 1:] - ends[first[point], 1:], axis=(1, 2))
     for end in np.flatnonzero(apart > _SAME_FRAME):
-        place = int(point[end])
-        known = others.setdefault(place, [])
+        corner = int(point[end])
+        known = others.setdefault(corner, [])
         match = [i for i in known if np.abs(nodes[i] - ends[end])[1:].max() <= _SAME_FRAME]
         if not match:
             match = [len(nodes)]
             known.append(len(nodes))
             nodes.append(ends[end])
-            masters.append(place)
+            masters.append(corner)
         node_of_end[end] = match[0]
     return np.array(nodes), node_of_end.reshape(-1, 2), np.array(masters, dtype=np.int64)
 

@@ -69,16 +69,16 @@ class Division(Stateful):
             size: Its size, without the round-off of ``end - start``, which a restarted run would
                 not reproduce.
         """
-        place, parts = 0, self.parts
-        while place < self.parts:
-            here = start + size * place / self.parts
-            last = place + 1 == self.parts
-            if steps.attempt(here, end if last else start + size * (place + 1) / self.parts):
-                place = self._passed(steps, place + 1, start, size)
+        done, parts = 0, self.parts
+        while done < self.parts:
+            here = start + size * done / self.parts
+            last = done + 1 == self.parts
+            if steps.attempt(here, end if last else start + size * (done + 1) / self.parts):
+                done = self._passed(steps, done + 1, start, size)
             elif self.level == HALVINGS or not steps.divides:
                 return False
             else:
-                place = 2 * place
+                done = 2 * done
                 self.halve(steps, here, size)
             parts = max(parts, self.parts)
         self.divided += parts > 1
@@ -91,15 +91,15 @@ class Division(Stateful):
         self._wanted = min(2 * self._wanted, _MOST)
         steps.resize(time, size / self.parts)
 
-    def _passed(self, steps: Divisible, place: int, start: float, size: float) -> int:
+    def _passed(self, steps: Divisible, done: int, start: float, size: float) -> int:
         """Number of completed sub-steps, in units of the next size."""
         self._made += 1
-        if self.level == 0 or self._made < self._wanted or place % 2:
-            return place
-        time = start + size * place / self.parts
+        if self.level == 0 or self._made < self._wanted or done % 2:
+            return done
+        time = start + size * done / self.parts
         self.level, self._made = self.level - 1, 0
         steps.resize(time, size / self.parts)
-        return place // 2
+        return done // 2
 
     def report(self, steps: int) -> None:
         """Log a warning if some of the steps were divided."""

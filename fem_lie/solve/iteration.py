@@ -53,7 +53,7 @@ class Iterated(ABC):
 
     @abstractmethod
     def correct(self) -> float:
-        """Solve for a correction; return its size."""
+        """Solve for a correction; return its size, relative to the model."""
 
     @abstractmethod
     def judge(self, size: float) -> Verdict:

@@ -22,7 +22,7 @@ from fem_lie._jit import compiled
 from fem_lie._jit.fixed_arrays import FixedArrays
 from fem_lie._state import Stateful, attributes
 from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, TOTAL, WORK
-from fem_lie.joints.equations.table import PackedJoints, joint_table
+from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays
 from fem_lie.joints.equations.terms import wrenches
 from fem_lie.lie.node_types import acceleration, pull_back
 from fem_lie.lie.node_types.inertia import Inertia, PlainInertia, PlainMotion, multiply_row
@@ -52,15 +52,15 @@ def _add_nodal(
     motion: PlainMotion,
     mass: PlainInertia,
     loads: PlainLoads,
-    places: tuple[Indices, Indices],
+    nodes_of: tuple[Indices, Indices],
     work: Array,
     r: Array,
 ) -> None:
     """Add :func:`~fem_lie.system.nodes.sums.nodal_residual` of some nodes to ``r`` (n, 6).
 
-    ``places`` are these nodes, and those whose accelerations are coupled with them.
+    ``nodes_of`` are these nodes, and those whose accelerations are coupled with them.
     """
-    (H, v, a), (indptr, indices, blocks), (nodes, felt) = motion, mass, places
+    (H, v, a), (indptr, indices, blocks), (nodes, felt) = motion, mass, nodes_of
     dead, moment, following = loads
     local = np.empty((4, 3))
     for i in felt:
@@ -85,7 +85,7 @@ def _add_joints(
     r: Array,
 ) -> None:
     """Add joint forces of some ends, given by pairs and sides, to ``r`` (n, 6)."""
-    (pairs, sides), table, moved = ends, joint_table(joints), np.empty(6)
+    (pairs, sides), table, moved = ends, joint_arrays(joints), np.empty(6)
     wrenches(H, v, table, multipliers, pairs, sides, forces)
     for e in range(len(pairs)):
         pair, side = pairs[e], sides[e]
@@ -118,7 +118,7 @@ class HeldForces:
         self._terms = system.terms.near(chosen) if alone else None
         self.near = self._terms is not None
         of, to = system.inertia.pairs
-        self._places = self.nodes, np.unique(to[chosen[of]])
+        self._nodes_of = self.nodes, np.unique(to[chosen[of]])
         table = system.table
         outer = np.append(chosen, np.zeros(len(system.frames) - system.count, dtype=bool))
         pairs, sides = np.nonzero(outer[table.nodes])
@@ -129,7 +129,7 @@ class HeldForces:
         """Reactions in the axes of :attr:`nodes`, shape (s, 6).
 
         Args:
-            H: Frames of all rows.
+            H: Frames of all nodes, ground and prescribed motions.
             v: Twists, shape (≥ n, 6).
             a: Their rates.
             multipliers: Lagrange multipliers, shape (m,).
@@ -153,7 +153,7 @@ class HeldForces:
         system, r, (H, v, a, multipliers) = self._system, self._values, state
         r[:] = 0.0
         mass, loads = system.inertia.plain, system.loads.plain
-        _add_nodal(system.kinds, (H, v, a), mass, loads, self._places, self._work, r)
+        _add_nodal(system.kinds, (H, v, a), mass, loads, self._nodes_of, self._work, r)
         if len(self._of_ends):
             joints = system.connections.packed
             _add_joints(H, v, joints, multipliers, self._ends, self._of_ends, r)
@@ -166,10 +166,10 @@ def supported(system: System) -> Flags:
     """Unknowns held from outside, shape (n, 6).
 
     The drilling rotations that a shell of five parameters holds are no supports, and neither are
-    absent unknowns.
+    missing unknowns.
     """
-    held = system.held & ~system.numbering.absent
-    inner = system.uncoupled.copy()
+    held = system.held & ~system.numbering.missing_unknowns
+    inner = system.separates_director.copy()
     inner[[system.numbering.node(clamp.point) for clamp in system.scene.clamps]] = False
     held[inner, 5] = False
     return held
@@ -229,7 +229,7 @@ class Acting:
         """Evaluate external actions at the current time of the equations.
 
         Args:
-            H: Frames of all rows.
+            H: Frames of all nodes, ground and prescribed motions.
             v: Twists, shape (n, 6).
             a: Their rates.
             multipliers: Lagrange multipliers, shape (m,).
@@ -309,7 +309,7 @@ class EnergyBalance(Stateful):
 
         Args:
             time: That time; at a jump the later side.
-            H: Frames of all rows.
+            H: Frames of all nodes, ground and prescribed motions.
             v: Twists, shape (n, 6).
             a: Their rates.
             multipliers: Lagrange multipliers, shape (m,).
@@ -347,7 +347,7 @@ class EnergyBalance(Stateful):
         Args:
             h: Step size.
             time: Time of its end; at a jump the earlier side.
-            H: Frames of all rows.
+            H: Frames of all nodes, ground and prescribed motions.
             v: Twists, shape (n, 6).
             a: Their rates.
             multipliers: Lagrange multipliers, shape (m,).

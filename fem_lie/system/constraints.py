@@ -13,7 +13,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.catalogue import JointInfo
 from fem_lie.joints.connection import Connection
-from fem_lie.joints.equations.table import JointTable, PackedJoints
+from fem_lie.joints.equations.joint_arrays import JointArrays, PackedJoints
 from fem_lie.joints.kinds import Fixed
 from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.linear.saddle_point import Incidences
@@ -57,7 +57,7 @@ class Connections:
         Args:
             scene: The scene.
             numbering: Numbering of its nodes.
-            frames: Initial frames of all rows: moving nodes, ground, prescribed motions.
+            frames: Initial frames of moving nodes, ground and prescribed motions.
             held: Unknowns of the moving nodes that are zero, shape (n, 6).
         """
         self._numbering = numbering
@@ -87,18 +87,18 @@ class Connections:
         self.set_time(0.0)
 
     @property
-    def table(self) -> JointTable:
+    def table(self) -> JointArrays:
         """Table of the first set."""
-        return self.first.table
+        return self.first.arrays
 
     @property
     def packed(self) -> PackedJoints:
-        """Packed table of the first set, for calls from Python."""
+        """Packed arrays of the first set, for calls from Python."""
         return self.first.packed
 
     @property
     def packed_probes(self) -> PackedJoints:
-        """Packed table of the first set whose constraints are the coordinates in results."""
+        """Packed arrays of the first set whose constraints are the coordinates in results."""
         return self.first.packed_probes
 
     @property
@@ -132,7 +132,7 @@ class Connections:
         return np.unique(np.concatenate([each.bound for each in self.sets]))
 
     def all_pairs(self, frames: Array, kinds: Indices) -> AllPairs | None:
-        """Relative motions in one table, see :func:`~.constraint_sets.all_pairs.all_pairs`.
+        """Relative motions in one record, see :func:`~.constraint_sets.all_pairs.all_pairs`.
 
         ``None`` if all nodes are frames.
         """
@@ -159,7 +159,7 @@ class Connections:
         """Forces of ground and prescribed frames on the joints, and the power of dampers.
 
         Args:
-            H: Frames of all rows.
+            H: Frames of all nodes, ground and prescribed motions.
             v: Twists of the moving nodes, shape (n, 6).
             multipliers: Lagrange multipliers, shape (m,).
 
@@ -232,10 +232,10 @@ class Connections:
         """Rates of targets, see :meth:`~.constraint_sets.constraint_set.Targets.rates`."""
         return self._targets.rates(time, step)
 
-    def follow(self, H: Array, h: Array) -> None:
+    def move_reference_angles(self, H: Array, h: Array) -> None:
         """Move reference angles along the increment ``h`` (n, 6) of nodes, made from ``H``."""
         for each in self.sets:
-            each.follow(H, h)
+            each.move_reference_angles(H, h)
 
     def check_branch(self, H: Array) -> None:
         """Refuse a state on a wrong branch, see :meth:`~.ConstraintSet.check_branch`."""
@@ -343,7 +343,7 @@ class Connections:
             drawn |= each.drawn()
         return tuple(self._info(k, *drawn[k]) for k in range(len(self.items)))
 
-    def _info(self, k: int, row: int, place: Array) -> JointInfo:
+    def _info(self, k: int, row: int, offset: Array) -> JointInfo:
         """Record of item k, drawn at a position in the frame of a row."""
         item, masters = self.items[k], self._numbering.master_map.masters
         moves = row < len(masters)
@@ -351,7 +351,7 @@ class Connections:
             name=item.label,
             kind="PrescribedMotion" if isinstance(item, _Carried) else type(item).__name__,
             node=int(masters[row]) if moves else -1,
-            offset=place if moves else np.zeros(3),
+            offset=offset if moves else np.zeros(3),
             coordinates=item.coordinate_names,
             first=int(self._coordinates[k]),
         )

@@ -18,7 +18,7 @@ from fem_lie._jit.copies import copy_blocks, copy_matrix, copy_vector
 from fem_lie._jit.fixed_arrays import Integers1, Numbers1, Numbers2, Numbers3, unpacking
 from fem_lie.bodies.balances import BY_LOADS
 from fem_lie.joints.equations import terms
-from fem_lie.joints.equations.table import PackedJoints, joint_table
+from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays
 from fem_lie.lie.node_types import floating, inertia, push_all_forward, wrench
 from fem_lie.lie.node_types.floating import PlainFloating
 from fem_lie.lie.node_types.inertia import PlainInertia
@@ -55,7 +55,7 @@ class LastState(NamedTuple):
     Attributes:
         row: Power, dissipation and resultants, see :func:`look`, shape (14,).
         wrenches: Forces of ground and prescribed frames, see :func:`look`, shape (p + 1, 6).
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
         v: Twists, shape (n, 6).
         multipliers: Lagrange multipliers, shape (m,).
         targets: Targets of the constraints, shape (m,); zero if none is driven.
@@ -147,7 +147,7 @@ def look(
     """Evaluate nodal loads, mass-proportional damping, and joints.
 
     Args:
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
         v: Twists, shape (n, 6).
         multipliers: Lagrange multipliers, shape (m,).
         scene: Arrays of the scene.
@@ -167,7 +167,7 @@ def look(
     if indptr.shape[0] > 0:
         add_mass_damping(kinds, H, v, damping, work, row)
     if joined:
-        table = joint_table(joints)
+        table = joint_arrays(joints)
         terms.reactions(H, v, table, multipliers, wrenches)
         row[LOSS] += terms.damper_loss(H, v, table) if len(table.springs) > 0 else 0.0
         add_local(np.zeros(rows - n, dtype=np.int64), H[n:], wrenches, REACTIONS, 1.0, row)

@@ -35,9 +35,9 @@ class Vectors:
         self.first: Indices = np.flatnonzero(~joined)
         self.own: Indices = np.cumsum(~joined) - 1
         sizes = np.diff(self.first, append=count)
-        place = np.arange(int(sizes.max(initial=1)))
-        self.there = place < sizes[self.own, np.newaxis]
-        reached = self.first[self.own, np.newaxis] + place
+        within = np.arange(int(sizes.max(initial=1)))
+        self.there = within < sizes[self.own, np.newaxis]
+        reached = self.first[self.own, np.newaxis] + within
         self.others: Indices = np.where(self.there, reached, 0)
 
     def scales(
@@ -145,9 +145,9 @@ class Parts:
         assert self.separate
         return self.blocks[len(self.of_K) :]
 
-    def place_K(self, place: Indices) -> Indices:
+    def index_in_K(self, index: Indices) -> Indices:
         """Positions in ``K`` of pairs at positions in ``A``, −1 where there is none."""
-        return np.where(place < 0, -1, self.of_K[place])
+        return np.where(index < 0, -1, self.of_K[index])
 
     def add_share(self, share: Array, others: Array) -> None:
         """Add other blocks times a factor of each pair, (nnz, 1, 1)."""

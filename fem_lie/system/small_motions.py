@@ -47,7 +47,7 @@ def rigid_motions(system: System, H: Array, weight: Array) -> list[RigidMotions]
     number = np.cumsum(~system.held.ravel()) - 1
     held = system.held.copy()
     # the drilling rotations that shells of five parameters hold are no supports
-    drills = held & system.numbering.held & system.uncoupled[:, np.newaxis]
+    drills = held & system.numbering.held & system.separates_director[:, np.newaxis]
     drills[:, :5] = False
     found = []
     for piece in range(pieces):
@@ -100,7 +100,7 @@ def linearised(
 
     Args:
         system: The equations.
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
         v: Local velocities of the moving nodes, shape (n, 6).
         multipliers: Lagrange multipliers, shape (m,).
         elements: Whether the stiffness of elements and pressure is included.
@@ -146,7 +146,7 @@ class SmallMotions:
     Attributes:
         rotation: The steady rotation.
         rate: Its angular velocity.
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
     """
 
     def __init__(self, system: System, rotation: Rotation) -> None:
@@ -260,7 +260,7 @@ class SmallMotions:
         forces, blocks = np.zeros(6 * system.count), np.zeros_like(self.blocks[2])
         system.elastic.add_forces(self.H, forces)
         nodes = np.arange(system.count)
-        blocks[kkt.place(nodes, nodes)] = stress_terms(forces.reshape(-1, 6))
+        blocks[kkt.block_index(nodes, nodes)] = stress_terms(forces.reshape(-1, 6))
         # nodes with vector coordinates do not have exact rigid motions of stressed groups
         motions = [
             (piece.unknowns, piece.basis)

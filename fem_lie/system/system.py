@@ -48,10 +48,10 @@ class System:
         kinds: Type of each moving node, shape (n,), see :mod:`fem_lie.lie.node_types`.
         held: Unknowns of the moving nodes that are zero, shape (n, 6).
         supported: Moving nodes that clamps and bodies support, shape (s,).
-        uncoupled: Moving nodes that move by ``x + R u`` in statics, shape (n,).
+        separates_director: Moving nodes that move by ``x + R u`` in statics, shape (n,).
         inertia: Mass matrix of the moving nodes.
         floating: Further inertia of bodies that deform within their frames.
-        rows: Frames of all rows at the start.
+        rows: Frames of all nodes, ground and prescribed motions at the start.
         load_cases: Loads as functions of time.
         loads: Loads at the time that was set last; ``lasting_loads``: the same in fixed arrays.
         terms: All terms that add forces and stiffness besides inertia, nodal loads and constraints.
@@ -103,7 +103,10 @@ class System:
         self.lengths = rows.lengths
         self.length = rows.length if part is None else part.length
         self.shared = shared_nodes(part, self.numbering)
-        self.uncoupled, self._any_held = self.numbering.uncoupled, bool(self.held.any())
+        self.separates_director, self._any_held = (
+            self.numbering.separates_director,
+            bool(self.held.any()),
+        )
         self.connections = Connections(scene, self.numbering, self.frames, self.held)
         self.table, self.m = self.connections.table, self.connections.m
         self._others = not self.connections.of_joints_only
@@ -154,9 +157,9 @@ class System:
         ]
         self._check_redundant()
         self._still = np.zeros((self.count, 6))
-        self._any_uncoupled = bool(self.uncoupled.any())
+        self._any_separates_director = bool(self.separates_director.any())
         self._some_outside_tables, self._viscous = not self.terms.all_in_tables, self.terms.viscous
-        separate = self._others or self._any_uncoupled or self._some_outside_tables
+        separate = self._others or self._any_separates_director or self._some_outside_tables
         settles = any(term.local is not None for term in self.terms)
         self.in_one_sum = not (separate or self._viscous or self._guided or settles)
         self._found = self.workspace()
@@ -198,14 +201,14 @@ class System:
     # --- equations ---
 
     def workspace(self) -> Forces:
-        """New arrays for the forces of a residual."""
+        """Zero arrays for the forces of :meth:`residual` on all moving nodes."""
         constant = None
-        if not self._others and not self._any_uncoupled:
+        if not self._others and not self._any_separates_director:
             mass, loads = self.inertia, self.lasting_loads
             nodes = self.kinds, *mass, *loads
-            cells = *self.terms.tables[0], *self.terms.following.plain
+            cells = *self.terms.tables[0], *self.terms.attached_cells.plain
             constant = *nodes, *self.connections.packed, None, *cells, *self.floating
-        return Forces(self.count, self.terms.room(), constant)
+        return Forces(self.count, self.terms.workspace(), constant)
 
     def residual(
         self,
@@ -250,7 +253,7 @@ class System:
                 self.terms.add_others(H, r, found.own)
         if self._viscous:
             self.terms.add_viscous_forces(H, v, r)
-        if self._any_uncoupled:
+        if self._any_separates_director:
             found.inner[:] = r[: 6 * self.count].reshape(-1, 6) - found.outer
         if self._guided:
             self.supports.rotate(H, r[: 6 * self.count].reshape(-1, 6))
@@ -275,18 +278,18 @@ class System:
             add_joints(H, v, joints, multipliers, scale, self.count, r)
         if self._others:
             self.connections.add_others(H, v, multipliers, scale, per_increment, r)
-        if self._any_uncoupled:
+        if self._any_separates_director:
             found.outer[:] = r[: 6 * self.count].reshape(-1, 6)
 
     def follow_motion(self, forces: Forces) -> None:
-        """Make the matrix the derivative along the motion of statics, see :attr:`uncoupled`.
+        """Turn the matrix into the derivative along the motion of statics.
 
         The parts are derivatives in twists of forces in local axes. The correction is linear in the
         sum of all forces on a node, which is zero at equilibrium.
         """
-        if self._any_uncoupled:
+        if self._any_separates_director:
             total = np.where(self.rows.turning, forces.outer + forces.inner, 0.0)
-            self.tangent.add_turnings(total, self.uncoupled)
+            self.tangent.add_turnings(total, self.separates_director)
 
     def fill_matrix(self, state: TimeState, forces: Forces, plan: Plan) -> Array:
         """Fill the KKT matrix with the derivative of :meth:`residual` in the increments of a state.

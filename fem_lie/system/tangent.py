@@ -130,22 +130,22 @@ class Tangent:
 
     def _settle(self) -> None:
         """Find the positions of all contributions in the current pattern."""
-        place, diagonal = self.kkt.place, np.arange(self._count)
+        block_index, diagonal = self.kkt.block_index, np.arange(self._count)
         own, floating, *coupled = self._pairs()
         self._versions = self._terms.versions
         self.parts = Parts(self._kinds, self.kkt.indices, separate=self._separate)
-        in_K = self.parts.place_K
-        self._place_mass, self._place_bodies = (
-            (at, in_K(at)) for at in (place(*own), place(*floating))
+        in_K = self.parts.index_in_K
+        self._mass_index, self._bodies_index = (
+            (at, in_K(at)) for at in (block_index(*own), block_index(*floating))
         )
-        self._diagonal = place(diagonal, diagonal)
-        places = (place(*pair) for pair in coupled)
+        self._diagonal = block_index(diagonal, diagonal)
+        indices = (block_index(*pair) for pair in coupled)
         self._of_terms = [
             (term, in_K(at), at if term.viscosity else at[:0])
-            for term, at in zip(self._terms, places, strict=False)
+            for term, at in zip(self._terms, indices, strict=False)
         ]
         sets = self._connections.sets
-        self._sets = [(each, in_K(place(*self._pairs_of(each)))) for each in sets]
+        self._sets = [(each, in_K(block_index(*self._pairs_of(each)))) for each in sets]
         self._averages = Averages(sets) if self._splits else Averages([])
         self._nodes = np.concatenate([self._incidences.nodes, self._averages.nodes])
         self._rows = np.zeros((len(self._nodes), 6))
@@ -300,7 +300,7 @@ class Tangent:
         with self._divided():
             if any(factors) or v.any() or a.any():
                 self._add_rates((H, v[:n], a[:n]), kinds, factors)
-            diagonal = self.parts.place_K(self._diagonal)
+            diagonal = self.parts.index_in_K(self._diagonal)
             load_tangent(kinds, H, *loads, diagonal, self.parts.blocks)
 
     def add_mass(self, H: Array, kinds: Indices, factor: float) -> None:
@@ -312,10 +312,10 @@ class Tangent:
     def _add_rates(self, motion: PlainMotion, kinds: Indices, factors: tuple[float, float]) -> None:
         """Add derivatives of inertia at frames, velocities and their rates."""
         parts = self.parts.blocks, self.parts.blocks
-        inertia.tangents(motion, kinds, self._mass.plain, self._place_mass, factors, parts)
-        if len(self._place_bodies[0]):
-            bodies, place = self._bodies.plain, self._place_bodies
-            floating_tangents.tangents(motion, kinds, bodies, place, factors, parts)
+        inertia.tangents(motion, kinds, self._mass.plain, self._mass_index, factors, parts)
+        if len(self._bodies_index[0]):
+            bodies, index = self._bodies.plain, self._bodies_index
+            floating_tangents.tangents(motion, kinds, bodies, index, factors, parts)
 
     def add_terms(
         self,
@@ -332,13 +332,13 @@ class Tangent:
             selected: Selection of terms.
             ends: Ends of a step, for terms with forces over a step; default: all terms at ``H``.
         """
-        for (term, place, _), forces in zip(self._of_terms, kept, strict=True):
+        for (term, index, _), forces in zip(self._of_terms, kept, strict=True):
             with self._divided(really=self._divides(term)):
                 if ends is not None and term.over_step is not None:
                     blocks = term.over_step.tangent_over_step(ends, H)
-                    add_at(self.parts.blocks, place, blocks)
+                    add_at(self.parts.blocks, index, blocks)
                 elif selected(term):
-                    term.add_tangent(H, forces, place, self.parts.blocks)
+                    term.add_tangent(H, forces, index, self.parts.blocks)
 
     def set_correction(self, H: Array, kinds: Indices, d: Array) -> None:
         """Set the low-rank correction of the KKT matrix: stiff rows of terms, in increments.
@@ -366,11 +366,11 @@ class Tangent:
 
     def alone(self, H: Array, term: Term) -> sp.csr_matrix:
         """Matrix of one term, along the axes of supports, shape (6 n, 6 n)."""
-        kept = term.room()
+        kept = term.workspace()
         term.add_forces(H, np.zeros((self._count, 6)), kept)
         self.clear()
-        (place,) = (place for other, place, _ in self._of_terms if other is term)
-        term.add_tangent(H, kept, place, self.parts.blocks)
+        (index,) = (index for other, index, _ in self._of_terms if other is term)
+        term.add_tangent(H, kept, index, self.parts.blocks)
         self.parts.add_K()
         self.supports.rotate_blocks(H, self.A)
         return sp.bsr_matrix((self.A, self.kkt.indices, self.kkt.indptr)).tocsr()
@@ -380,14 +380,14 @@ class Tangent:
 
         That of joints includes springs, drives and gears.
         """
-        for each, place in self._sets:
-            each.geometric(H, multipliers, place, self.parts.blocks)
+        for each, index in self._sets:
+            each.geometric(H, multipliers, index, self.parts.blocks)
         self._averages.take(H, multipliers)
-        for term, place, _ in self._of_terms:
+        for term, index, _ in self._of_terms:
             blocks = None if term.within_joints else term.geometric(H)
             if blocks is not None:
                 with self._divided():
-                    add_at(self.parts.blocks, place, blocks)
+                    add_at(self.parts.blocks, index, blocks)
 
     def add_viscosity(
         self,
@@ -421,7 +421,7 @@ class Tangent:
         See :func:`~fem_lie.lie.motions.add_turnings`.
         """
         with self._divided():
-            diagonal = self.parts.place_K(self._diagonal)
+            diagonal = self.parts.index_in_K(self._diagonal)
             add_turnings(forces, 1.0, diagonal, nodes, self.parts.blocks)
 
     # --- sum ---

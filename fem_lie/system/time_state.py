@@ -20,7 +20,7 @@ from fem_lie.system.nodes.numbering import Numbering
 
 
 class FrameRows:
-    """Frames of all rows at the start, and properties of the moving nodes.
+    """Initial frames of nodes, ground and prescribed motions; properties of the moving nodes.
 
     Attributes:
         kinds: Type of each moving node, shape (n,), see :mod:`fem_lie.lie.node_types`.
@@ -66,7 +66,7 @@ class FrameRows:
         self.kinds: Indices = node_types_of(numbering.kinds, groups, parametrisation)
         self.held: Flags = numbering.held.copy()
         clamped = [numbering.node(clamp.point) for clamp in scene.clamps]
-        self.held[clamped] |= numbering.clamped[clamped]
+        self.held[clamped] |= numbering.clamp_holds[clamped]
         self.supported: Indices = np.union1d(numbering.supported, clamped).astype(np.int64)
         # reactions of supports in a node's own axes rotate with them
         self.turning: Flags = ~self.held
@@ -75,8 +75,8 @@ class FrameRows:
         for body, nodes in numbering.nodes.items():
             lengths[nodes] = body.model.node_lengths
         self.lengths: Flags = lengths[numbering.master_map.masters]
-        places = self.frames[: numbering.count, 0]
-        self.length = max(diameter(places), *(body.model.size for body in scene.bodies))
+        positions = self.frames[: numbering.count, 0]
+        self.length = max(diameter(positions), *(body.model.size for body in scene.bodies))
 
     def prescribed(self, time: float) -> Array:
         """Frames of the prescribed motions at ``time``, shape (p, 4, 3).
@@ -100,7 +100,7 @@ class TimeState(NamedTuple):
     """State of a scene at one time.
 
     Attributes:
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
         v: Local velocities of the moving nodes, shape (≥ n, 6).
         a: Their rates, shape (≥ n, 6).
         multipliers: Lagrange multipliers (forces and moments), shape (m,).
@@ -119,14 +119,15 @@ class Plan(NamedTuple):
         d: Increments that led to the frames, shape (n, 6).
         scale: Scale factor of each constraint, shape (m,); default: one that fits the rest of the
             matrix and the Jacobian.
-        mass: ∂a/∂d.
-        damping: ∂v/∂d.
+        mass: Derivative ∂a/∂d of accelerations in increments.
+        damping: Derivative ∂v/∂d of twists in increments.
         joint_frames: Frames of the constraint Jacobian; default: those of the state.
         forces_at: Frames of the constraint forces; default: ``joint_frames``.
         lag: Rotation vectors (n, 3) by which the axes of the unknowns lag behind the frames, along
             which nodes move; default: none.
         inertial: Whether components are along axes fixed in space instead of those of the nodes.
-        stressed: Frames whose stress the geometric stiffness has; default: the independent stress.
+        stressed: Frames at which the stress of the geometric stiffness is evaluated; default: the
+            independent stress.
         matrix_terms: Terms that are included, none of them undecided.
         constraints_only: Whether all but the constraint Jacobian stays as it was filled last.
         steady: Whether it is the stiffness in a frame in which all nodes move steadily. The plan
@@ -172,7 +173,7 @@ class Forces:
         inner: Forces of all other terms, shape (n, 6).
         own: Forces of each term whose derivative needs them.
         work: Two arrays of the shape of ``on_rows``, which is the second.
-        table: Table for compiled functions, if all forces are one sum.
+        table: Addresses of the arrays for compiled functions, if all forces are one sum.
     """
 
     def __init__(self, count: int, own: Sequence[Array], constant: Sequence[Any] | None) -> None:

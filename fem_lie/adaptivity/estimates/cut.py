@@ -134,7 +134,7 @@ def on_all_nodes(cut: Cut, frames: Array) -> Array:
     """
     shell = cut.shell
     coarse = ShellAssembly([shell.model])
-    rows, forces = np.empty_like(frames), coarse.room()
+    rows, forces = np.empty_like(frames), coarse.workspace()
     rows[coarse.order] = frames
     coarse.reset_stress(rows)
     coarse.add_forces(rows, forces)
@@ -280,7 +280,7 @@ def _assembled(cells: Indices, stiffness: Array, free: Flags) -> bsr_matrix:
     i, j = np.broadcast_arrays(rows[..., np.newaxis], rows[:, np.newaxis])
     held = np.flatnonzero(~free.ravel())
     entries = np.concatenate([values.ravel(), np.ones(len(held))])
-    places = np.concatenate([i.ravel(), held]), np.concatenate([j.ravel(), held])
-    K = coo_matrix((entries, places), shape=(size, size)).tocsr().tobsr((_FIVE, _FIVE))
+    entries_at = np.concatenate([i.ravel(), held]), np.concatenate([j.ravel(), held])
+    K = coo_matrix((entries, entries_at), shape=(size, size)).tocsr().tobsr((_FIVE, _FIVE))
     K.sort_indices()
     return K

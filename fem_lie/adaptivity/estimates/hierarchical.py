@@ -94,12 +94,12 @@ def _slopes(cut: Cut, H: Array) -> Array:
     """Derivatives of stress in nodal twists of each fine cell, shape (4 m, g, 8, k, 5)."""
     stress, cells = ShellStress.of(cut.separate), cut.fine.model.cut_mesh.cells
     frames, found = H[cells.ravel()], []
-    for place in range(cells.shape[1]):
+    for corner in range(cells.shape[1]):
         for unit_of, size in zip(
             np.eye(6)[:_FIVE], [cut.shell.model.size] * 3 + [1.0] * 2, strict=True
         ):
             step = np.zeros((*cells.shape, 6))
-            step[:, place] = _STEP * size * unit_of
+            step[:, corner] = _STEP * size * unit_of
             turned = (lie.se3_retract(frames, s * step.reshape(-1, 6)) for s in (1, -1))
             after, before = (stress(moved) for moved in turned)
             found.append((after - before) / (2.0 * _STEP * size))
@@ -123,8 +123,8 @@ def _at_parts(shell: Shell, rule: Array) -> Array:
     """Interpolation from integration points of a cell to those of each part, shape (4, g, g)."""
     mesh = shell.model.cut_mesh
     corners = extrapolation(mesh, rule)
-    places = tabulated(mesh.cell, 1, rule)[0]
-    return np.asarray(places @ shapes_of_parts(mesh.cell) @ corners)
+    positions = tabulated(mesh.cell, 1, rule)[0]
+    return np.asarray(positions @ shapes_of_parts(mesh.cell) @ corners)
 
 
 # --- positions of new nodes ---
@@ -137,12 +137,12 @@ def _between(cut: Cut, frames: Array) -> Array:
     """
     shell = cut.shell
     a, b = frames[cut.ends[:, 0]], frames[cut.ends[:, 1]]
-    places, directors = _bulged(a, b)
+    positions, directors = _bulged(a, b)
     unloaded, _ = _bulged(shell.frames[cut.ends[:, 0]], shell.frames[cut.ends[:, 1]])
     n, edges = len(frames), len(cut.ends)
     x0, up = cut.fine.frames[n : n + edges, 0], directors
     height = (
-        places
+        positions
         - np.einsum("ej,ej->e", unloaded - x0, cut.fine.frames[n : n + edges, 3])[:, np.newaxis]
         * up
     )

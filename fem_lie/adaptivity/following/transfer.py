@@ -53,12 +53,12 @@ _ROUNDS = 3
 def with_momenta(
     equations: Equations, H: Array, v: Array, momenta: Array, free: Flags, rates: Array
 ) -> Array:
-    """Twists of all rows with given momenta.
+    """Twists of all nodes with given momenta.
 
     Args:
         equations: Equations of the scene.
-        H: Frames of all rows.
-        v: Twists of all rows, to which the result is closest.
+        H: Frames of all nodes, ground and prescribed motions.
+        v: Twists of all nodes, to which the result is closest.
         momenta: Linear and angular momentum about the origin, global components, shape (6,).
         free: Whether each node may change its twist, shape (n,).
         rates: Rates of all constraints, shape (m,).
@@ -99,9 +99,9 @@ def with_momenta(
 def invariants_of(equations: Equations, H: Array, v: Array) -> tuple[float, Array]:
     """Kinetic energy, and linear and angular momentum about the origin, shape (6,)."""
     unknowns = equations.unknowns
-    rates, room = np.empty((2, unknowns.moving, 4, 3))
+    rates, workspace = np.empty((2, unknowns.moving, 4, 3))
     energy, *momenta = invariants(
-        unknowns.kinds, H, v[: unknowns.moving], *equations.tables.inertia, rates, room
+        unknowns.kinds, H, v[: unknowns.moving], *equations.tables.inertia, rates, workspace
     )
     return float(energy), np.array(momenta)
 
@@ -251,13 +251,13 @@ def _gathered(
     equations: Equations,
     after: Mapping[str, Body],
 ) -> tuple[Array, Array]:
-    """Frames and twists of all rows, interpolated by the elements of the old meshes."""
+    """Frames and twists of the new nodes, interpolated by the elements of the old meshes."""
     unknowns = equations.unknowns
     frames, twists = np.empty((unknowns.total, 4, 3)), np.zeros((unknowns.total, 6))
-    for name, place in found.items():
+    for name, points in found.items():
         own, nodes = result.info.body(name).nodes, unknowns.bodies[after[name]]
         v = result.velocities[at, own] if isinstance(result, Result) else np.zeros((len(own), 6))
-        frames[nodes], twists[nodes] = place.motion(result.frames[at, own], v)
+        frames[nodes], twists[nodes] = points.motion(result.frames[at, own], v)
     H, v = equations.start.frames.copy(), equations.start.velocities.copy()
     H[: unknowns.moving] = frames[unknowns.masters]
     v[: unknowns.moving] = twists[unknowns.masters]
@@ -276,12 +276,12 @@ def _kept(
     """Twists with the former momenta, corrected only at new nodes if all others remain."""
     unknowns, master = equations.unknowns, equations.tables.master
     (new, changed), lost = np.zeros((2, unknowns.moving), dtype=bool), False
-    for name, place in found.items():
+    for name, points in found.items():
         nodes, count = master[unknowns.bodies[after[name]]], len(result.info.body(name).nodes)
-        new[nodes[place.between]] = True
-        gone = len(np.unique(place.nodes[~place.between])) < count
+        new[nodes[points.between]] = True
+        gone = len(np.unique(points.nodes[~points.between])) < count
         lost |= gone
-        changed[nodes] |= gone or bool(place.between.any())
+        changed[nodes] |= gone or bool(points.between.any())
     # if nodes were removed, a few new nodes cannot restore their momenta
     free = new if np.count_nonzero(new) >= _ENOUGH and not lost else changed
     if not free.any():

@@ -65,7 +65,7 @@ class BeamAssembly(Assembly):
             [body.elements + start for body, start in zip(bodies, starts[:-1], strict=True)]
         )
         own = bodies[0].source if len(bodies) == 1 else None
-        nodal, order, permutation = _place(frames, elements, formulation.degree, own)
+        nodal, order, permutation = _number_nodes(frames, elements, formulation.degree, own)
         mesh = nodal.function.function_space.mesh
 
         def gathered(name: str) -> Array:
@@ -92,7 +92,7 @@ class BeamAssembly(Assembly):
             self.inertia = NodalInertia(self.summed(elements), damping)
 
 
-def _place(
+def _number_nodes(
     frames: Array, elements: Indices, degree: int, own: dolfinx.mesh.Mesh | None
 ) -> tuple[NodalFrames, Indices, Indices]:
     """Nodal frames on a mesh of the elements, and its index of each node and of each cell.

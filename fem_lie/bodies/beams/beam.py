@@ -61,12 +61,12 @@ class BeamModel(LineModel):
         Raises:
             ValueError: There is no such element, or ``part`` is out of range.
         """
-        self._check_place(element, part)
+        self._check_coordinate(element, part)
         nodes = self.elements[element]
         for node, at in zip(nodes, (0.0, 1.0, 0.5), strict=False):
             if abs(part - at) < _AT_NODE:
                 return self.numbered(int(node))
-        attachment = self.formulation.place(nodes, float(part))
+        attachment = self.formulation.attachment_frame(nodes, float(part))
         return MaterialPoint(int(nodes[0]), f"element {element} at {part:g}", attachment)
 
     @property

@@ -208,7 +208,7 @@ class SectionedModel(BodyModel):
     def _position_in(self, element: int, part: float) -> Array:
         return self.frame_of(self.point_in_cell(element, part))[0]
 
-    def _check_place(self, element: int, part: float) -> None:
+    def _check_coordinate(self, element: int, part: float) -> None:
         """Raise ``ValueError`` if there is no such element, or ``part`` is not from 0 to 1."""
         instance(element, int | np.integer, f"the number of an element of {self.label}", "whole")
         last = len(self.elements) - 1

@@ -229,7 +229,7 @@ class ElementBody(Body):
             require_point(point, "ElementBody.clamp: a point")
             if point.body is not self:
                 raise ValueError(f"{self.label} cannot hold {point.label}, a point of another body")
-            held = TRAITS[NodeType(self.model.node_types[point.node])].clamped
+            held = TRAITS[NodeType(self.model.node_types[point.node])].clamp_holds
             self.model.held[point.node] |= np.array(held)
 
 

@@ -151,9 +151,11 @@ class AncfBeamModel(SectionPointsModel):
         Raises:
             ValueError: There is no such element, or ``part`` is out of range.
         """
-        self._check_place(element, part)
+        self._check_coordinate(element, part)
         nodes = self.elements[element].tolist()
-        attachment = self.formulation.place(nodes, float(part), float(self.lengths[element]))
+        attachment = self.formulation.attachment_frame(
+            nodes, float(part), float(self.lengths[element])
+        )
         return MaterialPoint(nodes[0], f"element {element} at {part:g}", attachment)
 
     def consistent_lengths(self) -> tuple[Indices, Array]:

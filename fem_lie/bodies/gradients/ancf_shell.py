@@ -32,7 +32,7 @@ class AncfShellModel(SmoothSurfaceModel):
     """
 
     table = staticmethod(plate.table)
-    fourth_is_director = True
+    has_thickness_director = True
 
     def __init__(
         self,
@@ -77,7 +77,7 @@ class AncfShellModel(SmoothSurfaceModel):
                 "AncfShell: expected a mesh without hanging nodes, got a SplineMesh with hanging "
                 "nodes, which a ThinShell supports"
             )
-        n = np.cross(surface.rows[:, 1], surface.rows[:, 2])
+        n = np.cross(surface.nodal_vectors[:, 1], surface.nodal_vectors[:, 2])
         sizes = np.linalg.norm(n, axis=1, keepdims=True)
         return np.asarray(n / sizes), np.asarray(np.ones(len(surface.sizes)))
 
@@ -107,7 +107,7 @@ class AncfShellModel(SmoothSurfaceModel):
         """Data of the cells, which are unloaded in their initial configuration."""
         q = self.hermite_vectors()
         C = self.formulation.stiffness(q, self.axes, self.stiffness)
-        return plate.data(q, self.extraction(), C)
+        return plate.data(q, self.hermite_matrices(), C)
 
     def element_inertia(self) -> Array:
         """Mass matrix in the nodal coordinates of each cell, shape (m, 8, 4, 8, 4)."""

@@ -11,7 +11,7 @@ from fem_lie.attachments.at_nodes import on_section
 from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.bodies.beams.sectioned import SectionedModel
 from fem_lie.bodies.body import Body, Point
-from fem_lie.bodies.gradients.axes import follow_sections
+from fem_lie.bodies.gradients.axes import rotate_section_axes
 from fem_lie.bodies.model import AxesUpdate, MaterialPoint
 from fem_lie.bodies.points import require_point
 from fem_lie.lie.node_types import MIXED_DERIVATIVE, NodeType
@@ -92,10 +92,10 @@ class SectionPointsModel(SectionedModel):
         parts = self.held.reshape(2, self.points_count, 2, 3).sum(axis=-1) % 3 > 0
         moves: Flags = ~parts.any(axis=(0, 2))
 
-        def follow(rows: Array) -> None:
-            follow_sections(rows, moves)
+        def rotate_axes(coordinates: Array) -> None:
+            rotate_section_axes(coordinates, moves)
 
-        return follow
+        return rotate_axes
 
 
 class SectionPoints(Body):

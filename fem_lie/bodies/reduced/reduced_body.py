@@ -31,7 +31,7 @@ class ReducedOrderModel(BodyModel):
         density: Mass matrix of ``(x, d_k, z_a d_k)``, see :mod:`fem_lie.lie.node_types.floating`,
             shape (4 + 3 m, 4 + 3 m).
         full: Full body.
-        shapes: Modes: displacement and rotation of each node of the full body for each coordinate,
+        modes: Displacement and rotation of each node of the full body for each modal coordinate,
             in components along the frame, shape (m, n, 6).
     """
 
@@ -40,7 +40,7 @@ class ReducedOrderModel(BodyModel):
         interfaces: Sequence[int],
         stiffness: Array,
         density: Array,
-        shapes: Array,
+        modes: Array,
         full: Body,
         *,
         points: Mapping[str, int],
@@ -54,7 +54,7 @@ class ReducedOrderModel(BodyModel):
             interfaces: Nodes of the full body that are interfaces; the first is the frame.
             stiffness: Stiffness in the coordinates, shape (m, m).
             density: Mass matrix of ``(x, d_k, z_a d_k)``, shape (4 + 3 m, 4 + 3 m).
-            shapes: Modes, shape (m, n, 6).
+            modes: Modes, shape (m, n, 6).
             full: Full body.
             points: Index of each named interface.
             quadratic: Quadratic coefficients of the strains, shape (m, m, m); default: zero, so
@@ -83,7 +83,7 @@ class ReducedOrderModel(BodyModel):
                 f"ReducedOrderBody: {others} other interfaces have {6 * others} coordinates, "
                 f"got {m}"
             )
-        self.shapes, self.full = shapes, full
+        self.modes, self.full = modes, full
         first = lie.se3_inverse(frames[0])
         self.within = np.ascontiguousarray(lie.se3_compose(first, frames[1:]))
         amplitudes = np.zeros((-(-inner // 6), 4, 3))
@@ -167,7 +167,7 @@ class ReducedOrderModel(BodyModel):
         Args:
             frames: Nodal coordinates of the reduced-order body, shape (s, n, 4, 3).
         """
-        h = np.einsum("sm,mni->sni", self.coordinates(frames), self.shapes)
+        h = np.einsum("sm,mni->sni", self.coordinates(frames), self.modes)
         initial = lie.se3_compose(lie.se3_inverse(self.frames[0]), self.full.frames)
         moved = np.tile(initial, (len(h), 1, 1, 1))
         moved[:, :, 0] += h[:, :, :3]
@@ -184,8 +184,8 @@ class ReducedOrderModel(BodyModel):
             frames: Nodal coordinates of the reduced-order body, shape (s, n, 4, 3).
             velocities: Twists of its nodes, shape (s, n, 6).
         """
-        rates = np.einsum("sm,mni->sni", self.rates(frames, velocities), self.shapes)
-        h = np.einsum("sm,mni->sni", self.coordinates(frames), self.shapes)
+        rates = np.einsum("sm,mni->sni", self.rates(frames, velocities), self.modes)
+        h = np.einsum("sm,mni->sni", self.coordinates(frames), self.modes)
         arms = self.full.frames[:, 0] - self.frames[0, 0]
         arms = arms @ self.frames[0, 1:].T + h[:, :, :3]
         v, ω = velocities[:, :1, :3], velocities[:, :1, 3:]
@@ -229,7 +229,7 @@ class ReducedOrderBody(Body):
         interfaces: Sequence[int],
         stiffness: Array,
         density: Array,
-        shapes: Array,
+        modes: Array,
         full: Body,
         *,
         points: Mapping[str, int],
@@ -242,7 +242,7 @@ class ReducedOrderBody(Body):
             interfaces: Nodes of the full body that are interfaces; the first is the frame.
             stiffness: Stiffness in the coordinates, shape (m, m).
             density: Mass matrix of ``(x, d_k, z_a d_k)``, shape (4 + 3 m, 4 + 3 m).
-            shapes: Modes, shape (m, n, 6).
+            modes: Modes, shape (m, n, 6).
             full: Full body.
             points: Index of each named interface.
             quadratic: Quadratic coefficients of the strains, shape (m, m, m); default: zero, so
@@ -258,7 +258,7 @@ class ReducedOrderBody(Body):
                 interfaces,
                 stiffness,
                 density,
-                shapes,
+                modes,
                 full,
                 points=points,
                 quadratic=quadratic,

@@ -45,20 +45,20 @@ _STRAIGHT = 1e-6  # second singular value of A at the start over the first
 
 
 @compiled
-def _turn(
-    rows: Array, edges: Indices, begun: tuple[Array, Array], slopes: bool, moments: Array
+def _rotate(
+    coordinates: Array, edges: Indices, begun: tuple[Array, Array], slopes: bool, moments: Array
 ) -> None:
-    """Rotate the axes in ``rows`` (n, 4, 3); ``moments`` is a work array (n + 1, 3, 3).
+    """Rotate the axes in ``coordinates`` (n, 4, 3); ``moments`` is a work array (n + 1, 3, 3).
 
     ``begun`` are unit edges (m, 3) and axes (n, 3, 3) at the start.
     """
     E, axes = begun
-    n = rows.shape[0]
+    n = coordinates.shape[0]
     moments[:] = 0.0
     R, Q = np.empty((3, 3)), np.empty((3, 3))
     for k in range(edges.shape[0]):
         a, b = edges[k]
-        e = rows[b, 0] - rows[a, 0]
+        e = coordinates[b, 0] - coordinates[a, 0]
         e /= np.sqrt((e * e).sum())
         part = np.outer(e, E[k])
         moments[n] += part
@@ -69,7 +69,7 @@ def _turn(
         return
     for i in range(n):
         F = moments[i]
-        tangent = rows[i, 1] / np.sqrt((rows[i, 1] * rows[i, 1]).sum())
+        tangent = coordinates[i, 1] / np.sqrt((coordinates[i, 1] * coordinates[i, 1]).sum())
         if slopes:
             F += np.outer(tangent, axes[i, 0])
         if not polar_rotation(F + _MEAN * Q, R):
@@ -80,13 +80,13 @@ def _turn(
             size = np.sqrt((second * second).sum())
             if not size > _MEAN:
                 continue
-            rows[i, 2] = second / size
-            rows[i, 3] = np.cross(tangent, rows[i, 2])
+            coordinates[i, 2] = second / size
+            coordinates[i, 3] = np.cross(tangent, coordinates[i, 2])
         else:
-            rows[i, 1:] = new
+            coordinates[i, 1:] = new
 
 
-def following(frames: Array, edges: Indices, slopes: bool) -> AxesUpdate | None:
+def axes_rotation(frames: Array, edges: Indices, slopes: bool) -> AxesUpdate | None:
     """Function that rotates the axes; ``None`` for a straight body, whose rotation is undefined.
 
     Args:
@@ -103,10 +103,10 @@ def following(frames: Array, edges: Indices, slopes: bool) -> AxesUpdate | None:
     axes[:, 0] /= np.linalg.norm(axes[:, 0], axis=1, keepdims=True)
     moments = np.empty((len(frames) + 1, 3, 3))
 
-    def turn(rows: Array) -> None:
-        _turn(rows, edges, (E, axes), slopes, moments)
+    def rotate(coordinates: Array) -> None:
+        _rotate(coordinates, edges, (E, axes), slopes, moments)
 
-    return turn
+    return rotate
 
 
 _EI = 4
@@ -117,8 +117,8 @@ class CableModel(LineModel):
     """Model of a body along lines without directions across them.
 
     Attributes:
-        clamped: Nodes whose directions are held by rotational springs.
-        follows: Whether nodal axes rotate with the body.
+        clamped_nodes: Nodes whose directions are held by rotational springs.
+        convects_axes: Whether nodal axes rotate with the body.
         successive: Pairs of elements with a rotational spring.
         inner_springs: These springs; ``None`` if elements bend.
         own: Number of elements with stiffness and mass; those after them, which a part of a body
@@ -166,13 +166,13 @@ class CableModel(LineModel):
             _check_damping(damping, formulation)
         sections = [section] * len(placed.elements)
         super().__init__(mesh, placed, sections, formulation, damping, class_name, name)
-        self.clamped: list[int] = []
-        self.follows, self.own, self.successive = False, len(self.elements), successive
+        self.clamped_nodes: list[int] = []
+        self.convects_axes, self.own, self.successive = False, len(self.elements), successive
         self.inner_springs: Bends | None = None
         if isinstance(formulation, DiscreteCable):
-            places = self.frames[:, 0]
+            positions = self.frames[:, 0]
             self.inner_springs = Bends.between(
-                places, successive, self._flexibility(), formulation.natural
+                positions, successive, self._flexibility(), formulation.natural
             )
 
     @classmethod
@@ -195,7 +195,7 @@ class CableModel(LineModel):
 
         ``None`` if nodal axes rotate with the whole body.
         """
-        if self.follows:
+        if self.convects_axes:
             return None
         if self.inner_springs is None:
             return self.elements
@@ -230,8 +230,8 @@ class CableModel(LineModel):
         part.inner_springs = Bends(
             np.searchsorted(nodes, springs.nodes[held]), *(values[held] for values in springs[1:])
         )
-        ends = [node for node in self.clamped if self.edge_at(node) in cells]
-        part.clamped = [int(node) for node in np.searchsorted(nodes, ends)]
+        ends = [node for node in self.clamped_nodes if self.edge_at(node) in cells]
+        part.clamped_nodes = [int(node) for node in np.searchsorted(nodes, ends)]
         return part, nodes
 
     def cells_of(self, group: str | None = None) -> Indices:
@@ -247,9 +247,9 @@ class CableModel(LineModel):
         """Rotational springs between its elements, and at clamped ends; empty if elements bend."""
         if self.inner_springs is None:
             return []
-        edges = np.array([self.edge_at(node) for node in self.clamped], dtype=np.int64)
+        edges = np.array([self.edge_at(node) for node in self.clamped_nodes], dtype=np.int64)
         ends = self.elements[edges]
-        nodes = np.array(self.clamped, dtype=np.int64)
+        nodes = np.array(self.clamped_nodes, dtype=np.int64)
         other = np.where(ends[:, 0] == nodes, ends[:, 1], ends[:, 0])
         # along the line into the body; scaled to the length of the edge, so that its round-off is
         # that of the edge in all units
@@ -268,12 +268,14 @@ class CableModel(LineModel):
         return self.numbered(self.closest_node(position))
 
     def axes_update(self) -> AxesUpdate | None:
-        """Function that rotates the axes, after a call of :meth:`follow`."""
-        return self.rotating_axes() if self.follows else None
+        """Function that rotates the axes, after a call of :meth:`convect_axes`."""
+        return self.rotating_axes() if self.convects_axes else None
 
     def rotating_axes(self) -> AxesUpdate | None:
         """Function that rotates the axes; ``None`` if the body is straight."""
-        return following(self.frames, self.elements, self.node_type == NodeType.POSITION_GRADIENT)
+        return axes_rotation(
+            self.frames, self.elements, self.node_type == NodeType.POSITION_GRADIENT
+        )
 
     def has_drilling(self, holds: Sequence[HeldRotation] = ()) -> bool:
         """Whether nodes rotate about their third axes: true unless they have positions only.
@@ -327,8 +329,8 @@ class CableBody(LineBody):
 
     model: CableModel
 
-    def follow(self: AnyCableBody) -> AnyCableBody:
-        """Let nodal axes rotate with the body: ``Cable.curve(…).follow()``.
+    def convect_axes(self: AnyCableBody) -> AnyCableBody:
+        """Let nodal axes rotate with the body: ``Cable.curve(…).convect_axes()``.
 
         It is for cables that rotate or tumble, and for falling nets. The motion does not depend on
         it, but the iteration matrix stays valid longer. See :mod:`fem_lie.bodies.rods.cable_body`.
@@ -341,7 +343,7 @@ class CableBody(LineBody):
                 f"follow: expected a body that is not straight, got {self.label}, whose rotation "
                 "about its line is undefined: give it a small curvature"
             )
-        self.model.follows = True
+        self.model.convects_axes = True
         return self
 
     def pin(self, *points: Point) -> None:
@@ -371,9 +373,9 @@ class CableBody(LineBody):
         if model.inner_springs is not None:
             for node in nodes:
                 model.edge_at(node)
-            model.clamped += [node for node in nodes if node not in model.clamped]
+            model.clamped_nodes += [node for node in nodes if node not in model.clamped_nodes]
         for node in nodes:
-            model.held[node] |= np.array(TRAITS[model.node_type].clamped)
+            model.held[node] |= np.array(TRAITS[model.node_type].clamp_holds)
 
     def _own(self, points: Sequence[Point], what: str) -> list[int]:
         for point in points:

@@ -63,10 +63,10 @@ class Net(CableBody):
                 another shape.
             TypeError: An argument has an unexpected type.
         """
-        places, expected = points_of(points), DiscreteCable | None
+        positions, expected = points_of(points), DiscreteCable | None
         instance(formulation, expected, "Net: formulation", "a DiscreteCable or None")
-        edges, along = _followed(cables, len(places))
-        chords = np.diff(places[edges], axis=1)[:, 0]
+        edges, along = _followed(cables, len(positions))
+        chords = np.diff(positions[edges], axis=1)[:, 0]
         lengths = np.linalg.norm(chords, axis=1)
         if not lengths.min() > 0.0:
             a, b = edges[lengths.argmin()]
@@ -74,10 +74,10 @@ class Net(CableBody):
                 f"Net: expected distinct points along a cable, got {a} and {b} at one position"
             )
         tangents = chords / lengths[:, np.newaxis]
-        mesh = LineMesh(places, edges, np.repeat(tangents[:, np.newaxis], 2, axis=1))
-        frames = _frames(places, edges, tangents)
+        mesh = LineMesh(positions, edges, np.repeat(tangents[:, np.newaxis], 2, axis=1))
+        frames = _frames(positions, edges, tangents)
         lengths = lengths / _stretches(stretch, [len(cable) - 1 for cable in cables])
-        placed = Placed(frames, edges, lengths, np.arange(len(places)), edges)
+        placed = Placed(frames, edges, lengths, np.arange(len(positions)), edges)
         element = DiscreteCable() if formulation is None else formulation
         names = type(self).__name__, name
         super().__init__(CableModel(mesh, placed, along, section, element, damping, *names))
@@ -123,13 +123,13 @@ def _followed(cables: Sequence[Sequence[int]], count: int) -> tuple[Indices, Suc
     return np.concatenate(edges), Successive(np.concatenate(nodes), np.concatenate(pairs))
 
 
-def _frames(places: Array, edges: Indices, tangents: Array) -> Array:
+def _frames(positions: Array, edges: Indices, tangents: Array) -> Array:
     """Nodal coordinates, with the first axis along any edge of each node."""
-    first = np.zeros((len(places), 3))
+    first = np.zeros((len(positions), 3))
     for side in (1, 0):
         first[edges[:, side]] = tangents
     across = np.eye(3)[np.abs(first).argmin(axis=1)]
     second = np.cross(across, first)
     norm = np.linalg.norm(second, axis=1, keepdims=True)
     second = second / np.where(norm > 0, norm, 1.0)  # points without cables are refused later
-    return np.stack([places, first, second, np.cross(first, second)], axis=1)
+    return np.stack([positions, first, second, np.cross(first, second)], axis=1)

@@ -89,10 +89,10 @@ class RodModel(BeamModel):
             return None
         inside, after = self.edge_frames.T
 
-        def turn(rows: Array) -> None:
-            rows[inside, 1:] = edge_axes(rows, inside, after)
+        def rotate_axes(coordinates: Array) -> None:
+            coordinates[inside, 1:] = edge_axes(coordinates, inside, after)
 
-        return turn
+        return rotate_axes
 
     def add_rigid_motion(self, translation: Array, spin: Array, about: Array) -> None:
         """Add a rigid motion; nodes between the ends rotate about their edges only.

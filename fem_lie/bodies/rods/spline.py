@@ -34,7 +34,7 @@ class SplineCable(CableBody):
     def __init__(
         self,
         knots: npt.ArrayLike,
-        places: npt.ArrayLike,
+        positions: npt.ArrayLike,
         slopes: npt.ArrayLike,
         section: Section,
         *,
@@ -46,7 +46,7 @@ class SplineCable(CableBody):
 
         Args:
             knots: Parameter ``u`` of the knots, increasing, shape (n,).
-            places: Positions of the knots, shape (n, 3).
+            positions: Positions of the knots, shape (n, 3).
             slopes: Derivatives ``dr/du`` at the knots, shape (n, 3).
             section: As of a :class:`~fem_lie.Cable`.
             formulation: Finite element; default: :class:`~fem_lie.elements.IsogeometricCable`.
@@ -60,7 +60,7 @@ class SplineCable(CableBody):
         """
         expected = IsogeometricCable | None
         instance(formulation, expected, "SplineCable: formulation", "an IsogeometricCable or None")
-        line = Spline.checked(knots, places, slopes)
+        line = Spline.checked(knots, positions, slopes)
         element = IsogeometricCable() if formulation is None else formulation
         mesh, (u, x, rates) = line.mesh(), line
         frames, elements, masters = shared_nodes(mesh, cell_frames(mesh, Chains(mesh), None, None))

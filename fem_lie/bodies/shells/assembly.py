@@ -113,7 +113,7 @@ class ShellAssembly(Assembly, LocalUnknowns):
     def tables(self) -> None:
         """``None``: forces have five components per node; coefficients are packed at each call."""
 
-    def room(self) -> Array:
+    def workspace(self) -> Array:
         """Zero array for the forces of all nodes, shape (count, 6)."""
         return np.zeros((self.count, 6))
 

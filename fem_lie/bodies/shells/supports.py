@@ -1,7 +1,7 @@
 """Supports of surfaces: clamps, hinges, planes of symmetry, and directions held in space.
 
 They are written on the nodes that bear the numbers of the mesh's points; where a surface has a kink
-or branches, the other nodes of a place follow these.
+or branches, the other nodes of a point follow these.
 """
 
 from __future__ import annotations

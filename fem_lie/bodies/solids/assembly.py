@@ -48,7 +48,7 @@ class SolidAssembly(Assembly):
         super().__init__(nodal, forms, order, np.arange(len(cells)), None)
         slopes = body.rule.mean_slopes
         self.around = np.zeros((len(self.indices), 3))
-        at = self._pattern.place.reshape(len(cells), slopes.shape[1], -1)
+        at = self._pattern.pair_index.reshape(len(cells), slopes.shape[1], -1)
         # all nodes of a cell have the mean deformation of the cell
         shared = np.broadcast_to(slopes[:, np.newaxis], (*at.shape, 3))
         np.add.at(self.around, at, shared)

@@ -13,7 +13,7 @@ from dolfinx import fem
 
 from fem_lie._arrays import Array, Indices, diameter, instance, log_coincident, numbers
 from fem_lie.attachments.attachment import AttachmentFrame
-from fem_lie.attachments.patch import in_the_mean
+from fem_lie.attachments.patch import averaging_attachment
 from fem_lie.bodies.model import NO_HOLDS, BodyModel, HeldRotation, Holds
 from fem_lie.bodies.per_cell import of_groups
 from fem_lie.bodies.solids.assembly import SolidAssembly
@@ -222,7 +222,9 @@ class SolidModel(BodyModel):
                 f"axes of {self.label}.{name}: expected three orthonormal, right-handed rows, "
                 f"got\n{chosen}"
             )
-        return in_the_mean([int(node) for node in nodes], self.positions[nodes], weights, chosen)
+        return averaging_attachment(
+            [int(node) for node in nodes], self.positions[nodes], weights, chosen
+        )
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Cells of a named group (default: all).

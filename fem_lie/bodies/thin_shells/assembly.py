@@ -12,7 +12,7 @@ from fem_lie._jit import compiled, inlined
 from fem_lie.elements.thin_shells import cells as kernels
 from fem_lie.elements.thin_shells.bicubic import BicubicHermite, to_axes, unloaded
 from fem_lie.elements.thin_shells.cell_tables import stress_at
-from fem_lie.elements.thin_shells.rows import NODES, VECTORS
+from fem_lie.elements.thin_shells.nodal_coordinates import NODES, VECTORS
 from fem_lie.forms.assembly import BodyTerm, NodalInertia
 from fem_lie.forms.cell_sums import CellSum, LinearisedCellTerm
 from fem_lie.lie.node_types.node_type import MIXED_DERIVATIVE, SURFACE_GRADIENT, set_axes
@@ -48,21 +48,21 @@ def surface_axes(along: Vector, across: Vector) -> tuple[Vector, Vector, Vector]
 
 
 @compiled
-def follow_surface(rows: Array, moves: Flags) -> None:
+def rotate_surface_axes(coordinates: Array, moves: Flags) -> None:
     """Rotate the axes of all points with the surface, and copy positions to the second nodes.
 
     Args:
-        rows: Coordinates of the SURFACE_GRADIENT nodes, then of the MIXED_DERIVATIVE nodes, shape
-            (2 n, 4, 3).
+        coordinates: Coordinates of the SURFACE_GRADIENT nodes, then of the MIXED_DERIVATIVE nodes,
+            shape (2 n, 4, 3).
         moves: Points whose axes rotate, shape (n,).
     """
     n = moves.shape[0]
     for i in range(n):
-        store_row(rows[n + i], 0, load_row(rows[i], 0))
+        store_row(coordinates[n + i], 0, load_row(coordinates[i], 0))
         if moves[i]:
-            e1, e2, e3 = surface_axes(load_row(rows[i], 1), load_row(rows[n + i], 2))
-            set_axes(SURFACE_GRADIENT, rows[i], e1, e2, e3)
-            set_axes(MIXED_DERIVATIVE, rows[n + i], e1, e2, e3)
+            e1, e2, e3 = surface_axes(load_row(coordinates[i], 1), load_row(coordinates[n + i], 2))
+            set_axes(SURFACE_GRADIENT, coordinates[i], e1, e2, e3)
+            set_axes(MIXED_DERIVATIVE, coordinates[n + i], e1, e2, e3)
 
 
 MEMBRANE_AND_BENDING = slice(0, 6)
@@ -135,8 +135,8 @@ class ThinShellAssembly(LinearisedCellTerm, BodyTerm):
         self._points = strains.shape[1]
         at = stress_at(sampled.shape[1], self._points)
         self._stress = self._values[:, at:]
-        place = self._values.ctypes.data, self._values.shape[1]
-        self._place = cells, place, int(self._tables.ctypes.data)
+        storage = self._values.ctypes.data, self._values.shape[1]
+        self._storage = cells, storage, int(self._tables.ctypes.data)
         self._contents = np.concatenate([head, sampled, D.reshape(len(cells), -1)], axis=1)
         if all(body.has_mass for body in bodies):
             self.inertia = self._nodal_inertia(bodies)
@@ -158,12 +158,12 @@ class ThinShellAssembly(LinearisedCellTerm, BodyTerm):
     def strains(self, H: Array) -> Array:
         """Strains along the section axes at the quadrature points, shape (m, g, 6)."""
         found = np.empty((len(self.cells), 6, self._points))
-        kernels.all_strains(H, *self._place, found)
+        kernels.all_strains(H, *self._storage, found)
         return np.asarray(np.einsum("mgij,mjg->mgi", self.turned, found))
 
     def update_stress(self, H: Array, h: Array) -> None:
         """Update the independent stress linearly for an increment ``h`` of all nodes."""
-        kernels.update_stress(H, h.reshape(-1, 6), *self._place)
+        kernels.update_stress(H, h.reshape(-1, 6), *self._storage)
 
 
 def mass_matrices(formulation: BicubicHermite, q: Array, density: Array) -> Array:

@@ -16,11 +16,11 @@ from fem_lie.attachments.surface import on_surface
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.closest import AT_NODE, closest_on_surface
 from fem_lie.bodies.model import AxesUpdate, MaterialPoint
-from fem_lie.bodies.thin_shells.assembly import follow_surface
+from fem_lie.bodies.thin_shells.assembly import rotate_surface_axes
 from fem_lie.bodies.thin_shells.given_sections import ThinSections, section_per_cell
 from fem_lie.bodies.thin_shells.integrals import Quadrature, along_edge, over_cells
 from fem_lie.bodies.thin_shells.supports import HeldSurface, HeldSurfaceModel
-from fem_lie.elements.thin_shells.rows import (
+from fem_lie.elements.thin_shells.nodal_coordinates import (
     CORNERS,
     NODES,
     SIZES,
@@ -97,19 +97,19 @@ class SmoothSurfaceModel(HeldSurfaceModel):
         self.damping = damping
         self._edges, self._groups = surface.edges, surface.groups
         self._corners = surface.corners
-        self.points_count = count = len(surface.rows)
+        self.points_count = count = len(surface.nodal_vectors)
         fourth, sizes = self.fourth_vectors(surface)
         self.connectivity = np.concatenate([self._corners, count + self._corners], axis=1)
         self.sizes = np.column_stack([surface.sizes, sizes, surface.hanging])
         assert self.sizes.shape[1] == SIZES
         super().__init__(
-            frames_of(surface.rows, fourth),
+            frames_of(surface.nodal_vectors, fourth),
             class_name=class_name,
-            size=float(np.linalg.norm(np.ptp(surface.rows[:, 0], axis=0))),
+            size=float(np.linalg.norm(np.ptp(surface.nodal_vectors[:, 0], axis=0))),
             points=surface.named,
             name=name,
         )
-        follow_surface(self.frames, np.ones(count, dtype=bool))
+        rotate_surface_axes(self.frames, np.ones(count, dtype=bool))
         middles = self.cell_centres()
         sections = section_per_cell(section, middles, self.cells_of, self.label)
         self.sections = sections
@@ -174,7 +174,7 @@ class SmoothSurfaceModel(HeldSurfaceModel):
             )
         shapes = type(self).table(np.array([[ξ, η]]))[0, : hermite.ACROSS + 1]
         shares = np.zeros((NODES, 2, 3))
-        shares[_NODE, _HALF] = (shapes @ self.extraction()[cell]).T
+        shares[_NODE, _HALF] = (shapes @ self.hermite_matrices()[cell]).T
         nodes = self.connectivity[cell]
         name = f"({ξ:g}, {η:g}) in cell {cell}"
         return MaterialPoint(int(nodes[0]), name, on_surface(nodes, shares))
@@ -202,10 +202,10 @@ class SmoothSurfaceModel(HeldSurfaceModel):
         """Function that rotates the axes with the surface, except where components are held."""
         moves: Flags = ~self.axes_are_held()
 
-        def follow(rows: Array) -> None:
-            follow_surface(rows, moves)
+        def rotate_axes(coordinates: Array) -> None:
+            rotate_surface_axes(coordinates, moves)
 
-        return follow
+        return rotate_axes
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Cells of a named patch (default: all).
@@ -230,10 +230,10 @@ class SmoothSurfaceModel(HeldSurfaceModel):
         Args:
             frames: Nodal coordinates, shape (n, 4, 3); default: initial ones.
         """
-        rows = (self.frames if frames is None else frames)[self.connectivity]
-        return np.asarray(self.extraction() @ rows[:, _NODE, _ROW])
+        coordinates = (self.frames if frames is None else frames)[self.connectivity]
+        return np.asarray(self.hermite_matrices() @ coordinates[:, _NODE, _ROW])
 
-    def extraction(self) -> Array:
+    def hermite_matrices(self) -> Array:
         """Matrix of each cell from nodal coordinates to its Hermite vectors, shape (m, 16, 16)."""
         found = np.zeros((len(self.sizes), VECTORS, VECTORS))
         at = np.arange(VECTORS)
@@ -250,7 +250,10 @@ class SmoothSurfaceModel(HeldSurfaceModel):
             values: Forces on the vectors of the cells, shape (c, 16, 3).
         """
         found = np.zeros((len(self.frames), 4, 3))
-        nodes, back = self.connectivity[cells][:, _NODE], self.extraction()[cells].swapaxes(1, 2)
+        nodes, back = (
+            self.connectivity[cells][:, _NODE],
+            self.hermite_matrices()[cells].swapaxes(1, 2),
+        )
         np.add.at(found, (nodes, _ROW), back @ values)
         return found
 
@@ -293,7 +296,7 @@ class SmoothSurfaceModel(HeldSurfaceModel):
         Args:
             M: Matrices of the cells, shape (m, 16, 16).
         """
-        E, found = self.extraction(), np.zeros((len(M), NODES, 4, NODES, 4))
+        E, found = self.hermite_matrices(), np.zeros((len(M), NODES, 4, NODES, 4))
         i, a = np.meshgrid(range(VECTORS), range(VECTORS), indexing="ij")
         shares = E.swapaxes(1, 2) @ M @ E
         found[:, _NODE[i], _ROW[i], _NODE[a], _ROW[a]] = shares

@@ -34,12 +34,12 @@ class HeldSurfaceModel(BodyModel):
 
     Attributes:
         points_count: Number of points; their second nodes come after all first nodes.
-        fourth_is_director: Whether the fourth vector of a point is a director across the thickness,
-            and not the mixed derivative.
+        has_thickness_director: Whether the fourth vector of a point is a director across the
+            thickness, and not the mixed derivative.
     """
 
     points_count: int
-    fourth_is_director: ClassVar[bool] = False
+    has_thickness_director: ClassVar[bool] = False
     _edges: dict[str, Edge]
 
     def edge(self, name: str) -> Edge:
@@ -94,8 +94,8 @@ class HeldSurfaceModel(BodyModel):
             ValueError: The point is held along directions neither parallel nor perpendicular.
         """
         first, second = point, point + self.points_count
-        rows = self.frames[first]
-        axes = np.array([np.cross(rows[2], rows[3]), rows[2], rows[3]])
+        coordinates = self.frames[first]
+        axes = np.array([np.cross(coordinates[2], coordinates[3]), coordinates[2], coordinates[3]])
         found = np.flatnonzero(np.abs(axes @ n) > 1.0 - _AGREE)
         if len(found):
             return int(found[0])
@@ -103,7 +103,7 @@ class HeldSurfaceModel(BodyModel):
         used = np.asarray(held[held.sum(axis=1) % 3 > 0].any(axis=0)).reshape(3)
         if np.abs(axes[used] @ n).max(initial=0.0) > _AGREE:
             raise ValueError(
-                f"{name!r} of {self.label}: the point at {rows[0]} is held along "
+                f"{name!r} of {self.label}: the point at {coordinates[0]} is held along "
                 f"{axes[used].tolist()} already, neither parallel nor perpendicular to "
                 f"{n.tolist()}"
             )
@@ -134,8 +134,8 @@ class HeldSurfaceModel(BodyModel):
         if edge.along < 0:
             raise ValueError(f"a plane of symmetry needs an edge of {self.label}, got {name!r}")
         across = ALONG_B - edge.along
-        x, rows = self.frames[edge.points], self.frames[edge.points + self.points_count]
-        slopes = x[:, 1] if across == ALONG_A else rows[:, 2]
+        x, coordinates = self.frames[edge.points], self.frames[edge.points + self.points_count]
+        slopes = x[:, 1] if across == ALONG_A else coordinates[:, 2]
         sizes = np.linalg.norm(slopes, axis=1)
         skew = np.linalg.norm(np.cross(slopes, n), axis=1) / sizes
         height = np.ptp(x[:, 0] @ n)
@@ -173,9 +173,9 @@ class HeldSurface(Body):
             for k in (ALONG_A, ALONG_B, MIXED):
                 if k == ALONG_A + edge.along:
                     model.constraints(point, k)[:] = True
-                elif k == MIXED and model.fourth_is_director:
+                elif k == MIXED and model.has_thickness_director:
                     model.constraints(point, k)[np.arange(3) != axis] = True
-                elif not model.fourth_is_director and (k != MIXED or edge.along >= 0):
+                elif not model.has_thickness_director and (k != MIXED or edge.along >= 0):
                     model.constraints(point, k)[axis] = True
         return self.points(name)
 
@@ -246,5 +246,7 @@ class HeldSurface(Body):
             model.constraints(point, PLACE)[axis] = True
             model.constraints(point, ALONG_A + edge.along)[axis] = True
             model.constraints(point, ALONG_B - edge.along)[others] = True
-            model.constraints(point, MIXED)[~others if model.fourth_is_director else others] = True
+            model.constraints(point, MIXED)[~others if model.has_thickness_director else others] = (
+                True
+            )
         return self.points(name)

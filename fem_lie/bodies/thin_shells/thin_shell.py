@@ -86,7 +86,7 @@ class ThinShellModel(SmoothSurfaceModel):
         """
         areas = surface.sizes.prod(axis=1)
         mean = float(areas.mean())
-        return mean * surface.rows[:, 3], areas / mean
+        return mean * surface.nodal_vectors[:, 3], areas / mean
 
     @property
     def assembly_key(self) -> Hashable:

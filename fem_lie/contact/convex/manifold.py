@@ -13,13 +13,12 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
-from fem_lie.contact.convex.features import EDGES, INACTIVE, PLANE
 from fem_lie.contact.convex.nearest import set_of_ball
 from fem_lie.contact.convex.separation import edge_axis, face_axis, point_between
 from fem_lie.contact.convex.slots import set_edge, set_plane, set_point, within
 from fem_lie.contact.convex.table import BITS, Polyhedra
 from fem_lie.contact.sides.kinematics import normal_of, position, positions
-from fem_lie.contact.sides.table import Side
+from fem_lie.contact.sides.table import EDGES, INACTIVE, PLANE, Side
 from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, scaled, store_row
 
 _REACH = 0.1

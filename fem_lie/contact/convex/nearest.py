@@ -6,12 +6,11 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
-from fem_lie.contact.convex.features import LINE, PLANE, ROUND
 from fem_lie.contact.convex.separation import nearest_on_segment, point_between
 from fem_lie.contact.convex.slots import set_corner, set_edge, set_plane, within
 from fem_lie.contact.convex.table import BITS, Polyhedra
 from fem_lie.contact.sides.kinematics import position
-from fem_lie.contact.sides.table import Side
+from fem_lie.contact.sides.table import LINE, PLANE, ROUND, Side
 from fem_lie.lie.tuples import dot, load_row, minus
 
 

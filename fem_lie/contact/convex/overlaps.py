@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.contact.convex.features import INACTIVE, set_gaps_of
 from fem_lie.contact.convex.manifold import set_manifolds
 from fem_lie.contact.convex.table import PolyhedronPair, polyhedra_of, slots_of
-from fem_lie.contact.sides.table import Nodes, joined_sides
+from fem_lie.contact.sides.kinematics import set_gaps
+from fem_lie.contact.sides.table import INACTIVE, Nodes, joined_sides
 
 
 def overlap_of(pairs: Sequence[PolyhedronPair], nodes: Nodes, H: Array) -> tuple[float, float]:
@@ -28,6 +28,6 @@ def overlap_of(pairs: Sequence[PolyhedronPair], nodes: Nodes, H: Array) -> tuple
     positions, kinds = np.repeat(np.arange(count), 2).reshape(-1, 2), np.full(count, INACTIVE)
     set_manifolds(H, polyhedra, positions, kinds, a, b, np.zeros((count, 3)))
     gaps = np.empty(count)
-    set_gaps_of(H, a, b, positions, kinds, 0, gaps)
+    set_gaps(H, a, b, positions, kinds, 0, gaps)
     sizes = np.append(polyhedra.centres.radii, a.radii[a.radii > 0.0])
     return max(0.0, -float(gaps.min())), float(sizes.min())

@@ -6,9 +6,9 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined_uncounted
-from fem_lie.contact.convex.features import HALF, MIDDLE, OUTWARDS
 from fem_lie.contact.convex.separation import point_between
 from fem_lie.contact.convex.table import Polyhedra
+from fem_lie.contact.sides.kinematics import HALF, MIDDLE, OUTWARDS
 from fem_lie.contact.sides.table import GROUND, Side
 from fem_lie.lie.motions import local_components
 from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, scaled, store_row

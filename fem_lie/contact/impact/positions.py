@@ -6,10 +6,9 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
-from fem_lie.contact.convex.features import gap_of
 from fem_lie.contact.impact.jacobian import add_response, along
 from fem_lie.contact.impact.records import CLOSED, Masses, Touch, Work
-from fem_lie.contact.impact.rows import axis_of, set_response, set_rows
+from fem_lie.contact.impact.rows import axis_of, point_of, set_response, set_rows
 from fem_lie.contact.impact.sweeps import MOST_NEWTON
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import move
@@ -165,9 +164,7 @@ def resolve_positions(
         k, worst, grew = 0, 0.0, False
         for at in range(w.many[0]):
             c = w.close[at]
-            i, j = touch.pairs[c]
-            g, _, _ = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
-            g -= w.target[c]
+            g = point_of(H, touch, c).gap - w.target[c]
             if g < 0.0 or w.nu[c] > 0.0 or (many and w.joined[c]):
                 if not w.joined[c]:
                     w.joined[c] = grew = True

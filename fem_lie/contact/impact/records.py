@@ -30,7 +30,7 @@ class Touch(NamedTuple):
         a: First points, on rigid bodies or ground.
         b: Second points, or planes.
         pairs: Indices of both points, shape (m, 2).
-        kinds: Kind of each pair, :data:`~fem_lie.contact.convex.features.ROUND` and others, (m,).
+        kinds: Kind of each pair, :data:`~fem_lie.contact.sides.table.ROUND` and others, (m,).
         friction: μ, shape (m,).
         restitution: e, shape (m,).
         closed: Gap below which a contact is closed, shape (m,).

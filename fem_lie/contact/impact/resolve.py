@@ -20,7 +20,6 @@ from __future__ import annotations
 
 from fem_lie._arrays import Array
 from fem_lie._jit import uncounted
-from fem_lie.contact.convex.features import gap_of
 from fem_lie.contact.impact import cones
 from fem_lie.contact.impact.jacobian import along
 from fem_lie.contact.impact.positions import aim, moved, resolve_positions
@@ -35,6 +34,7 @@ from fem_lie.contact.impact.records import (
     Touch,
     Work,
 )
+from fem_lie.contact.impact.rows import point_of
 from fem_lie.contact.impact.sweeps import MOST_NEWTON
 from fem_lie.contact.impact.touching import energy, note_ground, note_works
 from fem_lie.contact.impact.velocities import choose, join, set_cones
@@ -133,8 +133,7 @@ def resolve(
     """
     report[:], overlaps, m = 0.0, False, touch.pairs.shape[0]
     for c in range(m):
-        i, j = touch.pairs[c]
-        w.smooth[c], _, _ = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
+        w.smooth[c] = point_of(H, touch, c).gap
         w.joined[c] = w.smooth[c] <= 0.0
         overlaps = overlaps or w.joined[c]
     if not overlaps:
@@ -153,8 +152,7 @@ def resolve(
     _guarded(h, touch, masses, before, H, v, w, tolerance, report)
     report[IMPACT] = energy(masses, H, v) - free - report[FRICTION]
     for c in range(m):
-        i, j = touch.pairs[c]
-        w.gaps[c], _, _ = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
+        w.gaps[c] = point_of(H, touch, c).gap
         report[PENETRATION] = max(report[PENETRATION], -w.gaps[c])
     return True
 

@@ -6,16 +6,23 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
-from fem_lie.contact.convex.features import EDGES, PLANE, ROUND, gap_of, set_gaps_of, slot_of
 from fem_lie.contact.convex.manifold import set_manifolds
 from fem_lie.contact.convex.passage import first_passed
 from fem_lie.contact.convex.table import Polyhedra
 from fem_lie.contact.impact.jacobian import BlockRows
 from fem_lie.contact.impact.records import Masses, Touch
-from fem_lie.contact.sides.kinematics import position
+from fem_lie.contact.sides.kinematics import (
+    SLOTS,
+    ContactPoint,
+    contact_point,
+    position,
+    slot,
+    touched,
+)
+from fem_lie.contact.sides.kinematics import set_gaps as gaps_of_pairs
 from fem_lie.contact.sides.passage import jumps
 from fem_lie.contact.sides.surfaces import MOST_NODES
-from fem_lie.contact.sides.table import GROUND, UNUSED
+from fem_lie.contact.sides.table import ROUND
 from fem_lie.lie.motions import global_components, local_components
 from fem_lie.lie.tuples import (
     Vector,
@@ -30,9 +37,9 @@ from fem_lie.lie.tuples import (
 
 
 @uncounted
-def set_gaps(touch: Touch, H: Array, out: Array) -> None:
-    """Gaps at frames ``H``, shape (m,)."""
-    set_gaps_of(H, touch.a, touch.b, touch.pairs, touch.kinds, 0, out)
+def set_gaps(touch: Touch, H: Array, first: int, out: Array) -> None:
+    """Gaps of all pairs from ``first`` on at frames ``H``, shape (m,)."""
+    gaps_of_pairs(H, touch.a, touch.b, touch.pairs, touch.kinds, first, out)
 
 
 @uncounted
@@ -52,8 +59,7 @@ def set_ahead(
     """
     if polyhedra.pairs.shape[0] > 0:
         set_manifolds(end, polyhedra, touch.pairs, touch.kinds, touch.a, touch.b, impulses)
-        first = polyhedra.slots[0]
-        set_gaps_of(start, touch.a, touch.b, touch.pairs, touch.kinds, first, gaps)
+        set_gaps(touch, start, polyhedra.slots[0], gaps)
 
 
 @uncounted
@@ -95,9 +101,7 @@ def _local_normal(H: Array, touch: Touch, j: int, n: Vector) -> Vector:
 @inlined_uncounted
 def axis_of(H: Array, touch: Touch, c: int) -> int:
     """The axis of the second body that is closest to perpendicular to the normal."""
-    i, j = touch.pairs[c]
-    _, n, _ = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
-    local, k = _local_normal(H, touch, j, n), 0
+    local, k = _local_normal(H, touch, touch.pairs[c, 1], point_of(H, touch, c).normal), 0
     if abs(local[1]) < abs(local[0]):
         k = 1
     if abs(local[2]) < abs(local[k]):
@@ -116,43 +120,37 @@ def tangents(H: Array, touch: Touch, j: int, n: Vector, k: int) -> tuple[Vector,
 
 
 @inlined_uncounted
-def nearest(H: Array, touch: Touch, c: int) -> tuple[Vector, Vector]:
-    """Closest point of the first side of a pair, and the normal."""
+def point_of(H: Array, touch: Touch, c: int) -> ContactPoint:
+    """Contact point of a pair."""
     i, j = touch.pairs[c]
-    _, n, P = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
-    return minus(P, scaled(touch.a.radii[i], n)), n
+    return contact_point(H, touch.a, touch.b, i, j, touch.kinds[c])
 
 
 @inlined_uncounted
 def set_rows(H: Array, touch: Touch, c: int, axis: int, rows: BlockRows, block: int) -> int:
     """Store the blocks of a pair from ``block`` on, one row per component; number of blocks."""
-    i, j = touch.pairs[c]
-    g, n, P = gap_of(H, touch.a, touch.b, i, j, touch.kinds[c])
-    first, second, components, count = n, n, rows.values.shape[1], 0
+    (i, j), kind, point = touch.pairs[c], touch.kinds[c], point_of(H, touch, c)
+    n, components, count = point.normal, rows.values.shape[1], 0
+    first, second, own = n, n, scaled(-touch.a.radii[i], n)
     if components > 1:
         first, second = tangents(H, touch, j, n, axis)
-    at_foot = touch.kinds[c] == PLANE or touch.kinds[c] == EDGES
-    for side in range(2):
-        # the contact point is at this distance along the normal, and rotates with the body
-        far = -touch.a.radii[i] if side == 0 or at_foot else g + touch.b.radii[j]
-        off = scaled(far, n)
-        for m in range(MOST_NODES):
-            node, sign, w, arm = slot_of(
-                H, touch.a, touch.b, i, j, touch.kinds[c], P, side * MOST_NODES + m
-            )
-            if node == UNUSED:
-                break
-            if node == GROUND:
-                continue
-            arm = plus(arm, scaled(w, local_components(H[node], off)))
-            rows.nodes[block + count] = node
-            values = rows.values[block + count]
-            for k in range(components):
-                d = scaled(sign, n if k == 0 else (first if k == 1 else second))
-                moment = cross(arm, local_components(H[node], d))
-                for x in range(3):
-                    values[k, x], values[k, 3 + x] = w * d[x], moment[x]
-            count += 1
+    for s in range(SLOTS):
+        node, sign, w, arm = slot(H, touch.a, touch.b, i, j, kind, point, s)
+        if node < 0:
+            continue
+        # the contact point is this far from the point of the side, and rotates with the body
+        off = own
+        if s >= MOST_NODES:
+            off = plus(own, minus(point.first, point.second))
+        arm = plus(arm, scaled(w, local_components(H[node], off)))
+        rows.nodes[block + count] = node
+        values = rows.values[block + count]
+        for k in range(components):
+            d = scaled(sign, n if k == 0 else (first if k == 1 else second))
+            moment = cross(arm, local_components(H[node], d))
+            for x in range(3):
+                values[k, x], values[k, 3 + x] = w * d[x], moment[x]
+        count += 1
     return count
 
 
@@ -188,7 +186,8 @@ def choose_axes(H: Array, touch: Touch, chosen: Indices, axis: Indices) -> None:
 def show_positions(H: Array, touch: Touch, chosen: Indices, axis: Indices, out: Array) -> None:
     """Closest points of the first side, normals and tangents, shape (k, 4, 3)."""
     for e in range(chosen.shape[0]):
-        at, n = nearest(H, touch, chosen[e])
+        point = point_of(H, touch, chosen[e])
+        at, n = touched(touch.a, touch.pairs[chosen[e], 0], point), point.normal
         t1, t2 = tangents(H, touch, touch.pairs[chosen[e], 1], n, axis[e])
         for k in range(3):
             out[e, 0, k], out[e, 1, k], out[e, 2, k], out[e, 3, k] = at[k], n[k], t1[k], t2[k]

@@ -10,7 +10,6 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
 from fem_lie.bodies.body import Body
 from fem_lie.contact.contact import Contact
-from fem_lie.contact.convex.features import INACTIVE, PLANE, ROUND
 from fem_lie.contact.convex.table import polyhedra_of
 from fem_lie.contact.impact.jacobian import along
 from fem_lie.contact.impact.records import (
@@ -23,12 +22,13 @@ from fem_lie.contact.impact.records import (
     Work,
     work_of,
 )
-from fem_lie.contact.impact.rows import find_crossed, nearest, set_centres, set_gaps
+from fem_lie.contact.impact.rows import find_crossed, point_of, set_centres, set_gaps
 from fem_lie.contact.impact.sweeps import Dense, Past
 from fem_lie.contact.laws.law import Impact
+from fem_lie.contact.sides.kinematics import touched
 from fem_lie.contact.sides.pairs import NearPairs, SlotPairs
 from fem_lie.contact.sides.passage import Passage
-from fem_lie.contact.sides.table import Nodes, Side, joined_sides
+from fem_lie.contact.sides.table import ROUND, Nodes, Side, joined_sides
 from fem_lie.lie.motions import global_components
 from fem_lie.lie.tuples import cross, dot, load, load_row, plus, rotate_back, scaled
 
@@ -112,7 +112,7 @@ def show(
         if not problem.r[e, 0] > 0.0:
             continue
         c, row = w.chosen[e], workspace[count[0]]
-        at, _ = nearest(H, touch, c)
+        at = touched(touch.a, touch.pairs[c, 0], point_of(H, touch, c))
         row[TIME], row[PAIR], row[GAP] = time, c, w.gaps[c]
         block = problem.rows.first[e]
         sign = 1.0 if touch.a.nodes[touch.pairs[c, 0], 0] >= 0 else -1.0
@@ -179,8 +179,8 @@ class Touching:
             joined_sides(parts) for parts in zip(*((a, b) for a, b, _, _ in sides), strict=True)
         )
         self._near = [
-            (SlotPairs if own else NearPairs)(a, b, flat=flat, same=same)
-            for own, (a, b, flat, same) in zip(manifolds, sides, strict=True)
+            (SlotPairs if own else NearPairs)(a, b, kind=kind, same=same)
+            for own, (a, b, kind, same) in zip(manifolds, sides, strict=True)
         ]
         self.polyhedra = polyhedra_of(
             [pair for own in manifolds for pair in own], nodes, on_masters
@@ -191,12 +191,7 @@ class Touching:
                 near.ignore(H)
         self._first = np.zeros((len(sides) + 1, 2), dtype=np.int64)
         self._first[1:] = np.cumsum([(len(a.radii), len(b.radii)) for a, b, _, _ in sides], axis=0)
-        self._kinds = np.array(
-            [
-                INACTIVE if own else (PLANE if each.flat else ROUND)
-                for own, each in zip(manifolds, sides, strict=True)
-            ]
-        )
+        self._kinds = np.array([each.kind for each in sides])
         laws = [contact.law for contact in contacts]
         numbers = [(law.friction, law.restitution) for law in laws if isinstance(law, Impact)]
         self._friction, self._restitution = np.array(numbers, dtype=np.float64).T.copy()
@@ -219,7 +214,7 @@ class Touching:
         before = (self.touch.pairs, self.work.impulses) if self._versions else None
         self._versions = versions
         self._set()
-        set_gaps(self.touch, H, self.work.gaps)
+        set_gaps(self.touch, H, 0, self.work.gaps)
         if before is not None:
             self._remember(*before)
 

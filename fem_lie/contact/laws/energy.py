@@ -22,11 +22,10 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined_uncounted
-from fem_lie.contact.sides.gauss_points import ContactPoints
-from fem_lie.contact.sides.kinematics import gap, position
-from fem_lie.contact.sides.table import GROUND
-from fem_lie.lie.motions import global_components, local_components
-from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus
+from fem_lie.contact.sides.kinematics import SLOTS, ContactPoint, contact_point, slot
+from fem_lie.contact.sides.table import ContactPoints
+from fem_lie.lie.motions import global_components
+from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled
 
 
 class PenaltyConstants(NamedTuple):
@@ -66,14 +65,18 @@ class UnresolvedContactWarning(UserWarning):
 
 
 @inlined_uncounted
-def _carried(start: Array, end: Array, at: ContactPoints, j: int, here: Array, X: Vector) -> Vector:
-    """Displacement, over a step, of the point of a plane that is at ``X`` at frames ``here``."""
-    node = at.b.nodes[j, 0]
-    if node == GROUND:
-        return 0.0, 0.0, 0.0
-    c = local_components(here[node], minus(X, load_row(here[node], 0)))
-    x1 = plus(load_row(end[node], 0), global_components(end[node], c))
-    return minus(x1, plus(load_row(start[node], 0), global_components(start[node], c)))
+def _moved(
+    start: Array, end: Array, here: Array, at: ContactPoints, e: int, point: ContactPoint
+) -> Vector:
+    """Relative displacement over a step of the material points of a contact at frames ``here``."""
+    (i, j), u = at.pairs[e], (0.0, 0.0, 0.0)
+    for s in range(SLOTS):
+        node, sign, w, c = slot(here, at.a, at.b, i, j, at.kind, point, s)
+        if node >= 0:
+            u = plus(u, scaled(sign * w, minus(load_row(end[node], 0), load_row(start[node], 0))))
+            turned = minus(global_components(end[node], c), global_components(start[node], c))
+            u = plus(u, scaled(sign, turned))
+    return u
 
 
 @compiled
@@ -93,15 +96,11 @@ def _work(
     work, stored = 0.0, 0.0
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
-        g, n, P = gap(here, at.a, at.b, i, j, at.flat)
+        point = contact_point(here, at.a, at.b, i, j, at.kind)
+        g = point.gap
         if g >= 0.0:
             continue
-        u = minus(position(end, at.a, i), position(start, at.a, i))
-        if at.flat:
-            u = minus(u, _carried(start, end, at, j, here, P))
-        else:
-            u = minus(u, minus(position(end, at.b, j), position(start, at.b, j)))
-        change = dot(n, u)
+        change = dot(point.normal, _moved(start, end, here, at, e, point))
         work -= at.weight[e] * (law.k * g + damping(law, g, change / h)[0]) * change
         stored += 0.5 * at.weight[e] * law.k * g * g
     return work, stored

@@ -6,7 +6,7 @@ from abc import abstractmethod
 from dataclasses import InitVar, dataclass
 
 from fem_lie._arrays import Array, Indices, number, positive
-from fem_lie.contact.friction.anchors import CoulombLaw
+from fem_lie.contact.laws.anchors import CoulombLaw
 from fem_lie.forms.term import Term
 
 

@@ -19,15 +19,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
 from fem_lie.contact.sides.gap_functions import mean_gradient, position_in, turned
-from fem_lie.contact.sides.gauss_points import ContactPoints
-from fem_lie.contact.sides.kinematics import gap, position
+from fem_lie.contact.sides.kinematics import contact_point, displacement, position, sign_of
 from fem_lie.contact.sides.surfaces import MOST_NODES
-from fem_lie.contact.sides.table import GROUND, UNUSED, Side
+from fem_lie.contact.sides.table import GROUND, LEVEL, ROUND, UNUSED, ContactPoints, Side
 from fem_lie.forms.abilities import Ends
 from fem_lie.lie.motions import global_components
+from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.lie.tuples import Vector, cross, dot, load, load_row, minus, plus, scaled, store
 
 _KNOWN = 1e-13
@@ -71,39 +71,25 @@ def _secant(g0: float, g1: float, change: float) -> Secant:
 
 
 @inlined_uncounted
-def _moved(delta: Array, side: Side, i: int) -> Vector:
-    """Displacement of a point of a side for increments of the nodal coordinates."""
-    u = (0.0, 0.0, 0.0)
-    for k in range(MOST_NODES):
-        node = side.nodes[i, k]
-        if node == UNUSED:
-            break
-        if node != GROUND:
-            u = plus(u, scaled(side.weights[i, k], load_row(delta[node], 0)))
-            u = plus(u, global_components(delta[node], load_row(side.arms[i], k)))
-    return u
-
-
-@inlined_uncounted
 def _between(ends: Ends, at: ContactPoints, e: int) -> tuple[Secant, Vector, Vector]:
     """Secant of a pair, direction ``F/σ``, and mean position of the point of the first side."""
     i, j = at.pairs[e]
-    g0, _, _ = gap(ends.start, at.a, at.b, i, j, at.flat)
-    g1, _, _ = gap(ends.end, at.a, at.b, i, j, at.flat)
+    g0 = contact_point(ends.start, at.a, at.b, i, j, at.kind).gap
+    g1 = contact_point(ends.end, at.a, at.b, i, j, at.kind).gap
     P, Q = position(ends.mean, at.a, i), position(ends.mean, at.b, j)
-    separation, moved = minus(P, Q), minus(_moved(ends.delta, at.a, i), _moved(ends.delta, at.b, j))
-    if at.flat:
-        m = load_row(at.b.normals, j)
-        if at.b.level.address != 0:
-            m = _mean_normal(ends, at, i, j, moved, separation)
-        n, change = turned(ends.mean, at.b, j, m), 0.0
-        if at.b.nodes[j, 0] != GROUND:
-            change = dot(turned(ends.delta, at.b, j, m), separation)
-        return _secant(g0, g1, dot(n, moved) + change), n, P
-    sign = 1.0 if at.b.radii[j] >= 0.0 else -1.0
-    reach = at.a.radii[i] + at.b.radii[j]
-    n = scaled(2.0 * sign / (sign * (g0 + g1 + 2.0 * reach)), separation)
-    return _secant(g0, g1, dot(n, moved)), n, P
+    moved = minus(displacement(ends.delta, at.a, i), displacement(ends.delta, at.b, j))
+    separation = minus(P, Q)
+    if at.kind == ROUND:
+        sign, reach = sign_of(at.b, j), at.a.radii[i] + at.b.radii[j]
+        n = scaled(2.0 * sign / (sign * (g0 + g1 + 2.0 * reach)), separation)
+        return _secant(g0, g1, dot(n, moved)), n, P
+    m = load_row(at.b.normals, j)
+    if at.kind == LEVEL:
+        m = _mean_normal(ends, at, i, j, moved, separation)
+    n, change = turned(ends.mean, at.b, j, m), 0.0
+    if at.b.nodes[j, 0] != GROUND:
+        change = dot(turned(ends.delta, at.b, j, m), separation)
+    return _secant(g0, g1, dot(n, moved) + change), n, P
 
 
 @uncounted
@@ -121,68 +107,90 @@ def _mean_normal(
 
 
 @inlined_uncounted
-def _add_point_force(mean: Array, side: Side, i: int, F: Vector, out: Array, ground: Array) -> None:
-    """Add a force on a point to forces and moments of nodes, or of ground about the origin."""
+def _add_force(
+    mean: Array,
+    types: Indices,
+    side: Side,
+    i: int,
+    foot: tuple[bool, Vector],
+    F: Vector,
+    out: Array,
+    ground: Array,
+) -> None:
+    """Add a force on a point to forces and moments of nodes, or of ground about the origin.
+
+    Args:
+        mean: Mean nodal coordinates.
+        types: Types of all nodes.
+        side: The side.
+        i: The point.
+        foot: Whether the force acts at another position on the first node, and this position.
+        F: The force.
+        out: Updated.
+        ground: Updated.
+    """
     for k in range(MOST_NODES):
         node = side.nodes[i, k]
         if node == UNUSED:
             break
-        c = load_row(side.arms[i], k)
+        c, at_foot = load_row(side.arms[i], k), foot[0]
+        f = F if at_foot else scaled(side.weights[i, k], F)
         if node == GROUND:
-            store(ground, 0, plus(load(ground, 0), F))
-            store(ground, 3, plus(load(ground, 3), cross(c, F)))
-        else:
-            arm = global_components(mean[node], c)
-            store(out[node], 0, plus(load(out[node], 0), scaled(side.weights[i, k], F)))
-            store(out[node], 3, plus(load(out[node], 3), cross(arm, F)))
-
-
-@inlined_uncounted
-def _add_plane_force(
-    mean: Array, side: Side, j: int, P: Vector, F: Vector, out: Array, ground: Array
-) -> None:
-    """Add a force on a plane at ``P`` to forces and moments of its node, or of ground."""
-    node = side.nodes[j, 0]
-    if node == GROUND:
-        store(ground, 0, plus(load(ground, 0), F))
-        store(ground, 3, plus(load(ground, 3), cross(P, F)))
-    else:
-        arm = minus(P, load_row(mean[node], 0))
-        store(out[node], 0, plus(load(out[node], 0), F))
-        store(out[node], 3, plus(load(out[node], 3), cross(arm, F)))
+            store(ground, 0, plus(load(ground, 0), f))
+            store(ground, 3, plus(load(ground, 3), cross(foot[1] if at_foot else c, F)))
+            continue
+        turning = scaled(c[0], F)
+        if types[node] < POSITION_GRADIENT:
+            x = load_row(mean[node], 0)
+            arm = minus(foot[1], x) if at_foot else global_components(mean[node], c)
+            turning = cross(arm, F)
+        store(out[node], 0, plus(load(out[node], 0), f))
+        store(out[node], 3, plus(load(out[node], 3), turning))
 
 
 @uncounted
 def _add(
-    ends: Ends, at: ContactPoints, k: float, fraction: float, out: Array, ground: Array
+    ends: Ends,
+    types: Indices,
+    at: ContactPoints,
+    k: float,
+    fraction: float,
+    out: Array,
+    ground: Array,
 ) -> None:
     for e in range(at.pairs.shape[0]):
         secant, n, P = _between(ends, at, e)
         if secant.σ == 0.0:
             continue
         F = scaled(fraction * at.weight[e] * k * secant.σ, n)
-        _add_point_force(ends.mean, at.a, at.pairs[e, 0], F, out, ground)
-        if at.flat:
-            _add_plane_force(ends.mean, at.b, at.pairs[e, 1], P, scaled(-1.0, F), out, ground)
-        else:
-            _add_point_force(ends.mean, at.b, at.pairs[e, 1], scaled(-1.0, F), out, ground)
+        i, j = at.pairs[e]
+        _add_force(ends.mean, types, at.a, i, (False, P), F, out, ground)
+        foot = at.kind != ROUND, P
+        _add_force(ends.mean, types, at.b, j, foot, scaled(-1.0, F), out, ground)
 
 
 @compiled
 def add_secants(
-    ends: Ends, at: ContactPoints, k: float, fraction: float, out: Array, ground: Array
+    ends: Ends,
+    types: Indices,
+    at: ContactPoints,
+    k: float,
+    fraction: float,
+    out: Array,
+    ground: Array,
 ) -> None:
     """Add a fraction of the contact forces of the step to the residual.
 
     Args:
         ends: Both ends of the step.
+        types: Types of all nodes.
         at: Contact points.
         k: Stiffness.
         fraction: Fraction of the forces.
         out: Forces and moments about the mean positions of all nodes, global components, (N, 6).
         ground: Force and moment about the origin on ground, (6,).
     """
-    _add(ends, at, k, fraction, out, ground)
+    _add(ends, types, at, k, fraction, out, ground)
 
 
 @compiled

@@ -8,15 +8,19 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
-from fem_lie.contact.friction.forces import Friction
 from fem_lie.contact.laws.energy import EnergyWatch, PenaltyConstants, damping
+from fem_lie.contact.laws.friction import Friction
 from fem_lie.contact.laws.law import ContactTerm, Penalty
-from fem_lie.contact.laws.node_axes import NodeAxes
 from fem_lie.contact.laws.over_steps import CHANGE, END, SLOPE, add_secants, mixed
 from fem_lie.contact.laws.tangents import normal_rows, speed_of, tangents
-from fem_lie.contact.sides.gauss_points import ContactPoints
-from fem_lie.contact.sides.kinematics import SLOTS, add_row, gap, slot
-from fem_lie.contact.sides.table import GROUND
+from fem_lie.contact.sides.kinematics import (
+    SLOTS,
+    add_pulled_back,
+    contact_point,
+    slot,
+    touched,
+)
+from fem_lie.contact.sides.table import GROUND, ContactPoints
 from fem_lie.contact.sides.two_sides import Sides, copied
 from fem_lie.forms.abilities import (
     Done,
@@ -32,7 +36,7 @@ from fem_lie.forms.abilities import (
     ViscousForces,
 )
 from fem_lie.forms.term import Pairs
-from fem_lie.lie.tuples import minus, scaled, store_row
+from fem_lie.lie.tuples import scaled, store_row
 
 _log = logging.getLogger(__name__)
 
@@ -45,32 +49,39 @@ _NONE = np.empty((0, 0))
 
 @uncounted
 def _measure(
-    H: Array, v: Array, at: ContactPoints, law: PenaltyConstants, viscous: bool, out: Array
+    H: Array,
+    v: Array,
+    types: Indices,
+    at: ContactPoints,
+    law: PenaltyConstants,
+    viscous: bool,
+    out: Array,
 ) -> None:
     """Gap, elastic force and damping force of each pair along the normal, shape (3, m)."""
     for e in range(at.pairs.shape[0]):
-        i, j = at.pairs[e]
-        g, n, P = gap(H, at.a, at.b, i, j, at.flat)
+        point = contact_point(H, at.a, at.b, at.pairs[e, 0], at.pairs[e, 1], at.kind)
+        g = point.gap
         out[0, e], out[1, e], out[2, e] = g, 0.0, 0.0
         if g < 0.0:
             out[1, e] = at.weight[e] * law.k * g
             if viscous:
-                speed = speed_of(H, v, at.a, at.b, i, j, at.flat, P, n)
+                speed = speed_of(H, v, types, at, e, point)
                 out[2, e] = at.weight[e] * damping(law, g, speed)[0]
 
 
 @uncounted
-def _add(H: Array, at: ContactPoints, f: Array, grounded: bool, out: Array) -> None:
+def _add(H: Array, types: Indices, at: ContactPoints, f: Array, grounded: bool, out: Array) -> None:
     """Add ``f b`` to ``out`` for all pairs, or for pairs with ground only."""
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
         if f[e] == 0.0 or (grounded and at.a.owners[i] != GROUND and at.b.owners[j] != GROUND):
             continue
-        _, n, P = gap(H, at.a, at.b, i, j, at.flat)
+        point = contact_point(H, at.a, at.b, i, j, at.kind)
         for s in range(SLOTS):
-            node, sign, w, c = slot(H, at.a, at.b, i, j, at.flat, P, s)
+            node, sign, w, c = slot(H, at.a, at.b, i, j, at.kind, point, s)
             if node >= 0:
-                add_row(H, node, sign * f[e], w, c, n, out)
+                force = scaled(sign * f[e], point.normal)
+                add_pulled_back(types[node], H[node], w, c, force, out[node])
 
 
 @uncounted
@@ -78,9 +89,9 @@ def _show(H: Array, at: ContactPoints, f: Array, X: Array, F: Array) -> None:
     """Closest points of the first side, and contact forces on it."""
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
-        _, n, P = gap(H, at.a, at.b, i, j, at.flat)
-        store_row(X, e, minus(P, scaled(at.a.radii[i], n)))
-        store_row(F, e, scaled(-f[e], n))
+        point = contact_point(H, at.a, at.b, i, j, at.kind)
+        store_row(X, e, touched(at.a, i, point))
+        store_row(F, e, scaled(-f[e], point.normal))
 
 
 class PenaltyForces(
@@ -102,10 +113,10 @@ class PenaltyForces(
         self,
         sides: Sides,
         law: Penalty,
+        types: Indices,
         name: str = "a contact",
         friction: Friction | None = None,
         *,
-        axes: NodeAxes | None = None,
         parts: bool = False,
     ) -> None:
         """Store both sides and the law.
@@ -113,13 +124,13 @@ class PenaltyForces(
         Args:
             sides: Both sides of the contact.
             law: Contact law; its constants are per length for lines.
+            types: Types of all nodes of the bodies, in the order of their numbers, shape (n,).
             name: Name for messages.
             friction: Friction of the law; default: none.
-            axes: Axes of nodes with vector coordinates; default: all nodes have frames.
             parts: Whether some pairs are ignored until they separate.
         """
         self._sides, self._name, self._allowed = sides, name, _DEEP * sides.radius
-        self._axes = NodeAxes(np.zeros(0, dtype=np.int64)) if axes is None else axes
+        self._types = types
         self._law = PenaltyConstants(float(law.k), float(law.damping), float(law.ramp))
         self._damped = law.damping > 0.0
         self._friction, self.friction = friction, friction is not None
@@ -191,7 +202,7 @@ class PenaltyForces(
         """Contact points; gaps, elastic and damping forces along the normal, shape (3, m)."""
         at = self._sides.meet(H)
         found = np.empty((3, len(at.pairs)))
-        _measure(H, v, at, self._law, viscous, found)
+        _measure(H, v, self._types, at, self._law, viscous, found)
         return at, found
 
     def energy(self, H: Array) -> float:
@@ -213,9 +224,8 @@ class PenaltyForces(
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """Add the contact forces to the residual."""
-        H = self._axes.frames(H)
         at, found = self._measured(H, out, viscous=False)
-        _add(H, at, found[1], False, out)
+        _add(H, self._types, at, found[1], False, out)
         if self._friction is not None:
             self._friction.add_forces(H, out)
 
@@ -229,19 +239,17 @@ class PenaltyForces(
 
     def stiff_rows(self, H: Array) -> StiffRows:
         """Rows of the low-rank tangent, without the geometric stiffness."""
-        H = self._axes.frames(H)
         at = self._sides.meet(H)
         most = len(at.pairs)
         nodes = np.empty((most, SLOTS), dtype=np.int64)
         rows, stiffness = np.zeros((most, SLOTS, 6)), np.empty(most)
-        m = normal_rows(H, at, self._law.k, nodes, rows, stiffness)
+        m = normal_rows(H, self._types, at, self._law.k, nodes, rows, stiffness)
         return StiffRows(nodes[:m], rows[:m], stiffness[:m])
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
         """Add the damping forces to the residual."""
-        H = self._axes.frames(H)
         at, found = self._measured(H, v, viscous=True)
-        _add(H, at, found[2], False, out)
+        _add(H, self._types, at, found[2], False, out)
 
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
         """Derivatives of the damping forces in twists and in frames."""
@@ -249,13 +257,12 @@ class PenaltyForces(
         return by_twists, by_frames
 
     def _tangents(self, H: Array, v: Array, *, viscous: bool) -> tuple[Array, Array]:
-        frames = self._axes.frames(H)
-        at = self._sides.meet(frames)
+        at = self._sides.meet(H)
         count = len(self._sides.near.blocks[0])
         by_frames = np.zeros((count, 6, 6))
         by_twists = np.zeros((count if viscous else 0, 6, 6))
-        tangents(frames, v, at, self._law, viscous, _NONE, by_frames, by_twists)
-        self._axes.correct(H, v, self.pairs[1], by_frames, by_twists)
+        given = H, v, self._types, at, self._law, viscous, _NONE
+        tangents(*given, by_frames, by_twists)
         return by_frames, by_twists
 
     # --- state of friction ---
@@ -315,7 +322,7 @@ class PenaltyForces(
         k, work = self._law.k, 0.0
         parts = mixed(ends, self._sides.meet_ends(ends.start, ends.end, known=False))
         for at, secants, fraction in parts:
-            add_secants(ends, at, k, fraction, out, ground)
+            add_secants(ends, self._types, at, k, fraction, out, ground)
             work += fraction * float((secants[SLOPE] * secants[CHANGE]) @ at.weight)
         at, secants, _ = parts[-1]
         done = Done(k * float(secants[END] @ at.weight), k * work, 0.0)
@@ -328,15 +335,14 @@ class PenaltyForces(
         """Tangent stiffness of the forces of a step."""
         none, still = np.empty((0, 6, 6)), np.zeros((len(H), 6))
         blocks = np.zeros((len(self._sides.near.blocks[0]), 6, 6))
-        frames = self._axes.frames(H)
         # the list of pairs must be the one that the sparsity pattern was made from
         for at, secants, fraction in mixed(
             ends, self._sides.meet_ends(ends.start, ends.end, known=True)
         ):
-            tangents(frames, still, at, self._law, False, fraction * secants, blocks, none)
+            given = H, still, self._types, at, self._law, False, fraction * secants
+            tangents(*given, blocks, none)
             if self._friction is not None:
                 self._friction.add_tangent_over_step(ends, at, H, blocks)
-        self._axes.correct(H, still, self.pairs[1], blocks, none)
         return blocks
 
     def overlaps(self, H: Array) -> bool:
@@ -348,15 +354,13 @@ class PenaltyForces(
 
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
         """Add the contact forces on ground."""
-        H = self._axes.frames(H)
         at, found = self._measured(H, v, viscous=self._damped)
-        _add(H, at, found[1] + found[2], True, out)
+        _add(H, self._types, at, found[1] + found[2], True, out)
         if self._friction is not None:
             self._friction.add_forces(H, out, grounded=True)
 
     def touching(self, H: Array, v: Array) -> tuple[Indices, Array, Array, Array]:
         """Pairs in contact, with gaps, closest points and contact forces."""
-        H = self._axes.frames(H)
         at, found = self._measured(H, v, viscous=self._damped)
         X, F = np.empty((len(at.pairs), 3)), np.empty((len(at.pairs), 3))
         _show(H, at, found[1] + found[2], X, F)

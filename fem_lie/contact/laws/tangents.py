@@ -1,4 +1,4 @@
-"""Contact forces of penalties along the normal, and their derivatives, compiled."""
+"""Derivatives of the contact forces of penalties along the normal, compiled."""
 
 from __future__ import annotations
 
@@ -6,25 +6,26 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie.contact.laws.derivatives import Derivatives, derivatives, set_derivatives
 from fem_lie.contact.laws.energy import PenaltyConstants, damping
 from fem_lie.contact.laws.over_steps import BY_GAP, SLOPE
-from fem_lie.contact.sides.gauss_points import ContactPoints, set_slide, slides
-from fem_lie.contact.sides.kinematics import SLOTS, bends, gap, position, rate, slot
-from fem_lie.contact.sides.table import Side
-from fem_lie.lie.motions import local_components
-from fem_lie.lie.tuples import Vector, cross, dot, minus, scaled
+from fem_lie.contact.sides.kinematics import SLOTS, ContactPoint, contact_point, pulled_back, slot
+from fem_lie.contact.sides.table import ContactPoints
+from fem_lie.lie.node_types import POSITION_GRADIENT
+from fem_lie.lie.tuples import dot, load, scaled, store
 
 
 @inlined_uncounted
 def speed_of(
-    H: Array, v: Array, a: Side, b: Side, i: int, j: int, flat: bool, P: Vector, n: Vector
+    H: Array, v: Array, types: Indices, at: ContactPoints, e: int, point: ContactPoint
 ) -> float:
     """Rate ``ġ`` of the gap of a pair."""
-    found = 0.0
+    (i, j), found = at.pairs[e], 0.0
     for s in range(SLOTS):
-        node, sign, w, c = slot(H, a, b, i, j, flat, P, s)
+        node, sign, w, c = slot(H, at.a, at.b, i, j, at.kind, point, s)
         if node >= 0:
-            found += sign * rate(H, v, node, w, c, n)
+            force, moment = pulled_back(types[node], H[node], w, c, scaled(sign, point.normal))
+            found += dot(force, load(v[node], 0)) + dot(moment, load(v[node], 3))
     return found
 
 
@@ -32,6 +33,7 @@ def speed_of(
 def tangents(
     H: Array,
     v: Array,
+    types: Indices,
     at: ContactPoints,
     law: PenaltyConstants,
     viscous: bool,
@@ -43,33 +45,24 @@ def tangents(
 
     ``given`` are the secants of a step, shape (≥ 2, m), or empty, shape (0, 0).
     """
-    over_step = given.shape[0] > 0
-    nodes, rows, changes = (
-        np.empty(SLOTS, dtype=np.int64),
-        np.zeros((SLOTS, 6)),
-        np.zeros((SLOTS, 6)),
-    )
-    D, G = np.zeros((SLOTS, 2, 3, 6)), np.zeros((SLOTS, SLOTS, 6, 6))
+    over_step, by = given.shape[0] > 0, derivatives()
+    nodes, rows, changes = by.nodes, by.rows, np.zeros((SLOTS, 6))
     for e in range(at.pairs.shape[0]):
-        i, j = at.pairs[e]
-        g, n, P = gap(H, at.a, at.b, i, j, at.flat)
+        point = contact_point(H, at.a, at.b, at.pairs[e, 0], at.pairs[e, 1], at.kind)
         if over_step:
             if given[SLOPE, e] == 0.0:
                 continue
-        elif g >= 0.0:
+        elif point.gap >= 0.0:
             continue
-        bends(H, at.a, at.b, i, j, at.flat, nodes, rows, D, G)
-        if not at.flat:
-            for direction in range(2):
-                _slide(H, at, e, direction, n, nodes, D, G)
-        f, by_gap, by_speed = law.k * g, law.k, 0.0
+        scale = set_derivatives(H, types, at, e, point, by)
+        f, by_gap, by_speed = law.k * point.gap, law.k, 0.0
         if viscous:
-            speed = speed_of(H, v, at.a, at.b, i, j, at.flat, P, n)
-            f, by_gap, by_speed = damping(law, g, speed)
-            _changes_of_speed(v, nodes, G, changes)
+            speed = speed_of(H, v, types, at, e, point)
+            f, by_gap, by_speed = damping(law, point.gap, speed)
+            _set_changes_of_speed(v, types, by, scale, changes)
         elif over_step:
             f, by_gap = law.k * given[SLOPE, e], law.k * given[BY_GAP, e]
-        block, weight = at.first[e], at.weight[e]
+        block, weight, bent = at.first[e], at.weight[e], f / scale
         for s in range(SLOTS):
             for t in range(SLOTS):
                 if nodes[s] < 0 or nodes[t] < 0:
@@ -77,7 +70,9 @@ def tangents(
                 for p in range(6):
                     for q in range(6):
                         to_frame = by_gap * rows[t, q] + by_speed * changes[t, q]
-                        change = f * G[s, t, p, q] + rows[s, p] * to_frame
+                        change = bent * by.G[s, t, p, q] + rows[s, p] * to_frame
+                        if s == t:
+                            change += bent * by.turning[s, p, q]
                         by_frames[block, p, q] += weight * change
                         if viscous:
                             by_twists[block, p, q] += weight * by_speed * rows[s, p] * rows[t, q]
@@ -86,59 +81,49 @@ def tangents(
 
 @uncounted
 def normal_rows(
-    H: Array, at: ContactPoints, k: float, nodes: Indices, rows: Array, stiffness: Array
+    H: Array,
+    types: Indices,
+    at: ContactPoints,
+    k: float,
+    nodes: Indices,
+    rows: Array,
+    stiffness: Array,
 ) -> int:
     """Rows and number of the pairs that overlap; see :class:`~.term.StiffRows`."""
     found = 0
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
-        g, n, P = gap(H, at.a, at.b, i, j, at.flat)
-        if g >= 0.0:
+        point = contact_point(H, at.a, at.b, i, j, at.kind)
+        if point.gap >= 0.0:
             continue
         for s in range(SLOTS):
-            node, sign, w, c = slot(H, at.a, at.b, i, j, at.flat, P, s)
+            node, sign, w, c = slot(H, at.a, at.b, i, j, at.kind, point, s)
             nodes[found, s] = max(node, -1)
             if node >= 0:
-                f = local_components(H[node], scaled(sign, n))
-                moment = cross(c, f)
-                for p in range(3):
-                    rows[found, s, p], rows[found, s, 3 + p] = w * f[p], moment[p]
+                force, moment = pulled_back(types[node], H[node], w, c, scaled(sign, point.normal))
+                store(rows[found, s], 0, force)
+                store(rows[found, s], 3, moment)
         stiffness[found] = k * at.weight[e]
         found += 1
     return found
 
 
 @inlined_uncounted
-def _slide(
-    H: Array, at: ContactPoints, e: int, k: int, n: Vector, nodes: Indices, D: Array, G: Array
+def _set_changes_of_speed(
+    v: Array, types: Indices, by: Derivatives, scale: float, changes: Array
 ) -> None:
-    """Add ``−m mᵀ/s``: the closest point on the second side moves along; see :class:`.Sliding`."""
-    i, j = at.pairs[e]
-    if not slides(at.sliding, e, k):
-        return
-    separation = minus(position(H, at.a, i), position(H, at.b, j))
-    distance = np.sqrt(dot(separation, separation))
-    for s in range(SLOTS):
-        if nodes[s] >= 0:
-            # D is reused as workspace
-            set_slide(H, at.sliding, e, k, s, nodes[s], n, distance, D[s, 0], D[s, 1, 0])
-    for a in range(SLOTS):
-        for b in range(SLOTS):
-            if nodes[a] >= 0 and nodes[b] >= 0:
-                for p in range(6):
-                    for q in range(6):
-                        product = D[a, 1, 0, p] * D[b, 1, 0, q]
-                        G[a, b, p, q] -= product * distance / at.sliding.bends[e, k]
+    """Derivative ``∂ġ/∂h`` of each slot at constant twists.
 
-
-@inlined_uncounted
-def _changes_of_speed(v: Array, nodes: Indices, G: Array, changes: Array) -> None:
-    """Derivative ``∂ġ/∂h`` of each slot at constant twists."""
+    Twists of frames are constant along the axes of these; the velocities of other nodes are
+    constant in space.
+    """
     changes[:] = 0.0
     for s in range(SLOTS):
         for t in range(SLOTS):
-            if nodes[s] < 0 or nodes[t] < 0:
+            if by.nodes[s] < 0 or by.nodes[t] < 0:
                 continue
+            turns = s == t and types[by.nodes[s]] < POSITION_GRADIENT
             for p in range(6):
                 for q in range(6):
-                    changes[t, q] += v[nodes[s], p] * G[s, t, p, q]
+                    more = by.turning[s, p, q] if turns else 0.0
+                    changes[t, q] += v[by.nodes[s], p] * (by.G[s, t, p, q] + more) / scale

@@ -16,7 +16,16 @@ from fem_lie.contact.sides.surfaces import (
     PointSurface,
     PolyhedralSurface,
 )
-from fem_lie.contact.sides.table import BothSides, Nodes, balls_side, level_side, planes_side
+from fem_lie.contact.sides.table import (
+    LEVEL,
+    PLANE,
+    ROUND,
+    BothSides,
+    Nodes,
+    balls_side,
+    level_side,
+    planes_side,
+)
 from fem_lie.contact.sides.two_sides import Balls, Sides
 
 
@@ -39,25 +48,25 @@ class _PointPair(PenaltyPair, ImpactPair):
         """Raise ``ValueError`` if the surfaces never touch or overlap at the start."""
         self.check_friction()
         nodes, H = self.numbered()
-        a, b, flat, same = self.sides(nodes)
+        a, b, kind, same = self.sides(nodes)
         if not (a.owners[:, np.newaxis] != b.owners).any():
             raise ValueError(f"{self.label}: expected surfaces on different frames, got one frame")
-        near = NearPairs(a, b, flat=flat, same=same)
+        near = NearPairs(a, b, kind=kind, same=same)
         near.update(H)
         sizes = np.where(a.radii > 0.0, a.radii, max(body.model.size for body in self.bodies))
-        g, positions = gaps(H, a, b, near.now, flat)
+        g, positions = gaps(H, a, b, near.now, kind)
         self.refuse_overlap(g, positions, sizes[near.now[:, 0]])
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
         """All that the contact forces depend on."""
-        a, b, flat, same = self.sides(nodes)
+        a, b, kind, same = self.sides(nodes)
         ignores = ("ignore_initial",) if self.ignore_initial else ()
-        return *a.arrays, *b.arrays, flat, same, repr(self.law), *ignores
+        return *a.arrays, *b.arrays, kind, same, repr(self.law), *ignores
 
     def meeting(self, nodes: Nodes) -> Sides:
         """Both sides, for the evaluation of contact points."""
-        a, b, flat, same = self.sides(nodes)
-        return Balls(a, b, flat=flat, same=same)
+        a, b, kind, same = self.sides(nodes)
+        return Balls(a, b, kind=kind, same=same)
 
 
 class BallPlanePair(_PointPair):
@@ -69,7 +78,7 @@ class BallPlanePair(_PointPair):
     def sides(self, nodes: Nodes) -> BothSides:
         """Both sides as packed arrays."""
         a, b = balls_side(self.a.balls(), nodes), planes_side(self.b.faces(), nodes)
-        return BothSides(a, b, True, False)
+        return BothSides(a, b, PLANE, False)
 
 
 class PolyhedronPlanePair(BallPlanePair):
@@ -99,7 +108,7 @@ class BallGapPair(_PointPair):
 
     def sides(self, nodes: Nodes) -> BothSides:
         """Both sides as packed arrays."""
-        return BothSides(balls_side(self.a.balls(), nodes), level_side(self.b, nodes), True, False)
+        return BothSides(balls_side(self.a.balls(), nodes), level_side(self.b, nodes), LEVEL, False)
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
         """All that the contact forces depend on."""
@@ -118,7 +127,7 @@ class BallPair(_PointPair):
         a, b = self.a.balls(), self.b.balls()
         if min(ball.radius for ball in a) < 0.0:
             a, b = b, a
-        return BothSides(balls_side(a, nodes), balls_side(b, nodes), False, self.a is self.b)
+        return BothSides(balls_side(a, nodes), balls_side(b, nodes), ROUND, self.a is self.b)
 
     def check(self) -> None:
         """Raise ``ValueError`` for points on both sides, or a ball larger than a hollow."""

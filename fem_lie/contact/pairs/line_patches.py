@@ -20,7 +20,6 @@ from fem_lie.contact.sides.gauss_points import (
     GAUSS,
     GAUSS_AT,
     GAUSS_WEIGHT,
-    ContactPoints,
     line_samples,
     middles_of,
     set_position,
@@ -30,7 +29,7 @@ from fem_lie.contact.sides.passage import Passage
 from fem_lie.contact.sides.patch_contacts import FOUND, Workspace, add_contacts_of, far
 from fem_lie.contact.sides.patches import NET, ROWS, Patches, is_triangle, nearest_on, set_nets
 from fem_lie.contact.sides.surfaces import Piece
-from fem_lie.contact.sides.table import Nodes, Samples, Side, empty_side, least
+from fem_lie.contact.sides.table import ContactPoints, Nodes, Samples, Side, empty_side, least
 from fem_lie.contact.sides.two_sides import Stations
 
 _STEPS = 4

@@ -19,9 +19,8 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.model import HeldRotation
 from fem_lie.contact.convex.table import PolyhedronPair
-from fem_lie.contact.friction.forces import Friction
+from fem_lie.contact.laws.friction import Friction
 from fem_lie.contact.laws.law import ContactTerm, Impact, Penalty
-from fem_lie.contact.laws.node_axes import NodeAxes
 from fem_lie.contact.laws.penalty import PenaltyForces
 from fem_lie.contact.sides.surfaces import ContactSurface
 from fem_lie.contact.sides.table import BothSides, Nodes
@@ -319,15 +318,16 @@ class PenaltyPair(ContactPair):
         self.check_friction()
         nodes, H = self.numbered()
         sides = self.meeting(nodes)
-        _, g, positions, _ = PenaltyForces(sides, Penalty(1.0)).touching(H, np.zeros((len(H), 6)))
+        forces = PenaltyForces(sides, Penalty(1.0), self.node_types(nodes))
+        _, g, positions, _ = forces.touching(H, np.zeros((len(H), 6)))
         self.refuse_overlap(g, positions, np.full(len(g), sides.radius))
 
     def term(self, nodes: Nodes) -> PenaltyForces:
         """Contact forces of the penalty."""
         sides, friction, law = self.meeting(nodes), None, self.penalty
+        types = self.node_types(nodes)
         if self.ignore_initial:
             sides.near.ignore(self.initial_frames(nodes))
         if law.friction > 0.0:
-            friction = Friction(sides, law.coulomb, self.initial_frames(nodes))
-        axes, parts = NodeAxes(self.node_types(nodes)), self.ignore_initial
-        return PenaltyForces(sides, law, self.label, friction, axes=axes, parts=parts)
+            friction = Friction(sides, law.coulomb, types, self.initial_frames(nodes))
+        return PenaltyForces(sides, law, types, self.label, friction, parts=self.ignore_initial)

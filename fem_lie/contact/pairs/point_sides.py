@@ -10,15 +10,13 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.contact.sides.curves import set_curves
 from fem_lie.contact.sides.detection import first_crossing
+from fem_lie.contact.sides.gauss_points import middles_of as middles_of_lines
 from fem_lie.contact.sides.gauss_points import (
-    ContactPoints,
-    no_sliding,
     runs_of,
     set_nearest_of_lines,
     set_separations,
     strands_of,
 )
-from fem_lie.contact.sides.gauss_points import middles_of as middles_of_lines
 from fem_lie.contact.sides.kinematics import positions
 from fem_lie.contact.sides.pairs import NearPairs
 from fem_lie.contact.sides.passage import Passage, first_passage
@@ -27,10 +25,13 @@ from fem_lie.contact.sides.patches import NET, ROWS, VALUE, Patches, set_nets, s
 from fem_lie.contact.sides.surfaces import MOST_NODES, Piece
 from fem_lie.contact.sides.table import (
     GROUND,
+    ROUND,
     UNUSED,
+    ContactPoints,
     Nodes,
     Samples,
     Side,
+    empty_contacts,
     empty_side,
     least,
 )
@@ -57,7 +58,7 @@ class PointSides(Sides):
             left_out: Pairs of a point and a part that never touch, shape (k, 2).
         """
         self.samples, self._middles = samples, middles
-        self.near = NearPairs(samples.at, middles, flat=False, same=False, left_out=left_out)
+        self.near = NearPairs(samples.at, middles, kind=ROUND, same=False, left_out=left_out)
         self.radius = least(samples.at.radii, radii)
         self.on_ground = bool(any((side.owners == GROUND).any() for side in (samples.at, middles)))
         self._version = -1
@@ -80,15 +81,7 @@ class PointSides(Sides):
         return self._found(H, self._room, empty_side(0), np.zeros((0, 2), dtype=np.int64))
 
     def _space(self, most: int) -> ContactPoints:
-        return ContactPoints(
-            self.samples.at,
-            empty_side(most),
-            False,
-            np.zeros((most, 2), dtype=np.int64),
-            np.zeros(most),
-            np.zeros(most, dtype=np.int64),
-            no_sliding(most),
-        )
+        return empty_contacts(self.samples.at, empty_side(most), ROUND, most)
 
     def stations(self, H: Array) -> Stations:
         """Points near the second side, at which friction springs act."""

@@ -10,7 +10,7 @@ from fem_lie.contact.convex.table import PolyhedronPair, slots_of
 from fem_lie.contact.laws.law import ContactTerm
 from fem_lie.contact.pairs.pair import OVERLAP, ContactPair, ImpactPair
 from fem_lie.contact.sides.surfaces import Ball, PointSurface, PolyhedralSurface
-from fem_lie.contact.sides.table import BothSides, Nodes, joined_sides
+from fem_lie.contact.sides.table import INACTIVE, BothSides, Nodes, joined_sides
 
 NO_PENALTY = (
     "polyhedra touch each other by Impact; the force of a Penalty would jump where a corner passes "
@@ -38,7 +38,7 @@ class _PolyhedralPair(ContactPair, ImpactPair):
     def sides(self, nodes: Nodes) -> BothSides:
         """Both sides as packed arrays."""
         first, second = zip(*(slots_of(pair, nodes) for pair in self.manifolds), strict=True)
-        return BothSides(joined_sides(first), joined_sides(second), False, False)
+        return BothSides(joined_sides(first), joined_sides(second), INACTIVE, False)
 
     def check(self) -> None:
         """Raise ``ValueError`` for surfaces on one frame, or for an overlap at the start."""
@@ -75,9 +75,9 @@ class PolyhedronPolyhedronPair(_PolyhedralPair):
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
         """All that the impacts depend on."""
-        a, b, flat, same = self.sides(nodes)
+        a, b, kind, same = self.sides(nodes)
         corners = self.a.polyhedron().corners, self.b.polyhedron().corners
-        return *a.arrays, *b.arrays, flat, same, repr(self.law), *corners
+        return *a.arrays, *b.arrays, kind, same, repr(self.law), *corners
 
 
 class BallPolyhedronPair(_PolyhedralPair):
@@ -94,8 +94,8 @@ class BallPolyhedronPair(_PolyhedralPair):
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
         """All that the impacts depend on."""
-        a, b, flat, same = self.sides(nodes)
-        return *a.arrays, *b.arrays, flat, same, repr(self.law), self.b.polyhedron().corners
+        a, b, kind, same = self.sides(nodes)
+        return *a.arrays, *b.arrays, kind, same, repr(self.law), self.b.polyhedron().corners
 
     def check(self) -> None:
         """Raise ``ValueError`` for points or hollow spheres instead of balls, or for an overlap."""

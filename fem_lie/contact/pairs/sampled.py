@@ -33,6 +33,9 @@ from fem_lie.contact.sides.surfaces import (
     PolyhedralSurface,
 )
 from fem_lie.contact.sides.table import (
+    LEVEL,
+    PLANE,
+    ROUND,
     UNUSED,
     Nodes,
     Samples,
@@ -157,7 +160,8 @@ class _OnPolyhedra(_OnPatches):
 class _OnSide(_SampledPair):
     """A second surface whose parts need no search for closest points."""
 
-    flat = True
+    touches: int
+    """Kind of the pairs of points."""
 
     @abstractmethod
     def side(self, nodes: Nodes) -> Side:
@@ -171,7 +175,7 @@ class _OnSide(_SampledPair):
         """Both sides, for the evaluation of contact points."""
         at, fixed, measures = self.samples(nodes)
         b = self.side(nodes)
-        return Balls(at, b, flat=self.flat, same=False, areas=measures, fixed=fixed)
+        return Balls(at, b, kind=self.touches, same=False, areas=measures, fixed=fixed)
 
     def second(self, nodes: Nodes) -> tuple[object, ...]:
         """The arrays of the second side."""
@@ -183,6 +187,8 @@ class _OnPlanes(_OnSide):
 
     b: PlaneSurface
 
+    touches = PLANE
+
     def side(self, nodes: Nodes) -> Side:
         """The planes."""
         return planes_side(self.b.faces(), nodes)
@@ -192,6 +198,8 @@ class _OnGap(_OnSide):
     """A surface with a gap function."""
 
     b: GapSurface
+
+    touches = LEVEL
 
     def side(self, nodes: Nodes) -> Side:
         """The surface."""
@@ -208,7 +216,7 @@ class _InHollow(_OnSide):
 
     b: HollowSurface
 
-    flat = False
+    touches = ROUND
 
     def side(self, nodes: Nodes) -> Side:
         """The hollow spheres."""

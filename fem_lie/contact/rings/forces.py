@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.contact.friction.anchors import CoulombLaw
+from fem_lie.contact.laws.anchors import CoulombLaw
 from fem_lie.contact.laws.law import ContactTerm
 from fem_lie.contact.rings import kernels
 from fem_lie.contact.rings.curves import Ropes

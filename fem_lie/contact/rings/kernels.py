@@ -14,7 +14,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
-from fem_lie.contact.friction.anchors import CoulombLaw, limit, returned
+from fem_lie.contact.laws.anchors import CoulombLaw, limit, returned
 from fem_lie.contact.rings.curves import (
     Ropes,
     foot,

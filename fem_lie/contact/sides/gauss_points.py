@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -23,10 +22,19 @@ from fem_lie.contact.sides.curves import (
 from fem_lie.contact.sides.curves import at as position_at
 from fem_lie.contact.sides.kinematics import position
 from fem_lie.contact.sides.passage import are_apart
-from fem_lie.contact.sides.surfaces import MOST_NODES, Piece
-from fem_lie.contact.sides.table import GROUND, Nodes, Samples, Side, empty_side, number_of
-from fem_lie.lie.motions import local_components
-from fem_lie.lie.tuples import Vector, cross, dot, load_row, minus, plus, scaled, store_row
+from fem_lie.contact.sides.surfaces import Piece
+from fem_lie.contact.sides.table import (
+    GROUND,
+    PLANE,
+    ContactPoints,
+    Nodes,
+    Samples,
+    Side,
+    Sliding,
+    empty_side,
+    number_of,
+)
+from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
 
 GAUSS = 3
 GAUSS_AT, GAUSS_WEIGHT = np.polynomial.legendre.leggauss(GAUSS)
@@ -34,88 +42,6 @@ GAUSS_AT, GAUSS_WEIGHT = np.polynomial.legendre.leggauss(GAUSS)
 
 _BULGE = 1.1
 """Reach of segments from their midpoints over the initial reach: allows for stretching."""
-
-
-class Sliding(NamedTuple):
-    """How closest points on lines and patches move as the first points move, in two directions.
-
-    The gap is stationary at the closest point, so its second derivative has ``−Σ m mᵀ/s`` in
-    addition to that at a material point, with ``m = ∂²g/∂σ∂h`` and ``s = ∂²g/∂σ²`` for directions
-    with ``∂²g/∂σ∂τ = 0``.
-
-    Attributes:
-        slopes: ``Q'``; zero if the closest point stays at an end, shape (m, 2, 3).
-        bends: ``|Δ| s = Q'·Q' − Δ·Q''``, shape (m, 2).
-        weights: Derivatives of the weights of all nodes, shape (m, 2, 4).
-        arms: Derivatives of their moment arms, shape (m, 2, 4, 3).
-    """
-
-    slopes: Array
-    bends: Array
-    weights: Array
-    arms: Array
-
-
-def no_sliding(m: int) -> Sliding:
-    """Closest points that stay at the same material point."""
-    k = MOST_NODES
-    return Sliding(
-        np.zeros((m, 2, 3)), np.ones((m, 2)), np.zeros((m, 2, k)), np.zeros((m, 2, k, 3))
-    )
-
-
-@inlined_uncounted
-def slides(sliding: Sliding, e: int, k: int) -> bool:
-    """Whether the closest point moves along direction ``k``."""
-    t = sliding.slopes[e, k]
-    return bool(t[0] != 0.0 or t[1] != 0.0 or t[2] != 0.0)
-
-
-@inlined_uncounted
-def set_slide(
-    H: Array,
-    sliding: Sliding,
-    e: int,
-    k: int,
-    slot: int,
-    node: int,
-    n: Vector,
-    distance: float,
-    D: Array,
-    out: Array,
-) -> None:
-    """``−m`` for the motion of a slot, with ``D`` (3, 6) the motion of ``Δ``; shape (6,)."""
-    t = load_row(sliding.slopes[e], k)
-    for p in range(6):
-        out[p] = (t[0] * D[0, p] + t[1] * D[1, p] + t[2] * D[2, p]) / distance
-    if slot >= MOST_NODES:
-        f = local_components(H[node], n)
-        turning = cross(load_row(sliding.arms[e, k], slot - MOST_NODES), f)
-        for p in range(3):
-            out[p] += sliding.weights[e, k, slot - MOST_NODES] * f[p]
-            out[3 + p] += turning[p]
-
-
-class ContactPoints(NamedTuple):
-    """Pairs of points between which contact forces act if they overlap.
-
-    Attributes:
-        a: Points of the first side.
-        b: Points of the second side, or planes.
-        flat: Whether the second side consists of planes.
-        pairs: Indices of both points, shape (m, 2).
-        weight: Integration weight (length or area), or one, shape (m,).
-        first: First matrix block of each pair, shape (m,).
-        sliding: Motion of closest points on the second side.
-    """
-
-    a: Side
-    b: Side
-    flat: bool
-    pairs: Indices
-    weight: Array
-    first: Indices
-    sliding: Sliding
 
 
 def strands_of(pieces: Sequence[Piece], nodes: Nodes) -> Strands:
@@ -210,23 +136,23 @@ def set_points(
     out: ContactPoints,
 ) -> int:
     """Set the Gauss points of all overlapping intervals; return their number."""
-    count = 0
+    count, flat = 0, out.kind == PLANE
     for run in range(runs.shape[0]):
         i, first, last, e = runs[run, 0], runs[run, 1], runs[run, 2], runs[run, 3]
-        if out.flat:
+        if flat:
             other = plane_of(H, planes, first, a.radii[i])
         else:
             nowhere = (0.0, 0.0, 0.0)
             other = Opposite(first, last, nowhere, nowhere, a.radii[i] + b.radii[first])
-        if are_apart(a, i, a if out.flat else b, other):
+        if are_apart(a, i, a if flat else b, other):
             continue
         C = a.curves[i]
-        from_, to, later, end = overlaps(C, a if out.flat else b, other)
+        from_, to, later, end = overlaps(C, a if flat else b, other)
         for part in range(2):
             low, high = (from_, to) if part == 0 else (later, end)
             for p in range(GAUSS if high > low else 0):
                 s = 0.5 * (low + high) + 0.5 * (high - low) * GAUSS_AT[p]
-                if out.flat:
+                if flat:
                     out.pairs[count, 1], out.first[count] = first, blocks[e]
                 else:
                     square, j, σ = nearest(b, other, position_at(C, s))
@@ -349,7 +275,7 @@ def set_stations(
         nowhere = (0.0, 0.0, 0.0)
         for p in range(GAUSS):
             s = 0.5 + 0.5 * GAUSS_AT[p]
-            if out.flat:
+            if out.kind == PLANE:
                 out.pairs[count, 1], out.first[count] = first, blocks[e]
             else:
                 other = Opposite(first, last, nowhere, nowhere, a.radii[i] + b.radii[first])

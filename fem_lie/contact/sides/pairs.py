@@ -7,7 +7,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.contact.sides.detection import moved_by, near, near_between
 from fem_lie.contact.sides.kinematics import count_blocks, gaps, positions
-from fem_lie.contact.sides.table import Side
+from fem_lie.contact.sides.table import ROUND, Side
 
 _MARGIN = 0.5
 """Initial margin of the list relative to the mean radius of balls."""
@@ -26,24 +26,24 @@ class NearPairs:
     """
 
     def __init__(
-        self, a: Side, b: Side, *, flat: bool, same: bool, left_out: Indices | None = None
+        self, a: Side, b: Side, *, kind: int, same: bool, left_out: Indices | None = None
     ) -> None:
         """Find the pairs that are possible.
 
         Args:
             a: First side.
             b: Second side.
-            flat: Whether the second side consists of planes.
+            kind: Kind of the pairs; those with balls are near each other, of others all pairs are.
             same: Whether both sides are the same.
             left_out: Pairs of points that never touch, shape (m, 2); default: none.
         """
         none = np.empty((0, 2), dtype=np.int64) if left_out is None else left_out
         self._left_out = np.sort(none[:, 0] * len(b.radii) + none[:, 1])
         self._a, self._b, self._same, self.version = a, b, same, 0
-        self._flat = flat
+        self._kind = kind
         self._ignored: Indices = np.empty(0, dtype=np.int64)
         hollow = bool((b.radii < 0.0).any())
-        self.fixed = flat or hollow
+        self.fixed = kind != ROUND or hollow
         count = len(a.radii) if same else len(a.radii) + len(b.radii)
         self._at, self._before = np.empty((count, 3)), np.full((count, 3), np.inf)
         radii = a.radii if same else np.concatenate([a.radii, b.radii])
@@ -68,7 +68,7 @@ class NearPairs:
     def ignore(self, H: Array) -> None:
         """Ignore pairs that overlap at frames ``H``, until :meth:`part` finds them separate."""
         self.update(H)
-        g, _ = gaps(H, self._a, self._b, self.now, self._flat)
+        g, _ = gaps(H, self._a, self._b, self.now, self._kind)
         self._ignored = self._keys(self.now[g < 0.0])
         self._again()
 
@@ -77,7 +77,7 @@ class NearPairs:
         if not self.ignores:
             return
         pairs = np.stack(np.divmod(self._ignored, len(self._b.radii)), axis=1)
-        g, _ = gaps(H, self._a, self._b, pairs, self._flat)
+        g, _ = gaps(H, self._a, self._b, pairs, self._kind)
         if (g >= 0.0).any():
             self._ignored = self._ignored[g < 0.0]
             self._again()
@@ -218,10 +218,6 @@ class NearPairs:
 
 class SlotPairs(NearPairs):
     """Pairs of corresponding points: the slots of contact manifolds."""
-
-    def __init__(self, a: Side, b: Side, *, flat: bool, same: bool) -> None:
-        """Create the list, which always has all slots."""
-        super().__init__(a, b, flat=True, same=False)
 
     def _all(self) -> Indices:
         return np.repeat(np.arange(len(self._a.radii)), 2).reshape(-1, 2)

@@ -13,7 +13,6 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
-from fem_lie.contact.sides.gauss_points import ContactPoints, Sliding
 from fem_lie.contact.sides.kinematics import position
 from fem_lie.contact.sides.patches import (
     BY_U,
@@ -32,7 +31,7 @@ from fem_lie.contact.sides.patches import (
     set_shapes,
 )
 from fem_lie.contact.sides.surfaces import MOST_NODES
-from fem_lie.contact.sides.table import UNUSED, Side
+from fem_lie.contact.sides.table import UNUSED, ContactPoints, Side, Sliding
 from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
 
 _EQUAL = 1.0 - 1e-12

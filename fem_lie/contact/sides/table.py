@@ -22,6 +22,9 @@ from fem_lie.contact.sides.surfaces import (
 GROUND, UNUSED = -1, -2
 """Special node numbers: ground, and unused."""
 
+ROUND, PLANE, LEVEL, EDGES, LINE, INACTIVE = range(6)
+"""Kinds of pairs of points, see :mod:`.kinematics`; the last has no contact."""
+
 Nodes: TypeAlias = Callable[[Body], Indices]
 """Gives the numbers of the nodes of a body in the scene."""
 
@@ -83,19 +86,82 @@ class Samples(NamedTuple):
     measures: Array
 
 
+class Sliding(NamedTuple):
+    """How closest points on lines and patches move as the first points move, in two directions.
+
+    The gap is stationary at the closest point, so its second derivative has ``−Σ m mᵀ/s`` in
+    addition to that at a material point, with ``m = ∂²g/∂σ∂h`` and ``s = ∂²g/∂σ²`` for directions
+    with ``∂²g/∂σ∂τ = 0``.
+
+    Attributes:
+        slopes: ``Q'``; zero if the closest point stays at an end, shape (m, 2, 3).
+        bends: ``|Δ| s = Q'·Q' − Δ·Q''``, shape (m, 2).
+        weights: Derivatives of the weights of all nodes, shape (m, 2, 4).
+        arms: Derivatives of their moment arms, shape (m, 2, 4, 3).
+    """
+
+    slopes: Array
+    bends: Array
+    weights: Array
+    arms: Array
+
+
+def no_sliding(m: int) -> Sliding:
+    """Closest points that stay at the same material point."""
+    k = MOST_NODES
+    return Sliding(
+        np.zeros((m, 2, 3)), np.ones((m, 2)), np.zeros((m, 2, k)), np.zeros((m, 2, k, 3))
+    )
+
+
+class ContactPoints(NamedTuple):
+    """Pairs of points between which contact forces act if they overlap.
+
+    Attributes:
+        a: Points of the first side.
+        b: Points of the second side, or planes.
+        kind: Kind of the pairs, see :mod:`.kinematics`.
+        pairs: Indices of both points, shape (m, 2).
+        weight: Integration weight (length or area), or one, shape (m,).
+        first: First matrix block of each pair, shape (m,).
+        sliding: Motion of closest points on the second side.
+    """
+
+    a: Side
+    b: Side
+    kind: int
+    pairs: Indices
+    weight: Array
+    first: Indices
+    sliding: Sliding
+
+
+def empty_contacts(a: Side, b: Side, kind: int, most: int) -> ContactPoints:
+    """Space for contact points, with no sliding yet.
+
+    Args:
+        a: First side.
+        b: Second side.
+        kind: Kind of the pairs.
+        most: Largest number of contact points.
+    """
+    pairs, first = np.zeros((most, 2), dtype=np.int64), np.zeros(most, dtype=np.int64)
+    return ContactPoints(a, b, kind, pairs, np.zeros(most), first, no_sliding(most))
+
+
 class BothSides(NamedTuple):
     """Both sides of a contact of points.
 
     Attributes:
         a: Points with a radius.
         b: Planes, or points with a radius.
-        flat: Whether the second side consists of planes.
+        kind: Kind of the pairs, :data:`INACTIVE` for slots of contact manifolds.
         same: Whether both sides are the same.
     """
 
     a: Side
     b: Side
-    flat: bool
+    kind: int
     same: bool
 
 

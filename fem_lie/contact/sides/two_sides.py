@@ -18,10 +18,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.contact.sides.curves import set_curves
 from fem_lie.contact.sides.gauss_points import (
     GAUSS,
-    ContactPoints,
-    Sliding,
     middles_of,
-    no_sliding,
     runs_of,
     set_points,
     set_stations,
@@ -30,7 +27,19 @@ from fem_lie.contact.sides.gauss_points import (
 from fem_lie.contact.sides.pairs import NearPairs
 from fem_lie.contact.sides.passage import Passage, first_jump, first_line_through, polygon
 from fem_lie.contact.sides.surfaces import Piece
-from fem_lie.contact.sides.table import GROUND, Nodes, Side, empty_side, least
+from fem_lie.contact.sides.table import (
+    GROUND,
+    PLANE,
+    ROUND,
+    ContactPoints,
+    Nodes,
+    Side,
+    Sliding,
+    empty_contacts,
+    empty_side,
+    least,
+    no_sliding,
+)
 
 
 class Stations(NamedTuple):
@@ -117,7 +126,7 @@ class Balls(Sides):
         a: Side,
         b: Side,
         *,
-        flat: bool,
+        kind: int,
         same: bool,
         areas: Array | None = None,
         fixed: Side | None = None,
@@ -127,10 +136,10 @@ class Balls(Sides):
         ``areas`` are the areas of the first points; default: one. ``fixed`` are their material
         points for friction springs; default: the points themselves.
         """
-        self._a, self._b, self._flat = a, b, flat
+        self._a, self._b, self._kind = a, b, kind
         self._fixed = a if fixed is None else fixed
         self._areas = np.ones(len(a.radii)) if areas is None else areas
-        self.near = NearPairs(a, b, flat=flat, same=same)
+        self.near = NearPairs(a, b, kind=kind, same=same)
         self.on_ground = bool((a.owners == GROUND).any() or (b.owners == GROUND).any())
         self.radius = least(a.radii, b.radii)
         self._version = -1
@@ -160,7 +169,7 @@ class Balls(Sides):
             self._meeting = ContactPoints(
                 self._a,
                 self._b,
-                self._flat,
+                self._kind,
                 self.near.now,
                 self._areas[self.near.now[:, 0]],
                 self.near.first,
@@ -186,8 +195,8 @@ class Lines(Sides):
         """Store segments of both lines, or planes instead of the second, and numbers of nodes."""
         self._a, self._b = strands_of(a, nodes), strands_of(b, nodes)
         middles = middles_of(a, self._a), middles_of(b, self._b) if planes is None else planes
-        self._planes, self.flat = middles[1], planes is not None
-        self.near = NearPairs(*middles, flat=self.flat, same=False)
+        self._planes, self._kind = middles[1], ROUND if planes is None else PLANE
+        self.near = NearPairs(*middles, kind=self._kind, same=False)
         self.radius = least(self._a.radii, self._b.radii)
         self.on_ground = bool(any((side.owners == GROUND).any() for side in middles))
         self._chains = np.cumsum(np.append(0, ~self._b.continues[:-1])) if b else None
@@ -202,27 +211,23 @@ class Lines(Sides):
     def _meet(self, H: Array, *, stretched: bool = False) -> ContactPoints:
         if self.near.version != self._version:
             self._version = self.near.version
-            self._runs = runs_of(self.near.now, None if self.flat else self._b.continues)
+            continues = self._b.continues if self._kind == ROUND else None
+            self._runs = runs_of(self.near.now, continues)
             # two intervals of a segment for each run of opposite segments, or for a plane
-            most = 2 * GAUSS * len(self._runs)
-            self._room = ContactPoints(
-                empty_side(most),
-                self._planes if self.flat else empty_side(most),
-                self.flat,
-                np.zeros((most, 2), dtype=np.int64),
-                np.zeros(most),
-                np.zeros(most, dtype=np.int64),
-                no_sliding(most),
-            )
+            self._room = self._space(2 * GAUSS * len(self._runs))
         set_curves(H, self._a, stretched)
         set_curves(H, self._b, stretched)
         workspace = self._room
         k = set_points(H, self._a, self._b, self._planes, self._runs, self.near.first, workspace)
         return workspace._replace(pairs=workspace.pairs[:k])
 
+    def _space(self, most: int) -> ContactPoints:
+        b = empty_side(most) if self._kind == ROUND else self._planes
+        return empty_contacts(empty_side(most), b, self._kind, most)
+
     def passed(self, start: Array, end: Array) -> Passage | None:
         """A pair of segments that passed through each other on straight paths."""
-        if self.flat:
+        if self._kind == PLANE:
             return None
         before, after, pairs = self.near.in_step(start, end)
         curves = []
@@ -244,15 +249,7 @@ class Lines(Sides):
         """Gauss points of whole elements, which are material points."""
         self.meet(H)
         most = GAUSS * len(self._runs)
-        workspace = ContactPoints(
-            empty_side(most),
-            self._planes if self.flat else empty_side(most),
-            self.flat,
-            np.zeros((most, 2), dtype=np.int64),
-            np.zeros(most),
-            np.zeros(most, dtype=np.int64),
-            no_sliding(most),
-        )
+        workspace = self._space(most)
         keys = np.zeros((most, 2), dtype=np.int64)
         given = H, self._a, self._b, self._planes, self._runs, self.near.first
         k = set_stations(*given, workspace, keys)
@@ -299,10 +296,10 @@ class Lines(Sides):
 
 def copied(at: ContactPoints) -> ContactPoints:
     """A copy of contact points, which stays valid when others are computed."""
-    a, b = _copied_side(at.a), at.b if at.flat else _copied_side(at.b)
+    a, b = _copied_side(at.a), _copied_side(at.b) if at.kind == ROUND else at.b
     slides = Sliding(*(array.copy() for array in at.sliding))
     return ContactPoints(
-        a, b, at.flat, at.pairs.copy(), at.weight[: len(at.pairs)].copy(), at.first.copy(), slides
+        a, b, at.kind, at.pairs.copy(), at.weight[: len(at.pairs)].copy(), at.first.copy(), slides
     )
 
 

@@ -196,7 +196,7 @@ class DirectorBeam(BeamFormulation):
         return np.concatenate([along, stress[:, 0, 3:]], axis=1)[:, np.newaxis]
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Energy, forces and tangent of interpolated positions and directors."""
+        """DOLFINx forms of energy, forces and tangent of interpolated positions and directors."""
         mesh = nodal.function.function_space.mesh
         points = 2 * self.degree - 1  # the degree to which 1 and 2 Gauss points are exact
         # arc per length of the mesh: strains are per arc, and so is the energy

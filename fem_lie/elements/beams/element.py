@@ -150,7 +150,7 @@ class BeamFormulation(ABC):
             on_directors[:, 0], on_directors[:, 1] = along, -along
         return on_directors
 
-    def place(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
+    def attachment_frame(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
         """Attachment frame at ``0 ≤ ξ ≤ 1`` along an element, as the element interpolates it.
 
         The default interpolates positions and directors.
@@ -163,7 +163,7 @@ class BeamFormulation(ABC):
 
     @abstractmethod
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Energy, forces and tangent.
+        """DOLFINx forms of energy, nodal forces and tangent stiffness along nodal axes.
 
         Args:
             nodal: Frames of ``degree`` on a line mesh, in the unloaded configuration.

@@ -204,7 +204,7 @@ class GeodesicBeam(BeamFormulation):
     degree: ClassVar[int] = 1  # type: ignore[misc]
     bows: ClassVar[bool] = True
 
-    def place(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
+    def attachment_frame(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
         """Attachment frame on the geodesic from end to end."""
         a, b = nodes
         return on_geodesic(int(a), int(b), ξ)
@@ -216,7 +216,7 @@ class GeodesicBeam(BeamFormulation):
         return with_bending_flexibility(stiffness, relative)
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Energy, forces and tangent of the screw motion from end to end."""
+        """DOLFINx forms of energy, forces and tangent of the screw motion from end to end."""
         mesh = nodal.function.function_space.mesh
         unloaded = _relative(nodal)
         section = cells.stiffness

@@ -111,16 +111,16 @@ ELEMENT = element(
 )
 
 
-def data(rows: Array, lengths: Array, C: Array) -> Array:
+def data(coordinates: Array, lengths: Array, C: Array) -> Array:
     """Data of cells.
 
     Args:
-        rows: Unloaded coordinates of the nodes of the cells, shape (m, 4, 4, 3).
+        coordinates: Unloaded coordinates of the nodes of the cells, shape (m, 4, 4, 3).
         lengths: Lengths of the cells, shape (m,).
         C: Stiffness on the strains of each cell, shape (m, 18, 18).
     """
     T, (node, number) = _tables(lengths), ELEMENT.cells.coordinates.T[:2]
-    return data_at_rest(ELEMENT, T, T @ rows[:, np.newaxis, node, number], C[:, np.newaxis])
+    return data_at_rest(ELEMENT, T, T @ coordinates[:, np.newaxis, node, number], C[:, np.newaxis])
 
 
 @callback(CELL_SIGNATURE)
@@ -199,7 +199,7 @@ class AncfElement:
             C += 0.5 * np.einsum("mia,mij,mjb->mab", a, _across(D[:, 0, 0], poisson), a)
         return np.asarray(lengths[:, np.newaxis, np.newaxis] * C)
 
-    def place(self, nodes: Sequence[int], part: float, length: float) -> AttachmentFrame:
+    def attachment_frame(self, nodes: Sequence[int], part: float, length: float) -> AttachmentFrame:
         """Attachment frame of the section at a point within a cell.
 
         Args:

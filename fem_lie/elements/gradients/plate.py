@@ -41,7 +41,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, number
 from fem_lie._jit import callback
-from fem_lie.elements.thin_shells.rows import COORDINATES, CORNERS
+from fem_lie.elements.thin_shells.nodal_coordinates import COORDINATES, CORNERS
 from fem_lie.forms.kernels.addresses import Pointer
 from fem_lie.forms.small_energy.assembly import CellFunctions
 from fem_lie.forms.small_energy.cell import (
@@ -121,14 +121,14 @@ _POINT_VECTORS = 45
 def _interpolation() -> Array:
     """45 vectors from those of the interpolation, shape (45, 16)."""
     at = hermite.products(GRID, GRID)
-    places, across = table(at), directors(at)
-    parts = places[:, 1], places[:, 2], across[:, 0], across[:, 1], across[:, 2]
+    positions, across = table(at), directors(at)
+    parts = positions[:, 1], positions[:, 2], across[:, 0], across[:, 1], across[:, 2]
     return np.concatenate(parts)
 
 
-def _edge(k: int, side: int, place: int) -> int:
+def _edge(k: int, side: int, point: int) -> int:
     """Index in the grid of a point on an edge along ``k``."""
-    i, j = (place, 2 * side) if k == 0 else (2 * side, place)
+    i, j = (point, 2 * side) if k == 0 else (2 * side, point)
     return 3 * i + j
 
 
@@ -139,8 +139,8 @@ def _terms() -> Array:
         ((_R1, _D1, E.E11, E.S1, K11), (_R2, _D2, E.E22, E.S2, K22))
     ):
         for side in range(2):
-            for place, share in enumerate((-1 / 6, 4 / 3, -1 / 6)):
-                at, number = _edge(k, side, place), 3 * side + place
+            for point, share in enumerate((-1 / 6, 4 / 3, -1 / 6)):
+                at, number = _edge(k, side, point), 3 * side + point
                 found.append((membrane + number, r + at, r + at, 0.5))
                 found.append((shear + number, r + at, _D + at, 1.0))
                 found.append((bent + side, r + at, d + at, share))
@@ -162,15 +162,15 @@ ELEMENT = element(
 )
 
 
-def data(q: Array, extraction: Array, C: Array) -> Array:
+def data(q: Array, hermite_matrices: Array, C: Array) -> Array:
     """Data of cells.
 
     Args:
         q: Unloaded vectors of the interpolation, shape (m, 16, 3).
-        extraction: Matrices to them from the coordinate vectors of nodes, shape (m, 16, 16).
+        hermite_matrices: Matrices to them from the coordinate vectors of nodes, shape (m, 16, 16).
         C: Stiffness on the strains of each cell, shape (m, 44, 44).
     """
-    T = (_INTERPOLATION @ extraction)[:, np.newaxis, :, COORDINATES]
+    T = (_INTERPOLATION @ hermite_matrices)[:, np.newaxis, :, COORDINATES]
     return data_at_rest(ELEMENT, T, (_INTERPOLATION @ q)[:, np.newaxis], C[:, np.newaxis])
 
 
@@ -288,7 +288,7 @@ def _fields(at: Array, share: float) -> Array:
     quadratic = [hermite.lagrange(GRID, t) for t in (ξ, η)]
     linear = [np.stack([1 - t, t], axis=1) for t in (ξ, η)]
     for k, (first, shear) in enumerate(((E.E11, E.S1), (E.E22, E.S2))):
-        # samples: both edges, and three places on each
+        # samples: both edges, and three points on each
         values = np.einsum("gs,ge->ges", quadratic[k], linear[1 - k]).reshape(-1, 6)
         found[:, k, first : first + 6] = values
         found[:, 6 + k, shear : shear + 6] = values

@@ -45,12 +45,12 @@ class WarpingSprings(NamedTuple):
 
     @classmethod
     def between(
-        cls, rows: Array, ends: Indices, lengths: Array, stiffness: float, held: Indices
+        cls, coordinates: Array, ends: Indices, lengths: Array, stiffness: float, held: Indices
     ) -> WarpingSprings:
         """Springs between the elements of a beam.
 
         Args:
-            rows: Unloaded coordinates of all nodes, shape (n, 4, 3).
+            coordinates: Unloaded coordinates of all nodes, shape (n, 4, 3).
             ends: MIXED_DERIVATIVE nodes of both ends of the elements, shape (m, 2).
             lengths: Lengths of the elements, shape (m,).
             stiffness: ``EI_ω``.
@@ -71,7 +71,7 @@ class WarpingSprings(NamedTuple):
             ]
         )
         middles = 0.5 * np.concatenate([lengths[first] + lengths[second], lengths[last]])
-        y, z = rows[nodes, 1], rows[nodes, 2]
+        y, z = coordinates[nodes, 1], coordinates[nodes, 2]
         twists = [
             np.einsum("bj,bj->b", y[:, k + 1], z[:, k])
             - np.einsum("bj,bj->b", y[:, k], z[:, k + 1])

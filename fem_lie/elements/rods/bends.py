@@ -101,16 +101,18 @@ class Bends(NamedTuple):
     laid: Array
 
     @classmethod
-    def between(cls, places: Array, along: Successive, flexibility: Array, natural: bool) -> Bends:
+    def between(
+        cls, positions: Array, along: Successive, flexibility: Array, natural: bool
+    ) -> Bends:
         """Springs between successive edges.
 
         Args:
-            places: Initial positions of the nodes, shape (n, 3).
+            positions: Initial positions of the nodes, shape (n, 3).
             along: Pairs of edges.
             flexibility: ``ℓ/EI`` of each edge, shape (m,).
             natural: Whether the initial curvature is the natural one.
         """
-        e, f = np.diff(places[along.nodes], axis=1).swapaxes(0, 1)
+        e, f = np.diff(positions[along.nodes], axis=1).swapaxes(0, 1)
         u, v = (a / np.linalg.norm(a, axis=1, keepdims=True) for a in (e, f))
         size = 2 * np.linalg.norm(u - v, axis=1) / np.linalg.norm(u + v, axis=1)
         stiffness = 2.0 / flexibility[along.edges].sum(axis=1)

@@ -244,9 +244,9 @@ class HermiteCable(BeamFormulation):
 
     def placed(self, frames: Array, stretch: float) -> Array:
         """Coordinates whose gradients are as long as the ratio of line and cable."""
-        rows = frames.copy()
-        rows[:, 1] *= stretch
-        return rows
+        coordinates = frames.copy()
+        coordinates[:, 1] *= stretch
+        return coordinates
 
     def attachment(self, node: int) -> AttachmentFrame:
         """Attachment frame with position and tangent, without rotation about the tangent.
@@ -257,7 +257,7 @@ class HermiteCable(BeamFormulation):
         return along_tangent(node)
 
     def director_weights(self, ends: Array, lengths: Array) -> Array:
-        """Consistent weights on gradients: ``±ℓ²/12``, integrals of their cubics."""
+        """Consistent weights of a unit line force on the gradients, ``±ℓ²/12``, (m, 2, 3)."""
         on_directors = np.zeros((len(lengths), 2, 3))
         on_directors[:, 0, 0] = lengths**2 / 12
         on_directors[:, 1, 0] = -on_directors[:, 0, 0]
@@ -274,7 +274,7 @@ class HermiteCable(BeamFormulation):
         return None
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Energy, forces and tangent; of the stiffness only ``EA`` and ``EI`` are used."""
+        """DOLFINx forms of energy, forces and tangent; only ``EA`` and ``EI`` are used."""
         mesh = nodal.function.function_space.mesh
         first, second, arms = _hermite(nodal, cells)
         EA, EI = (cellwise(mesh, cells.stiffness[:, k, k]) for k in (_STRETCH, _BENDING))

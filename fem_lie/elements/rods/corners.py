@@ -189,11 +189,11 @@ def force_kernel(
 @inlined
 def _moved(H: Array, h: Array) -> _Numbers:
     """A frame after a tiny imaginary increment, to first order."""
-    place, d1, d2, d3 = load_frame(H)
+    position, d1, d2, d3 = load_frame(H)
     ι = complex(0.0, _TINY)
     u, η = (ι * h[0], ι * h[1], ι * h[2]), (ι * h[3], ι * h[4], ι * h[5])
     return (
-        plus(place, rotate(d1, d2, d3, u)),
+        plus(position, rotate(d1, d2, d3, u)),
         plus(d1, combined(η[2], d2, -η[1], d3)),
         plus(d2, combined(η[0], d3, -η[2], d1)),
         plus(d3, combined(η[1], d1, -η[0], d2)),

@@ -26,8 +26,8 @@ from fem_lie.forms.kernels.addresses import FrameMap
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.lie.node_types import NodeType
 
-# the rows of places are unit vectors, and forces and increments of theirs are nil
-_PLACES = FrameMap(None, pull_back_vectors, push_forward_vectors, None, values=12, unknowns=6)
+# the axes of position nodes are unit vectors without forces or increments
+_POSITIONS = FrameMap(None, pull_back_vectors, push_forward_vectors, None, values=12, unknowns=6)
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class DiscreteCable(BeamFormulation):
         check_section(stiffness)
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Energy, forces and tangent of the axial strain of edges."""
+        """DOLFINx forms of energy, forces and tangent of the axial strain of edges."""
         mesh = nodal.function.function_space.mesh
         length = cellwise(mesh, cells.lengths)
         EA = cellwise(mesh, cells.stiffness[:, 0, 0])
@@ -80,4 +80,4 @@ class DiscreteCable(BeamFormulation):
             dx=ufl.Measure("dx", mesh, metadata={"quadrature_degree": 0}),
             weight=length / ufl.CellVolume(mesh),
         )
-        return LocalFrameForms(energy, nodal.function, nodal.increment, _PLACES)
+        return LocalFrameForms(energy, nodal.function, nodal.increment, _POSITIONS)

@@ -32,19 +32,19 @@ from fem_lie.lie.tuples import load_row, minus
 
 
 @compiled
-def edge_axes(rows: Array, a: Indices, b: Indices) -> Array:
+def edge_axes(coordinates: Array, a: Indices, b: Indices) -> Array:
     """Axes of edges between nodes, or of nodes themselves, as rows, shape (k, 3, 3).
 
     Args:
-        rows: Nodal coordinates, shape (n, 4, 3).
+        coordinates: Nodal coordinates, shape (n, 4, 3).
         a: First nodes, whose axes are rotated onto the edges by the smallest rotation, shape (k,).
         b: Second nodes; equal to the first for the axes of the node, shape (k,).
     """
     out = np.empty((a.shape[0], 3, 3))
     for k in range(a.shape[0]):
-        own, way = rows[a[k]].copy(), load_row(rows[a[k]], 1)
+        own, way = coordinates[a[k]].copy(), load_row(coordinates[a[k]], 1)
         if a[k] != b[k]:
-            way = minus(load_row(rows[b[k]], 0), load_row(own, 0))
+            way = minus(load_row(coordinates[b[k]], 0), load_row(own, 0))
         rotate_onto(own, way)
         out[k] = own[1:]
     return out
@@ -74,7 +74,7 @@ class DiscreteRod(BeamFormulation):
         if self.natural is not None:
             vector(self.natural, 3, "DiscreteRod: natural curvature")
 
-    def place(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
+    def attachment_frame(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
         """Refuse points within edges, whose frame depends on both ends.
 
         Raises:
@@ -96,7 +96,7 @@ class DiscreteRod(BeamFormulation):
             )
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Energy, forces and tangent of the axial strain of edges."""
+        """DOLFINx forms of energy, forces and tangent of the axial strain of edges."""
         mesh = nodal.function.function_space.mesh
         length, EA = cellwise(mesh, cells.lengths), cellwise(mesh, cells.stiffness[:, 0, 0])
         chord = ufl.dot(ufl.grad(nodal.position), ufl.Jacobian(mesh)[:, 0])
@@ -176,9 +176,9 @@ def corners(
     return Corners(nodes, np.stack([first, last], axis=1), B, z)
 
 
-def _laid(rows: Array, nodes: Indices) -> Array:
+def _laid(coordinates: Array, nodes: Indices) -> Array:
     """Initial ``z`` of the springs, shape (b, 3)."""
-    e, f = edge_axes(rows, *nodes[:, :2].T), edge_axes(rows, *nodes[:, 1:].T)
+    e, f = edge_axes(coordinates, *nodes[:, :2].T), edge_axes(coordinates, *nodes[:, 1:].T)
     Q = np.einsum("bia,bja->bij", e, f)
     X = 1 + Q[:, 0, 0]
     twist = np.arctan2(Q[:, 2, 1] - Q[:, 1, 2], Q[:, 1, 1] + Q[:, 2, 2])

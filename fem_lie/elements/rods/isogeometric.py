@@ -54,7 +54,7 @@ class IsogeometricCable(HermiteCable):
         return np.asarray(np.einsum("mp,mpi->mi", weights, shapes[..., 0]))
 
     def director_weights(self, ends: Array, lengths: Array) -> Array:
-        """Consistent weights ``∫ Nᵢ J du`` on derivatives."""
+        """Consistent weights ``∫ Nᵢ J du`` of a unit line force on the derivatives, (m, 2, 3)."""
         shapes, weights = self._shapes(ends, lengths)
         on_directors = np.zeros((len(lengths), 2, 3))
         on_directors[:, :, 0] = np.einsum("mp,mpi->mi", weights, shapes[..., 1])

@@ -108,13 +108,13 @@ class KirchhoffRod(BeamFormulation):
         """
         return _FOLDS
 
-    def place(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
+    def attachment_frame(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
         """Attachment frame on the geodesic from end to end."""
         a, b = nodes
         return on_geodesic(int(a), int(b), ξ)
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
-        """Energy, forces and tangent."""
+        """DOLFINx forms of energy, forces and tangent."""
         mesh = nodal.function.function_space.mesh
         ends = nodal.frames[nodal.function.function_space.dofmap.list]
         d = cellwise(mesh, lie.se3_relative(ends[:, 0], ends[:, 1]))

@@ -28,7 +28,7 @@ from ufl.core.expr import Expr
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, inlined
 from fem_lie.elements.shells.strains import Point, Surface
-from fem_lie.forms.cell_forms import FormTable
+from fem_lie.forms.cell_forms import FormArrays
 from fem_lie.forms.cell_sums import Pattern
 from fem_lie.forms.kernels.addresses import Pointer
 from fem_lie.forms.small_energy.assembly import CellFunctions, ElementCells
@@ -219,17 +219,17 @@ class DrillingAssembly(ElementCells):
         """``None``: the tangent needs the stored forces, see :meth:`tangent`."""
 
     @property
-    def over_cells(self) -> tuple[FormTable, FormTable]:
+    def over_cells(self) -> tuple[FormArrays, FormArrays]:
         """Tables of forces and of energy."""
         return self._forces.table, self._energy.table
 
-    def room(self) -> Array:
+    def workspace(self) -> Array:
         """Zero array for the forces of all nodes, shape (n, 6)."""
         return np.zeros((len(self._all), 6))
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """Add the forces at frames ``H`` to ``out``, shape (n, 6)."""
-        forces = self.room() if kept is None else kept
+        forces = self.workspace() if kept is None else kept
         forces[:] = 0.0
         super().add_forces(H, forces)
         out += forces.reshape(out.shape)
@@ -245,6 +245,6 @@ class DrillingAssembly(ElementCells):
         add_turnings(forces, -1.0, self._diagonal, self._all, blocks)
         return blocks
 
-    def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
-        """Add the tangent stiffness to blocks ``K`` at ``place``."""
-        add_at(K, place, self.tangent(H, kept))
+    def add_tangent(self, H: Array, kept: Array, index: Indices, K: Array) -> None:
+        """Add the tangent stiffness to blocks ``K`` at ``index``."""
+        add_at(K, index, self.tangent(H, kept))

@@ -43,7 +43,7 @@ class ShellFormulation(ABC):
 
     @abstractmethod
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
-        """Energy, forces and tangent.
+        """DOLFINx forms of energy, forces and tangent.
 
         Args:
             cells: Geometry and strains.
@@ -109,7 +109,7 @@ class HellingerReissner(ShellFormulation):
         return _MIXED
 
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
-        """Energy, forces and tangent with independent stress and the inverse law."""
+        """DOLFINx forms of energy, forces and tangent with independent stress, inverse law."""
         return hellinger_reissner(
             cells, cells.cellwise(np.asarray(np.linalg.inv(stiffness), dtype=np.float64))
         )
@@ -153,7 +153,7 @@ class HuWashizu(_OfAnyLaw):
         return _MIXED
 
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
-        """Energy, forces and tangent with independent strain and stress."""
+        """DOLFINx forms of energy, forces and tangent with independent strain and stress."""
         return hu_washizu(cells, self.law_for(cells, stiffness))
 
     def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
@@ -170,7 +170,7 @@ class DisplacementBased(_OfAnyLaw):
         return _PLAIN
 
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
-        """Energy, forces and tangent with the law at strains from the nodes."""
+        """DOLFINx forms of energy, forces and tangent with the law at strains from the nodes."""
         return displacement(cells, self.law_for(cells, stiffness))
 
 

@@ -69,11 +69,11 @@ def _tangents(x: Array, g: int) -> tuple[Vector, Vector, Vector]:
     """Tangents ``g_b`` at a quadrature point for positions ``x[:, 0]`` (8, 3)."""
     a = b = c = (0.0, 0.0, 0.0)
     for i in range(_NODES):
-        place, d = load_row(x[i], 0), load_row(_SLOPES[g], i)
+        position, d = load_row(x[i], 0), load_row(_SLOPES[g], i)
         a, b, c = (
-            plus(a, scaled(d[0], place)),
-            plus(b, scaled(d[1], place)),
-            plus(c, scaled(d[2], place)),
+            plus(a, scaled(d[0], position)),
+            plus(b, scaled(d[1], position)),
+            plus(c, scaled(d[2], position)),
         )
     return a, b, c
 
@@ -132,7 +132,7 @@ def _add_pulled(H: Array, f: Array, r: Array) -> None:
 
 
 @compiled
-def _push_places(H: Array, h: Array, out: Array) -> None:
+def _push_positions(H: Array, h: Array, out: Array) -> None:
     """Displacements ``δx_i = R_i h_i``."""
     for i in range(h.shape[0]):
         moved = rotate(load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3), load(h[i], 0))
@@ -140,7 +140,7 @@ def _push_places(H: Array, h: Array, out: Array) -> None:
 
 
 @frame_function
-def _places(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
+def _positions(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     H, x = numba.carray(state, (nodes, 4, 3)), numba.carray(y, (nodes, 3))
     for i in range(nodes):
         store_row(x, i, load_row(H[i], 0))
@@ -155,7 +155,7 @@ def _pull(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) 
 @frame_function
 def _push(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes: int) -> None:
     H, h = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 6))
-    _push_places(H, h, numba.carray(out, (nodes, 3)))
+    _push_positions(H, h, numba.carray(out, (nodes, 3)))
 
 
 @frame_function
@@ -184,7 +184,7 @@ def _push_volume(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes
     H, h = numba.carray(state, (nodes, 4, 3)), numba.carray(given, (nodes, 6))
     dx, whole = numba.carray(out, (nodes, 3)), numba.carray(out, (3 * nodes + 1,))
     slopes = np.empty((_NODES, 3))
-    _push_places(H, h, dx)
+    _push_positions(H, h, dx)
     _volume_slopes(H, slopes)
     total = 0.0
     for i in range(nodes):
@@ -198,7 +198,7 @@ def _bend_volume(state: Pointer, y: Pointer, given: Pointer, out: Pointer, nodes
     _add_volume_bend(H, whole[3 * nodes], numba.carray(out, (nodes, 6, nodes, 6)))
 
 
-PLACES = FrameMap(_places, _pull, _push, None, values=12, unknowns=6)
+POSITIONS = FrameMap(_positions, _pull, _push, None, values=12, unknowns=6)
 """Map with the positions of the nodes, for any cell and degree."""
 
 PLACES_AND_VOLUME = FrameMap(
@@ -246,14 +246,14 @@ class Strains:
         S = 2 * ufl.diff(material.energy(C, *parameters), C)
         return F * (0.5 * (S + S.T)) * F.T / ufl.det(F)
 
-    def place(self, rows: Array) -> None:
-        """Set the coordinates to those of the cells' nodes, ``rows`` (m, k, 4, 3)."""
+    def set_nodes(self, coordinates: Array) -> None:
+        """Set the coordinates to those of the cells' nodes, ``coordinates`` (m, k, 4, 3)."""
         dofmap = self.coordinates.function_space.dofmap
         at = dofmap.list[:, :, np.newaxis] * dofmap.bs + np.arange(dofmap.bs)
-        at = at.reshape(len(rows), -1)
-        flat: Array = rows[:, :, 0].reshape(len(rows), -1)
+        at = at.reshape(len(coordinates), -1)
+        flat: Array = coordinates[:, :, 0].reshape(len(coordinates), -1)
         if at.shape[1] > flat.shape[1]:
-            flat = np.column_stack([flat, [volume(row) for row in rows]])
+            flat = np.column_stack([flat, [volume(row) for row in coordinates]])
         self.coordinates.x.array[at] = flat
 
 
@@ -324,7 +324,7 @@ class Isoparametric(SolidFormulation):
     def strains(self, nodal: NodalFrames, degree: int) -> Strains:
         """Strains of the isoparametric interpolation."""
         x = fem.Function(fem.functionspace(nodal.function.function_space.mesh, ("P", degree, (3,))))
-        return Strains(x, PLACES, ufl.grad(x))
+        return Strains(x, POSITIONS, ufl.grad(x))
 
 
 @dataclass(frozen=True)
@@ -352,12 +352,12 @@ class MeanDilatation(SolidFormulation):
         """Strains with the mean dilatation."""
         mesh = nodal.function.function_space.mesh
         cell = mesh.basix_cell()
-        places = basix.ufl.element("Lagrange", cell, 1, shape=(3,))
+        positions = basix.ufl.element("Lagrange", cell, 1, shape=(3,))
         whole = basix.ufl.element("DG", cell, 0)
-        y = fem.Function(fem.functionspace(mesh, basix.ufl.mixed_element([places, whole])))
+        y = fem.Function(fem.functionspace(mesh, basix.ufl.mixed_element([positions, whole])))
         x, v = ufl.split(y)
-        rows = nodal.frames[nodal.function.function_space.dofmap.list]
-        first = cellwise(mesh, np.array([volume(row) for row in rows]))
+        coordinates = nodal.frames[nodal.function.function_space.dofmap.list]
+        first = cellwise(mesh, np.array([volume(row) for row in coordinates]))
         F = ufl.grad(x)
         return Strains(y, PLACES_AND_VOLUME, (v / (first * ufl.det(F))) ** (1 / 3) * F)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined
-from fem_lie.elements.thin_shells.rows import NODES, SIZES, VECTORS
+from fem_lie.elements.thin_shells.nodal_coordinates import NODES, SIZES, VECTORS
 from fem_lie.forms.kernels.addresses import Pointer, shift
 
 HEAD = 5
@@ -66,15 +66,15 @@ class Data(NamedTuple):
     """Data of one cell.
 
     Attributes:
-        rows: Coordinates of its nodes, shape (8, 4, 3).
-        sizes: Sizes of the cell in the patch's parameters, see :mod:`.rows`, shape (4,).
+        coordinates: Coordinates of its nodes, shape (8, 4, 3).
+        sizes: Sizes of the cell in the patch's parameters, see :mod:`.coordinates`, shape (4,).
         sampled: Membrane strains of the unloaded cell at the samples, shape (s,).
         unloaded: All strains of the unloaded cell at the points, shape (6, g).
         stiffness: Upper half of ``D`` at the points, by rows, shape (21, g).
         stress: Independent stress, shape (6, g).
     """
 
-    rows: Array
+    coordinates: Array
     sizes: Array
     sampled: Array
     unloaded: Array
@@ -119,8 +119,8 @@ def read_data(w: Pointer, counts: tuple[int, int, int, int]) -> Data:
     stiffness = numba.carray(shift(w, at), (HALF, points))
     at += HALF * points
     stress = numba.carray(shift(w, at), (6, points))
-    rows, sizes = numba.carray(w, (NODES, 4, 3)), numba.carray(shift(w, _ROWS), (SIZES,))
-    return Data(rows, sizes, sampled, unloaded, stiffness, stress)
+    coordinates, sizes = numba.carray(w, (NODES, 4, 3)), numba.carray(shift(w, _ROWS), (SIZES,))
+    return Data(coordinates, sizes, sampled, unloaded, stiffness, stress)
 
 
 @inlined

@@ -20,7 +20,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, compiled
 from fem_lie._jit.stack import stack
 from fem_lie.elements.thin_shells.cell_tables import read_data, read_rule, read_tables
-from fem_lie.elements.thin_shells.rows import (
+from fem_lie.elements.thin_shells.nodal_coordinates import (
     NODES,
     UNKNOWNS,
     VECTORS,
@@ -44,8 +44,8 @@ from fem_lie.elements.thin_shells.strains import (
     on_derivatives,
     on_samples,
     on_vectors,
-    room,
-    room_size,
+    work_at,
+    work_size,
 )
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, Pointer, pointer
 
@@ -57,9 +57,9 @@ def energy_kernel(
     """Energy of a cell."""
     rule, data = read_tables(w, c)
     points = rule.counts[3]
-    work = room(stack(room_size(rule)), rule)
+    work = work_at(stack(work_size(rule)), rule)
     value, S = numba.carray(A, (1,)), numba.carray(stack(6 * points), (6, points))
-    gather(data.rows, data.sizes, work.q.T)
+    gather(data.coordinates, data.sizes, work.q.T)
     find_strains(rule, data, work)
     find_stress(data.stiffness, work.strains, S)
     for k in range(6):
@@ -74,16 +74,16 @@ def force_kernel(
     """Forces on the nodes of a cell."""
     rule, data = read_tables(w, c)
     points, count = rule.counts[3], rule.table.shape[0]
-    work = room(stack(room_size(rule)), rule)
+    work = work_at(stack(work_size(rule)), rule)
     S, F = numba.carray(stack(6 * points), (6, points)), numba.carray(stack(3 * count), (3, count))
     f = numba.carray(stack(UNKNOWNS), (3, VECTORS))
-    gather(data.rows, data.sizes, work.q.T)
+    gather(data.coordinates, data.sizes, work.q.T)
     find_strains(rule, data, work)
     find_stress(data.stiffness, work.strains, S)
     on_samples(rule, S, work.samples)
     on_derivatives(rule, work.d, S, work.samples, F)
     on_vectors(rule.table, F, f)
-    pull(data.rows, data.sizes, f.T, numba.carray(A, (NODES, 6)))
+    pull(data.coordinates, data.sizes, f.T, numba.carray(A, (NODES, 6)))
 
 
 @callback(UFCX_SIGNATURE)
@@ -93,7 +93,7 @@ def tangent_kernel(
     """Tangent stiffness of a cell, with the independent stress."""
     rule, data = read_tables(w, c)
     points, S = rule.counts[3], data.stress
-    work = room(stack(room_size(rule)), rule)
+    work = work_at(stack(work_size(rule)), rule)
     K = numba.carray(stack(UNKNOWNS * UNKNOWNS), (UNKNOWNS, UNKNOWNS))
     change = stack(6 * UNKNOWNS)
     rows, rows3 = numba.carray(change, (6, UNKNOWNS)), numba.carray(change, (6, 3, VECTORS))
@@ -101,7 +101,7 @@ def tangent_kernel(
     D, P = numba.carray(stack(36), (6, 6)), numba.carray(stack(256), (VECTORS, VECTORS))
     G, turn = numba.carray(stack(225), (5, 3, 5, 3)), numba.carray(stack(45), (5, 3, 3))
     half = numba.carray(stack(15 * VECTORS), (5, 3, VECTORS))
-    gather(data.rows, data.sizes, work.q.T)
+    gather(data.coordinates, data.sizes, work.q.T)
     differentiate(rule, work.q, work.d)
     K[:] = 0.0
     for g in range(points):
@@ -116,31 +116,31 @@ def tangent_kernel(
         add_geometric(rule, g, G, half, K)
     on_samples(rule, S, work.samples)
     add_geometric_of_samples(rule, work.samples, P, K)
-    pull_symmetric(data.rows, data.sizes, K, numba.carray(A, (NODES, 6, NODES, 6)))
+    pull_symmetric(data.coordinates, data.sizes, K, numba.carray(A, (NODES, 6, NODES, 6)))
 
 
 @compiled
-def update_stress(H: Array, h: Array, cells: Indices, place: tuple[int, int], c: int) -> None:
+def update_stress(H: Array, h: Array, cells: Indices, storage: tuple[int, int], c: int) -> None:
     """Set the independent stress of all cells to ``D (ε + ε' h)``.
 
     Args:
         H: Coordinates of all nodes, shape (n, 4, 3).
         h: Increments of all nodes, shape (n, 6).
         cells: Nodes of each cell, shape (m, 8).
-        place: Address and length of the cells' data.
+        storage: Address and length of the cells' data.
         c: Address of the tables.
     """
     rule = read_rule(pointer(c))
-    work = room(stack(room_size(rule)), rule)
+    work = work_at(stack(work_size(rule)), rule)
     moved, dq, rows = np.empty((NODES, 6)), np.empty((3, VECTORS)), np.empty((6, 3, VECTORS))
     for e in range(cells.shape[0]):
-        data = read_data(pointer(place[0] + 8 * place[1] * e), rule.counts)
+        data = read_data(pointer(storage[0] + 8 * storage[1] * e), rule.counts)
         for i in range(NODES):
-            data.rows[i] = H[cells[e, i]]
+            data.coordinates[i] = H[cells[e, i]]
             moved[i] = h[cells[e, i]]
-        gather(data.rows, data.sizes, work.q.T)
+        gather(data.coordinates, data.sizes, work.q.T)
         find_strains(rule, data, work)
-        gather_motion(data.rows, data.sizes, moved, dq.T)
+        gather_motion(data.coordinates, data.sizes, moved, dq.T)
         for g in range(rule.counts[3]):
             change_rows(rule, work, g, rows)
             for k in range(6):
@@ -151,14 +151,14 @@ def update_stress(H: Array, h: Array, cells: Indices, place: tuple[int, int], c:
 
 
 @compiled
-def all_strains(H: Array, cells: Indices, place: tuple[int, int], c: int, out: Array) -> None:
+def all_strains(H: Array, cells: Indices, storage: tuple[int, int], c: int, out: Array) -> None:
     """Strains at the points of all cells, shape (m, 6, g); arguments of :func:`update_stress`."""
     rule = read_rule(pointer(c))
-    work = room(stack(room_size(rule)), rule)
+    work = work_at(stack(work_size(rule)), rule)
     for e in range(cells.shape[0]):
-        data = read_data(pointer(place[0] + 8 * place[1] * e), rule.counts)
+        data = read_data(pointer(storage[0] + 8 * storage[1] * e), rule.counts)
         for i in range(NODES):
-            data.rows[i] = H[cells[e, i]]
-        gather(data.rows, data.sizes, work.q.T)
+            data.coordinates[i] = H[cells[e, i]]
+        gather(data.coordinates, data.sizes, work.q.T)
         find_strains(rule, data, work)
         out[e] = work.strains

@@ -17,7 +17,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import callback, compiled
-from fem_lie.elements.thin_shells.rows import COORDINATES, CORNERS, VECTORS
+from fem_lie.elements.thin_shells.nodal_coordinates import COORDINATES, CORNERS, VECTORS
 from fem_lie.forms.cell_sums import Pattern
 from fem_lie.forms.kernels.addresses import Pointer
 from fem_lie.forms.small_energy.assembly import CellFunctions, ElementCells

@@ -11,7 +11,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, compiled, inlined
 from fem_lie._jit.stack import stack
-from fem_lie.elements.thin_shells.rows import (
+from fem_lie.elements.thin_shells.nodal_coordinates import (
     NODES,
     SIZES,
     UNKNOWNS,
@@ -53,10 +53,10 @@ def _sum(table: Array, q: Array) -> Vector:
 @inlined
 def _parts(w: Pointer, c: Pointer) -> tuple[Array, Array, Array, Array]:
     """Coordinates, sizes, pressure, and tables of value, slopes and weight, (g, 49)."""
-    rows, sizes = numba.carray(w, (NODES, 4, 3)), numba.carray(shift(w, _ROWS), (SIZES,))
+    coordinates, sizes = numba.carray(w, (NODES, 4, 3)), numba.carray(shift(w, _ROWS), (SIZES,))
     pressure = numba.carray(shift(w, _ROWS + SIZES), (_PRESSURE,))
     points = int(numba.carray(c, (_HEAD,))[1])
-    return rows, sizes, pressure, numba.carray(shift(c, _HEAD), (points, 3 * VECTORS + 1))
+    return coordinates, sizes, pressure, numba.carray(shift(c, _HEAD), (points, 3 * VECTORS + 1))
 
 
 @callback(UFCX_SIGNATURE)
@@ -64,10 +64,10 @@ def force_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
     """Add the forces, with the sign of a residual."""
-    rows, sizes, pressure, tables = _parts(w, c)
+    coordinates, sizes, pressure, tables = _parts(w, c)
     q = numba.carray(stack(UNKNOWNS), (VECTORS, 3))
     f = numba.carray(stack(UNKNOWNS), (VECTORS, 3))
-    gather(rows, sizes, q)
+    gather(coordinates, sizes, q)
     f[:] = 0.0
     for g in range(tables.shape[0]):
         N, first, second = tables[g, :16], tables[g, 16:32], tables[g, 32:48]
@@ -75,7 +75,7 @@ def force_kernel(
         push = scaled(-c[0] * tables[g, 48] * p, cross(_sum(first, q), _sum(second, q)))
         for a in range(VECTORS):
             store(f[a], 0, plus(load(f[a], 0), scaled(N[a], push)))
-    pull(rows, sizes, f, numba.carray(A, (NODES, 6)))
+    pull(coordinates, sizes, f, numba.carray(A, (NODES, 6)))
 
 
 @compiled
@@ -100,11 +100,11 @@ def tangent_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
 ) -> None:
     """Add the load stiffness."""
-    rows, sizes, pressure, tables = _parts(w, c)
+    coordinates, sizes, pressure, tables = _parts(w, c)
     q = numba.carray(stack(UNKNOWNS), (VECTORS, 3))
     K = numba.carray(stack(UNKNOWNS * UNKNOWNS), (UNKNOWNS, UNKNOWNS))
     change, R = numba.carray(stack(144), (UNKNOWNS, 3)), numba.carray(stack(72), (NODES, 3, 3))
-    gather(rows, sizes, q)
+    gather(coordinates, sizes, q)
     K[:] = 0.0
     for g in range(tables.shape[0]):
         _change(tables[g], q, pressure, -c[0] * tables[g, 48], change)
@@ -112,7 +112,7 @@ def tangent_kernel(
             for b in range(UNKNOWNS):
                 for i in range(3):
                     K[3 * a + i, b] += tables[g, a] * change[b, i]
-    pull_matrix(rows, sizes, K, R, numba.carray(A, (NODES, 6, NODES, 6)))
+    pull_matrix(coordinates, sizes, K, R, numba.carray(A, (NODES, 6, NODES, 6)))
 
 
 class ThinPushes(Term):
@@ -127,7 +127,7 @@ class ThinPushes(Term):
 
         Args:
             cells: Nodes of each cell, shape (m, 8).
-            sizes: Sizes of the cells, see :mod:`.rows`, shape (m, 4).
+            sizes: Sizes of the cells, see :mod:`.nodal_coordinates`, shape (m, 4).
             pressure: p₀ and its gradient of each cell, shape (m, 4).
             rule: Values (g, 16), slopes (g, 2, 16) and weights (g,) at points of a cell.
         """

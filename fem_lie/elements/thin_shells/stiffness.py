@@ -9,7 +9,7 @@ from __future__ import annotations
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined_series
 from fem_lie.elements.thin_shells.cell_tables import Rule, first_point
-from fem_lie.elements.thin_shells.rows import UNKNOWNS, VECTORS
+from fem_lie.elements.thin_shells.nodal_coordinates import UNKNOWNS, VECTORS
 
 
 @inlined_series

@@ -22,7 +22,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 from fem_lie.elements.thin_shells.cell_tables import Data, Rule, derivatives, first_point
-from fem_lie.elements.thin_shells.rows import UNKNOWNS, VECTORS
+from fem_lie.elements.thin_shells.nodal_coordinates import UNKNOWNS, VECTORS
 from fem_lie.forms.kernels.addresses import Pointer, shift
 from fem_lie.lie.tuples import Vector, combined, cross, dot, minus, plus, scaled
 
@@ -223,20 +223,20 @@ def find_stress(D: Array, strains: Array, out: Array) -> None:
 
 
 @inlined
-def room(place: Pointer, rule: Rule) -> Work:
-    """:class:`Work` in memory of size :func:`room_size`."""
+def work_at(buffer: Pointer, rule: Rule) -> Work:
+    """:class:`Work` in memory of size :func:`work_size`."""
     n1, n2, n3, points = rule.counts
     count = derivatives(rule.counts)
     at = UNKNOWNS + 3 * count
-    samples = numba.carray(shift(place, at), (n1 + n2 + n3,))
-    strains = numba.carray(shift(place, at + n1 + n2 + n3), (6, points))
-    q, d = numba.carray(place, (3, VECTORS)), numba.carray(shift(place, UNKNOWNS), (3, count))
+    samples = numba.carray(shift(buffer, at), (n1 + n2 + n3,))
+    strains = numba.carray(shift(buffer, at + n1 + n2 + n3), (6, points))
+    q, d = numba.carray(buffer, (3, VECTORS)), numba.carray(shift(buffer, UNKNOWNS), (3, count))
     return Work(q, d, samples, strains)
 
 
 @inlined
-def room_size(rule: Rule) -> int:
-    """Size of the memory for :func:`room`."""
+def work_size(rule: Rule) -> int:
+    """Size of the memory for :func:`work_at`."""
     n1, n2, n3, points = rule.counts
     return UNKNOWNS + 3 * derivatives(rule.counts) + n1 + n2 + n3 + 6 * points
 

@@ -167,7 +167,7 @@ def _update_cells(
     third = moved_at if constants == 0 else pointer(constants)
     for e in range(cells.shape[0]):
         w = pointer(at + 8 * width * e)
-        _place(H, h, cells[e], vector_at(w, 12 * k), moved)
+        _copy_nodes(H, h, cells[e], vector_at(w, 12 * k), moved)
         call_kernel(function, out_at, w, third, moved_at)
         for i in range(size):
             strains[e, i] = out[i]
@@ -183,7 +183,7 @@ def _add_viscous(
     moved, out = vector_at(moved_at, 6 * k), vector_at(out_at, 6 * k)
     for e in range(cells.shape[0]):
         w = pointer(at + 8 * width * e)
-        _place(H, v, cells[e], vector_at(w, 12 * k), moved)
+        _copy_nodes(H, v, cells[e], vector_at(w, 12 * k), moved)
         for i in range(6 * k):
             out[i] = 0.0
         call_kernel(function, out_at, w, moved_at, moved_at)
@@ -193,11 +193,11 @@ def _add_viscous(
 
 
 @compiled
-def _place(H: Array, h: Array, nodes: Indices, rows: Array, moved: Array) -> None:
+def _copy_nodes(H: Array, h: Array, nodes: Indices, coordinates: Array, moved: Array) -> None:
     """Copy the coordinates of a cell's nodes, and their increments or twists."""
     for i in range(nodes.shape[0]):
         for a in range(4):
             for j in range(3):
-                rows[12 * i + 3 * a + j] = H[nodes[i], a, j]
+                coordinates[12 * i + 3 * a + j] = H[nodes[i], a, j]
         for j in range(6):
             moved[6 * i + j] = h[nodes[i], j]

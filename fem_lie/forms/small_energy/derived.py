@@ -190,6 +190,6 @@ def find_linear_changes(E: Cells, T: Array, D: Array, Z: Array) -> None:
 
 
 @inlined
-def derivatives_at(place: Pointer, E: Cells, size: int) -> Array:
+def derivatives_at(address: Pointer, E: Cells, size: int) -> Array:
     """Derivatives of all derived vectors of a point as an array, shape (d, 3, size)."""
-    return numba.carray(place, (E.inputs.shape[0], 3, size))
+    return numba.carray(address, (E.inputs.shape[0], 3, size))

@@ -343,7 +343,7 @@ second_order = intrinsic(_variables(2))
 
 
 @intrinsic
-def store_parts(typing_context, values, place):  # type: ignore[no-untyped-def]
+def store_parts(typing_context, values, address):  # type: ignore[no-untyped-def]
     """Write a tuple of jets or plain numbers to memory, one after the other.
 
     A jet is written as value, gradient, and the Hessian row by row, i ≤ j.
@@ -362,11 +362,11 @@ def store_parts(typing_context, values, place):  # type: ignore[no-untyped-def]
                 k += 1
         return context.get_dummy_value()
 
-    return types.void(values, place), generate
+    return types.void(values, address), generate
 
 
 @intrinsic
-def numbers_at(typing_context, place, like):  # type: ignore[no-untyped-def]
+def numbers_at(typing_context, address, like):  # type: ignore[no-untyped-def]
     """Tuple of numbers from memory, as long as ``like``."""
     count = len(like)
 
@@ -374,4 +374,4 @@ def numbers_at(typing_context, place, like):  # type: ignore[no-untyped-def]
         found = [builder.load(builder.gep(arguments[0], [ir.IntType(64)(k)])) for k in range(count)]
         return context.make_tuple(builder, signature.return_type, found)
 
-    return types.UniTuple(types.float64, count)(place, like), generate
+    return types.UniTuple(types.float64, count)(address, like), generate

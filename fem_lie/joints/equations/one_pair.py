@@ -14,8 +14,8 @@ from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 from fem_lie._jit.copies import copy_vector
 from fem_lie.joints.equations import functions
+from fem_lie.joints.equations.joint_arrays import JointArrays
 from fem_lie.joints.equations.relative_motion import relative_motion, variation
-from fem_lie.joints.equations.table import JointTable
 
 WORKSPACE = 72
 """Size of the array that :func:`workspace` divides."""
@@ -62,71 +62,78 @@ def workspace(work: Array) -> Workspace:
 
 
 @inlined
-def locate(H: Array, table: JointTable, j: int, A: Array, B: Array, z: Array, f: Array) -> None:
+def locate(H: Array, arrays: JointArrays, j: int, A: Array, B: Array, z: Array, f: Array) -> None:
     """Compute the two frames, the relative motion and the functions of pair j."""
-    lie.compose(H[table.nodes[j, 0]], table.frames[j, 0], A)
-    lie.compose(H[table.nodes[j, 1]], table.frames[j, 1], B)
+    lie.compose(H[arrays.nodes[j, 0]], arrays.frames[j, 0], A)
+    lie.compose(H[arrays.nodes[j, 1]], arrays.frames[j, 1], B)
     relative_motion(A, B, z)
-    if table.curved[j]:
-        functions.values(z, table.angle[j], table.turned[j], f)
+    if arrays.curved[j]:
+        functions.values(z, arrays.angle[j], arrays.turned[j], f)
 
 
 @inlined
-def term(table: JointTable, t: int, z: Array, f: Array) -> float:
+def term(arrays: JointArrays, t: int, z: Array, f: Array) -> float:
     """Value of term t; its rate if ``z`` and ``f`` are rates."""
     value = 0.0
     for k in range(12):
-        value += table.selection[t, k] * z[k]
+        value += arrays.selection[t, k] * z[k]
     for k in range(3):
-        value += table.functions[t, k] * f[k]
+        value += arrays.functions[t, k] * f[k]
     return value
 
 
 @inlined
-def gradient(table: JointTable, j: int, t: int, z: Array, p: Array) -> None:
+def gradient(arrays: JointArrays, j: int, t: int, z: Array, p: Array) -> None:
     """``p = ∂(term t)/∂z``."""
-    copy_vector(table.selection[t], p)
-    functions.add_gradients(z, table.angle[j], table.functions[t], p)
+    copy_vector(arrays.selection[t], p)
+    functions.add_gradients(z, arrays.angle[j], arrays.functions[t], p)
 
 
 @inlined
-def twists(v: Array, table: JointTable, j: int, twist: Array) -> None:
+def twists(v: Array, arrays: JointArrays, j: int, twist: Array) -> None:
     """Twists (2, 6) of the frames of pair j; nodes beyond the rows of ``v`` are at rest."""
     for side in range(2):
-        node = table.nodes[j, side]
+        node = arrays.nodes[j, side]
         twist[side] = 0.0
         if node < v.shape[0]:
-            lie.apply_adjoint_inverse(table.frames[j, side], v[node], twist[side])
+            lie.apply_adjoint_inverse(arrays.frames[j, side], v[node], twist[side])
 
 
 @compiled
-def rate_of_term(v: Array, table: JointTable, j: int, t: int, z: Array) -> float:
+def rate_of_term(v: Array, arrays: JointArrays, j: int, t: int, z: Array) -> float:
     """Rate of term t of pair j at nodal twists ``v``."""
     twist, dz, p = np.empty((2, 6)), np.empty(12), np.empty(12)
-    twists(v, table, j, twist)
+    twists(v, arrays, j, twist)
     variation(z, twist[0], twist[1], dz)
-    gradient(table, j, t, z, p)
+    gradient(arrays, j, t, z, p)
     return float(p @ dz)
 
 
 @inlined
 def load(
-    v: Array, table: JointTable, j: int, z: Array, f: Array, multipliers: Array, p: Array, c: Array
+    v: Array,
+    arrays: JointArrays,
+    j: int,
+    z: Array,
+    f: Array,
+    multipliers: Array,
+    p: Array,
+    c: Array,
 ) -> None:
     """Generalised force ``p`` of pair j, conjugate to ``z``, and its factors ``c`` of gradients."""
-    m = len(table.targets)
+    m = len(arrays.targets)
     p[:], c[:] = 0.0, 0.0
-    for t in range(table.first[j], table.first[j + 1]):
-        row = table.rows[t]
+    for t in range(arrays.first[j], arrays.first[j + 1]):
+        row = arrays.rows[t]
         if row < m:
             multiplier = multipliers[row]
         else:
-            k, damping, rest = table.springs[row - m]
-            multiplier = k * (term(table, t, z, f) - rest)
+            k, damping, rest = arrays.springs[row - m]
+            multiplier = k * (term(arrays, t, z, f) - rest)
             if damping != 0.0:
-                multiplier += damping * rate_of_term(v, table, j, t, z)
+                multiplier += damping * rate_of_term(v, arrays, j, t, z)
         for k in range(12):
-            p[k] += multiplier * table.selection[t, k]
+            p[k] += multiplier * arrays.selection[t, k]
         for k in range(3):
-            c[k] += multiplier * table.functions[t, k]
-    functions.add_gradients(z, table.angle[j], c, p)
+            c[k] += multiplier * arrays.functions[t, k]
+    functions.add_gradients(z, arrays.angle[j], c, p)

@@ -26,18 +26,18 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 
 
-class RollingTable(NamedTuple):
+class RollingArrays(NamedTuple):
     """Packed arrays of all velocity constraints: ``j`` pairs of frames with ``k`` constraints.
 
     Attributes:
         nodes: Nodes A and B, shape (j, 2).
         frames: Joint frames in the frames of their nodes, shape (j, 2, 4, 3).
-        first: First constraint of each pair in this table, and ``k`` at the end, shape (j + 1,).
+        first: First constraint of each pair in these arrays, and ``k`` at the end, shape (j + 1,).
         selection: ``W`` of edges, shape (k, 6).
         radius: Radius of discs, 0 for edges, shape (j,).
         incidences: Incidence of each constraint with the nodes of its sides A and B, −1: that side
             does not move, shape (k, 2).
-        start: Number of the first constraint of the table among all, shape (1,).
+        start: Number of the first of these constraints among all, shape (1,).
     """
 
     nodes: Indices
@@ -50,10 +50,10 @@ class RollingTable(NamedTuple):
 
 
 @compiled
-def _frames(H: Array, table: RollingTable, j: int, A: Array, B: Array, G: Array) -> None:
+def _frames(H: Array, arrays: RollingArrays, j: int, A: Array, B: Array, G: Array) -> None:
     """Both frames and ``G = H_A⁻¹ H_B`` of pair j."""
-    lie.compose(H[table.nodes[j, 0]], table.frames[j, 0], A)
-    lie.compose(H[table.nodes[j, 1]], table.frames[j, 1], B)
+    lie.compose(H[arrays.nodes[j, 0]], arrays.frames[j, 0], A)
+    lie.compose(H[arrays.nodes[j, 1]], arrays.frames[j, 1], B)
     for k in range(3):
         G[0, k] = 0.0
         for i in range(3):
@@ -83,44 +83,44 @@ def _disc(G: Array, radius: float, V: Array, W: Array, rate: Array) -> None:
 
 @compiled
 def _rows(
-    H: Array, v: Array, table: RollingTable, j: int, G: Array, V: Array, W: Array, rate: Array
+    H: Array, v: Array, arrays: RollingArrays, j: int, G: Array, V: Array, W: Array, rate: Array
 ) -> Array:
     """Compute ``G``, ``V``, rows ``W`` (≥ k, 6) and their rates; return ``Ad(G⁻¹) ξ_A``."""
     A, B = np.empty((4, 3)), np.empty((4, 3))
     carried = np.zeros(6)
-    _frames(H, table, j, A, B, G)
+    _frames(H, arrays, j, A, B, G)
     V[:] = 0.0
-    if table.nodes[j, 1] < v.shape[0]:
-        lie.apply_adjoint_inverse(table.frames[j, 1], v[table.nodes[j, 1]], V)
-    if table.nodes[j, 0] < v.shape[0]:
-        lie.apply_adjoint_inverse(table.frames[j, 0], v[table.nodes[j, 0]], carried)
+    if arrays.nodes[j, 1] < v.shape[0]:
+        lie.apply_adjoint_inverse(arrays.frames[j, 1], v[arrays.nodes[j, 1]], V)
+    if arrays.nodes[j, 0] < v.shape[0]:
+        lie.apply_adjoint_inverse(arrays.frames[j, 0], v[arrays.nodes[j, 0]], carried)
         lie.apply_adjoint_inverse(G, carried, carried)
         V -= carried
-    if table.radius[j] > 0.0:
-        _disc(G, table.radius[j], V, W, rate)
+    if arrays.radius[j] > 0.0:
+        _disc(G, arrays.radius[j], V, W, rate)
     else:
-        for i in range(table.first[j + 1] - table.first[j]):
-            W[i], rate[i] = table.selection[table.first[j] + i], 0.0
+        for i in range(arrays.first[j + 1] - arrays.first[j]):
+            W[i], rate[i] = arrays.selection[arrays.first[j] + i], 0.0
     return carried
 
 
 @compiled
-def _side(table: RollingTable, j: int, side: int, G: Array, force: Array, out: Array) -> None:
+def _side(arrays: RollingArrays, j: int, side: int, G: Array, force: Array, out: Array) -> None:
     """Nodal force of a side due to ``force``, which is conjugate to the relative twist."""
     if side == 1:
-        lie.apply_adjoint_inverse_transposed(table.frames[j, 1], force, out)
+        lie.apply_adjoint_inverse_transposed(arrays.frames[j, 1], force, out)
         return
     lie.apply_adjoint_inverse_transposed(G, force, out)
     for k in range(6):
         out[k] = -out[k]
-    lie.apply_adjoint_inverse_transposed(table.frames[j, 0], out, out)
+    lie.apply_adjoint_inverse_transposed(arrays.frames[j, 0], out, out)
 
 
 @compiled
 def evaluate(
     H: Array,
     v: Array,
-    table: RollingTable,
+    arrays: RollingArrays,
     multipliers: Array,
     scale: Array,
     count: int,
@@ -132,61 +132,63 @@ def evaluate(
     """
     G, V, W, rate = np.empty((4, 3)), np.empty(6), np.empty((6, 6)), np.empty((6, 6))
     force, moved = np.empty(6), np.empty(6)
-    for j in range(table.nodes.shape[0]):
-        _rows(H, v, table, j, G, V, W, rate)
+    for j in range(arrays.nodes.shape[0]):
+        _rows(H, v, arrays, j, G, V, W, rate)
         force[:] = 0.0
-        for i in range(table.first[j + 1] - table.first[j]):
-            row = table.start[0] + table.first[j] + i
+        for i in range(arrays.first[j + 1] - arrays.first[j]):
+            row = arrays.start[0] + arrays.first[j] + i
             r[6 * count + row] = scale[row] * (W[i] @ V)
             force += multipliers[row] * W[i]
         for side in range(2):
-            node = table.nodes[j, side]
+            node = arrays.nodes[j, side]
             if node < count:
-                _side(table, j, side, G, force, moved)
+                _side(arrays, j, side, G, force, moved)
                 for k in range(6):
                     r[6 * node + k] += moved[k]
 
 
 @compiled
-def jacobian(H: Array, table: RollingTable, rows: Array) -> None:
+def jacobian(H: Array, arrays: RollingArrays, rows: Array) -> None:
     """Add ``W`` in nodal twists to the constraint Jacobian, one row of six per incidence."""
     G, V, W, rate = np.empty((4, 3)), np.empty(6), np.empty((6, 6)), np.empty((6, 6))
     moved, still = np.empty(6), np.zeros((0, 6))
-    for j in range(table.nodes.shape[0]):
-        _rows(H, still, table, j, G, V, W, rate)
-        for i in range(table.first[j + 1] - table.first[j]):
+    for j in range(arrays.nodes.shape[0]):
+        _rows(H, still, arrays, j, G, V, W, rate)
+        for i in range(arrays.first[j + 1] - arrays.first[j]):
             for side in range(2):
-                incidence = table.incidences[table.first[j] + i, side]
+                incidence = arrays.incidences[arrays.first[j] + i, side]
                 if incidence >= 0:
-                    _side(table, j, side, G, W[i], moved)
+                    _side(arrays, j, side, G, W[i], moved)
                     for k in range(6):
                         rows[incidence, k] += moved[k]
 
 
 @compiled
-def rates(H: Array, v: Array, table: RollingTable, first: Array, second: Array) -> None:
+def rates(H: Array, v: Array, arrays: RollingArrays, first: Array, second: Array) -> None:
     """``W V`` and its rate at constant twists, into the rows of these constraints."""
     G, V, W, rate = np.empty((4, 3)), np.empty(6), np.empty((6, 6)), np.empty((6, 6))
     change = np.empty(6)
-    for j in range(table.nodes.shape[0]):
-        carried = _rows(H, v, table, j, G, V, W, rate)
+    for j in range(arrays.nodes.shape[0]):
+        carried = _rows(H, v, arrays, j, G, V, W, rate)
         change[:3] = np.cross(V[3:], carried[:3]) + np.cross(V[:3], carried[3:])
         change[3:] = np.cross(V[3:], carried[3:])
-        for i in range(table.first[j + 1] - table.first[j]):
-            row = table.start[0] + table.first[j] + i
+        for i in range(arrays.first[j + 1] - arrays.first[j]):
+            row = arrays.start[0] + arrays.first[j] + i
             first[row] = W[i] @ V
             second[row] = W[i] @ change + rate[i] @ V
 
 
 @compiled
-def wrenches(H: Array, table: RollingTable, multipliers: Array, items: Indices, out: Array) -> None:
+def wrenches(
+    H: Array, arrays: RollingArrays, multipliers: Array, items: Indices, out: Array
+) -> None:
     """Add force and moment on frame A, in that frame, to the rows ``items`` (j,) of ``out``."""
     G, V, W, rate = np.empty((4, 3)), np.empty(6), np.empty((6, 6)), np.empty((6, 6))
     force, still = np.empty(6), np.zeros((0, 6))
-    for j in range(table.nodes.shape[0]):
-        _rows(H, still, table, j, G, V, W, rate)
+    for j in range(arrays.nodes.shape[0]):
+        _rows(H, still, arrays, j, G, V, W, rate)
         force[:] = 0.0
-        for i in range(table.first[j + 1] - table.first[j]):
-            force += multipliers[table.start[0] + table.first[j] + i] * W[i]
+        for i in range(arrays.first[j + 1] - arrays.first[j]):
+            force += multipliers[arrays.start[0] + arrays.first[j] + i] * W[i]
         lie.apply_adjoint_inverse_transposed(G, force, force)
         out[items[j]] += force

@@ -19,6 +19,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, uncounted
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.joints.equations import functions
+from fem_lie.joints.equations.joint_arrays import JointArrays, PackedJoints, joint_arrays
 from fem_lie.joints.equations.one_pair import (
     WORKSPACE,
     gradient,
@@ -30,19 +31,18 @@ from fem_lie.joints.equations.one_pair import (
     workspace,
 )
 from fem_lie.joints.equations.relative_motion import force, variation
-from fem_lie.joints.equations.table import JointTable, PackedJoints, joint_table
 
 
 @uncounted
 def evaluate(
-    H: Array, v: Array, table: JointTable, multipliers: Array, scale: Array, count: int, r: Array
+    H: Array, v: Array, arrays: JointArrays, multipliers: Array, scale: Array, count: int, r: Array
 ) -> None:
     """Add constraint forces ``Bᵀλ`` and spring forces to ``r``; set its next rows to ``scale · Φ``.
 
     Args:
         H: Frames of all nodes, shape (≥ count, 4, 3).
         v: Twists of the moving nodes, for dampers, shape (n, 6).
-        table: The joints.
+        arrays: The joints.
         multipliers: Lagrange multipliers λ, forces and moments, shape (≥ m,).
         scale: Scale factor of each constraint, shape (≥ m,).
         count: Number of moving nodes.
@@ -50,33 +50,33 @@ def evaluate(
     """
     work = vector_at(stack(WORKSPACE), WORKSPACE)
     A, B, z, p, f, c, sides, moved = workspace(work)
-    m = len(table.targets)
+    m = len(arrays.targets)
     for row in range(m):
-        r[6 * count + row] = -scale[row] * table.targets[row]
-    for j in range(table.nodes.shape[0]):
-        locate(H, table, j, A, B, z, f)
-        for t in range(table.first[j], table.first[j + 1]):
-            row = table.rows[t]
+        r[6 * count + row] = -scale[row] * arrays.targets[row]
+    for j in range(arrays.nodes.shape[0]):
+        locate(H, arrays, j, A, B, z, f)
+        for t in range(arrays.first[j], arrays.first[j + 1]):
+            row = arrays.rows[t]
             if row < m:
-                r[6 * count + row] += scale[row] * term(table, t, z, f)
-        load(v, table, j, z, f, multipliers, p, c)
+                r[6 * count + row] += scale[row] * term(arrays, t, z, f)
+        load(v, arrays, j, z, f, multipliers, p, c)
         force(z, p, sides[0], sides[1])
         for side in range(2):
-            node = table.nodes[j, side]
+            node = arrays.nodes[j, side]
             if node < count:
-                lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], moved)
+                lie.apply_adjoint_inverse_transposed(arrays.frames[j, side], sides[side], moved)
                 for k in range(6):
                     r[6 * node + k] += moved[k]
 
 
 @uncounted
-def reactions(H: Array, v: Array, table: JointTable, multipliers: Array, out: Array) -> None:
+def reactions(H: Array, v: Array, arrays: JointArrays, multipliers: Array, out: Array) -> None:
     """Forces and moments on the frames that do not move by themselves, the last rows of ``H``.
 
     Args:
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
         v: Twists of the moving nodes, for dampers, shape (n, 6).
-        table: The joints.
+        arrays: The joints.
         multipliers: Lagrange multipliers, shape (≥ m,).
         out: Force and moment on each of these frames, shape (p + 1, 6), overwritten.
     """
@@ -84,69 +84,71 @@ def reactions(H: Array, v: Array, table: JointTable, multipliers: Array, out: Ar
     A, B, z, p, f, c, sides, moved = workspace(work)
     out[:] = 0.0
     count = H.shape[0] - out.shape[0]
-    for j in range(table.nodes.shape[0]):
-        if max(table.nodes[j, 0], table.nodes[j, 1]) < count:
+    for j in range(arrays.nodes.shape[0]):
+        if max(arrays.nodes[j, 0], arrays.nodes[j, 1]) < count:
             continue
-        locate(H, table, j, A, B, z, f)
-        load(v, table, j, z, f, multipliers, p, c)
+        locate(H, arrays, j, A, B, z, f)
+        load(v, arrays, j, z, f, multipliers, p, c)
         force(z, p, sides[0], sides[1])
         for side in range(2):
-            row = table.nodes[j, side] - count
+            row = arrays.nodes[j, side] - count
             if row >= 0:
-                lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], moved)
+                lie.apply_adjoint_inverse_transposed(arrays.frames[j, side], sides[side], moved)
                 for k in range(6):
                     out[row, k] += moved[k]
 
 
 @uncounted
-def violations(H: Array, table: JointTable, out: Array) -> None:
+def violations(H: Array, arrays: JointArrays, out: Array) -> None:
     """Constraint violations ``Φ``, shape (m,): sums of terms minus targets."""
     work = vector_at(stack(WORKSPACE), WORKSPACE)
     A, B, z, _, f, _, _, _ = workspace(work)
-    m = len(table.targets)
+    m = len(arrays.targets)
     for row in range(m):
-        out[row] = -table.targets[row]
-    for j in range(table.nodes.shape[0]):
-        locate(H, table, j, A, B, z, f)
-        for t in range(table.first[j], table.first[j + 1]):
-            if table.rows[t] < m:
-                out[table.rows[t]] += term(table, t, z, f)
+        out[row] = -arrays.targets[row]
+    for j in range(arrays.nodes.shape[0]):
+        locate(H, arrays, j, A, B, z, f)
+        for t in range(arrays.first[j], arrays.first[j + 1]):
+            if arrays.rows[t] < m:
+                out[arrays.rows[t]] += term(arrays, t, z, f)
 
 
 @compiled
-def unwrap(H: Array, table: JointTable) -> None:
+def unwrap(H: Array, arrays: JointArrays) -> None:
     """Store the angles of an accepted state; later angles are within half a turn of them."""
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
-    for j in range(table.nodes.shape[0]):
-        if table.functions[table.first[j] : table.first[j + 1], functions.ANGLE].any():
-            locate(H, table, j, A, B, z, f)
-            table.turned[j] = f[functions.ANGLE]
+    for j in range(arrays.nodes.shape[0]):
+        if arrays.functions[arrays.first[j] : arrays.first[j + 1], functions.ANGLE].any():
+            locate(H, arrays, j, A, B, z, f)
+            arrays.turned[j] = f[functions.ANGLE]
 
 
 @compiled
-def spring_energy(H: Array, table: JointTable) -> float:
+def spring_energy(H: Array, arrays: JointArrays) -> float:
     """Energy ``½ k (q − q₀)²`` of all springs."""
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
-    m, energy = len(table.targets), 0.0
-    for j in range(table.nodes.shape[0]):
-        for t in range(table.first[j], table.first[j + 1]):
-            if table.rows[t] >= m:
-                locate(H, table, j, A, B, z, f)
-                k, _, rest = table.springs[table.rows[t] - m]
-                energy += 0.5 * k * (term(table, t, z, f) - rest) ** 2
+    m, energy = len(arrays.targets), 0.0
+    for j in range(arrays.nodes.shape[0]):
+        for t in range(arrays.first[j], arrays.first[j + 1]):
+            if arrays.rows[t] >= m:
+                locate(H, arrays, j, A, B, z, f)
+                k, _, rest = arrays.springs[arrays.rows[t] - m]
+                energy += 0.5 * k * (term(arrays, t, z, f) - rest) ** 2
     return energy
 
 
 @compiled
-def damper_loss(H: Array, v: Array, table: JointTable) -> float:
+def damper_loss(H: Array, v: Array, arrays: JointArrays) -> float:
     """Power ``c q̇²`` dissipated by all dampers at nodal twists ``v``."""
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
-    m, loss = len(table.targets), 0.0
-    for j in range(table.nodes.shape[0]):
-        for t in range(table.first[j], table.first[j + 1]):
-            if table.rows[t] >= m and table.springs[table.rows[t] - m, 1] != 0.0:
-                locate(H, table, j, A, B, z, f)
-                loss += table.springs[table.rows[t] - m, 1] * rate_of_term(v, table, j, t, z) ** 2
+    m, loss = len(arrays.targets), 0.0
+    for j in range(arrays.nodes.shape[0]):
+        for t in range(arrays.first[j], arrays.first[j + 1]):
+            if arrays.rows[t] >= m and arrays.springs[arrays.rows[t] - m, 1] != 0.0:
+                locate(H, arrays, j, A, B, z, f)
+                loss += (
+                    arrays.springs[arrays.rows[t] - m, 1] * rate_of_term(v, arrays, j, t, z) ** 2
+                )
     return loss
 
 
@@ -154,7 +156,7 @@ def damper_loss(H: Array, v: Array, table: JointTable) -> float:
 def wrenches(
     H: Array,
     v: Array,
-    table: JointTable,
+    arrays: JointArrays,
     multipliers: Array,
     pairs: Indices,
     side: Indices,
@@ -168,8 +170,8 @@ def wrenches(
     A, B, z, p, f, c, sides, _ = workspace(work)
     for i in range(pairs.shape[0]):
         j = pairs[i]
-        locate(H, table, j, A, B, z, f)
-        load(v, table, j, z, f, multipliers, p, c)
+        locate(H, arrays, j, A, B, z, f)
+        load(v, arrays, j, z, f, multipliers, p, c)
         force(z, p, sides[0], sides[1])
         for k in range(6):
             out[i, k] = -sides[side[i], k]
@@ -177,32 +179,32 @@ def wrenches(
 
 @compiled
 def unwrap_both(H: Array, joints: PackedJoints, probes: PackedJoints) -> None:
-    """:func:`unwrap` for two tables."""
-    unwrap(H, joint_table(joints))
-    unwrap(H, joint_table(probes))
+    """:func:`unwrap` for two sets of joints."""
+    unwrap(H, joint_arrays(joints))
+    unwrap(H, joint_arrays(probes))
 
 
 @compiled
-def jacobian(H: Array, table: JointTable, rows: Array) -> None:
+def jacobian(H: Array, arrays: JointArrays, rows: Array) -> None:
     """Add ``∂Φ/∂h`` to the constraint Jacobian, ``rows``, one row of six per incidence."""
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
     p, sides, moved = np.empty(12), np.empty((2, 6)), np.empty(6)
-    for j in range(table.nodes.shape[0]):
-        locate(H, table, j, A, B, z, f)
-        for t in range(table.first[j], table.first[j + 1]):
-            gradient(table, j, t, z, p)
+    for j in range(arrays.nodes.shape[0]):
+        locate(H, arrays, j, A, B, z, f)
+        for t in range(arrays.first[j], arrays.first[j + 1]):
+            gradient(arrays, j, t, z, p)
             force(z, p, sides[0], sides[1])
             for side in range(2):
-                incidence = table.incidences[t, side]
+                incidence = arrays.incidences[t, side]
                 if incidence >= 0:
-                    lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], moved)
+                    lie.apply_adjoint_inverse_transposed(arrays.frames[j, side], sides[side], moved)
                     for k in range(6):
                         rows[incidence, k] += moved[k]
 
 
 @compiled
-def geometric(H: Array, table: JointTable, multipliers: Array, place: Indices, K: Array) -> None:
-    """Add the geometric stiffness ``∂(Bᵀλ)/∂h`` to blocks ``K`` at ``place`` (j, 2, 2), −1: none.
+def geometric(H: Array, arrays: JointArrays, multipliers: Array, index: Indices, K: Array) -> None:
+    """Add the geometric stiffness ``∂(Bᵀλ)/∂h`` to blocks ``K`` at ``index`` (j, 2, 2), −1: none.
 
     Springs contribute with their current force, without their stiffness.
     """
@@ -211,75 +213,75 @@ def geometric(H: Array, table: JointTable, multipliers: Array, place: Indices, K
     twist, unit = np.zeros((2, 6)), np.empty(6)
     dz, dp, sides, bent = np.empty(12), np.empty(12), np.empty((2, 6)), np.empty((2, 6))
     moved = np.empty(6)
-    for j in range(table.nodes.shape[0]):
-        locate(H, table, j, A, B, z, f)
-        load(rest, table, j, z, f, multipliers, p, c)
+    for j in range(arrays.nodes.shape[0]):
+        locate(H, arrays, j, A, B, z, f)
+        load(rest, arrays, j, z, f, multipliers, p, c)
         for column in range(12):
             source = column // 6
-            if place[j, 0, source] < 0 and place[j, 1, source] < 0:
+            if index[j, 0, source] < 0 and index[j, 1, source] < 0:
                 continue
             unit[:], twist[:], dp[:] = 0.0, 0.0, 0.0
             unit[column % 6] = 1.0
-            lie.apply_adjoint_inverse(table.frames[j, source], unit, twist[source])
+            lie.apply_adjoint_inverse(arrays.frames[j, source], unit, twist[source])
             variation(z, twist[0], twist[1], dz)
             force(dz, p, sides[0], sides[1])
             sides[0, :3] = 0.0  # −n: the only part that does not depend on z
-            functions.add_gradient_changes(z, dz, table.angle[j], c, dp)
+            functions.add_gradient_changes(z, dz, arrays.angle[j], c, dp)
             force(z, dp, bent[0], bent[1])
             sides += bent
             for side in range(2):
-                if place[j, side, source] >= 0:
-                    lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], moved)
-                    block = K[place[j, side, source]]
+                if index[j, side, source] >= 0:
+                    lie.apply_adjoint_inverse_transposed(arrays.frames[j, side], sides[side], moved)
+                    block = K[index[j, side, source]]
                     for k in range(6):
                         block[k, column % 6] += moved[k]
 
 
 @compiled
 def add_springs(
-    H: Array, table: JointTable, place: Indices, stiff: float, damp: float, K: Array
+    H: Array, arrays: JointArrays, index: Indices, stiff: float, damp: float, K: Array
 ) -> None:
     """Add ``(stiff k + damp c) bᵀb`` of springs and dampers, ``b = ∂q/∂h``, to blocks ``K``."""
     A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
     f, sides, b = np.zeros(3), np.empty((2, 6)), np.empty((2, 6))
-    m = len(table.targets)
-    for j in range(table.nodes.shape[0]):
-        for t in range(table.first[j], table.first[j + 1]):
-            if table.rows[t] < m:
+    m = len(arrays.targets)
+    for j in range(arrays.nodes.shape[0]):
+        for t in range(arrays.first[j], arrays.first[j + 1]):
+            if arrays.rows[t] < m:
                 continue
-            k, c, _ = table.springs[table.rows[t] - m]
-            locate(H, table, j, A, B, z, f)
-            gradient(table, j, t, z, p)
+            k, c, _ = arrays.springs[arrays.rows[t] - m]
+            locate(H, arrays, j, A, B, z, f)
+            gradient(arrays, j, t, z, p)
             force(z, p, sides[0], sides[1])
             for side in range(2):
-                lie.apply_adjoint_inverse_transposed(table.frames[j, side], sides[side], b[side])
+                lie.apply_adjoint_inverse_transposed(arrays.frames[j, side], sides[side], b[side])
             for side in range(2):
                 for source in range(2):
-                    if place[j, side, source] >= 0:
+                    if index[j, side, source] >= 0:
                         product = np.outer(b[side], b[source])
-                        K[place[j, side, source]] += (stiff * k + damp * c) * product
+                        K[index[j, side, source]] += (stiff * k + damp * c) * product
 
 
 @compiled
-def rates(H: Array, v: Array, table: JointTable, first: Array, second: Array) -> None:
+def rates(H: Array, v: Array, arrays: JointArrays, first: Array, second: Array) -> None:
     """``dΦ/dt`` and ``d²Φ/dt²`` (≥ m,) at constant twists ``v`` (n, 6) and constant targets."""
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
     twist, dz, ddz, p, dp = np.empty((2, 6)), np.empty(12), np.empty(12), np.empty(12), np.empty(12)
-    m = len(table.targets)
+    m = len(arrays.targets)
     first[:m], second[:m] = 0.0, 0.0
-    for j in range(table.nodes.shape[0]):
-        locate(H, table, j, A, B, z, f)
-        twists(v, table, j, twist)
+    for j in range(arrays.nodes.shape[0]):
+        locate(H, arrays, j, A, B, z, f)
+        twists(v, arrays, j, twist)
         variation(z, twist[0], twist[1], dz)
         variation(dz, twist[0], twist[1], ddz)
         for k in range(3):
             ddz[k] += twist[0, k]  # −u_A is the only part that does not depend on z
-        for t in range(table.first[j], table.first[j + 1]):
-            row = table.rows[t]
+        for t in range(arrays.first[j], arrays.first[j + 1]):
+            row = arrays.rows[t]
             if row >= m:
                 continue
-            gradient(table, j, t, z, p)
+            gradient(arrays, j, t, z, p)
             dp[:] = 0.0
-            functions.add_gradient_changes(z, dz, table.angle[j], table.functions[t], dp)
+            functions.add_gradient_changes(z, dz, arrays.angle[j], arrays.functions[t], dp)
             first[row] += p @ dz
             second[row] += p @ ddz + dp @ dz

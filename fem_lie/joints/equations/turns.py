@@ -12,28 +12,28 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
 from fem_lie.joints.equations import functions
+from fem_lie.joints.equations.joint_arrays import JointArrays
 from fem_lie.joints.equations.one_pair import locate, rate_of_term, term, twists
 from fem_lie.joints.equations.relative_motion import variation
-from fem_lie.joints.equations.table import JointTable
 
 
 @compiled
-def spring_changes(H: Array, h: Array, table: JointTable, out: Array) -> None:
+def spring_changes(H: Array, h: Array, arrays: JointArrays, out: Array) -> None:
     """Change of the coordinate of each spring along ``h``, to first order.
 
     Args:
         H: Frames of all nodes, shape (≥ n, 4, 3).
         h: Local increments of the moving nodes, shape (n, 6).
-        table: The joints, with k springs.
+        arrays: The joints, with k springs.
         out: Shape (k,), overwritten.
     """
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
-    m = len(table.targets)
-    for j in range(table.nodes.shape[0]):
-        for t in range(table.first[j], table.first[j + 1]):
-            if table.rows[t] >= m:
-                locate(H, table, j, A, B, z, f)
-                out[table.rows[t] - m] = rate_of_term(h, table, j, t, z)
+    m = len(arrays.targets)
+    for j in range(arrays.nodes.shape[0]):
+        for t in range(arrays.first[j], arrays.first[j + 1]):
+            if arrays.rows[t] >= m:
+                locate(H, arrays, j, A, B, z, f)
+                out[arrays.rows[t] - m] = rate_of_term(h, arrays, j, t, z)
 
 
 _NEAR = 0.5 * np.pi
@@ -41,55 +41,55 @@ _NEAR = 0.5 * np.pi
 
 
 @compiled
-def foresee(H: Array, h: Array, table: JointTable) -> None:
+def foresee(H: Array, h: Array, arrays: JointArrays) -> None:
     """Move the reference angles of all pairs along an increment of the nodes.
 
     The angle after the increment is then the one within half a turn of its linear prediction.
 
     Args:
-        H: Frames of all rows before the increment, shape (≥ n, 4, 3).
+        H: Frames of nodes, ground and prescribed motions before the increment, (≥ n, 4, 3).
         h: Increment of the moving nodes as twists, shape (n, 6).
-        table: The joints; ``turned`` is updated.
+        arrays: The joints; ``turned`` is updated.
     """
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
     twist, dz, p, angle = np.empty((2, 6)), np.empty(12), np.empty(12), np.zeros(3)
     angle[functions.ANGLE] = 1.0
-    for j in range(table.nodes.shape[0]):
-        if table.functions[table.first[j] : table.first[j + 1], functions.ANGLE].any():
-            locate(H, table, j, A, B, z, f)
-            twists(h, table, j, twist)
+    for j in range(arrays.nodes.shape[0]):
+        if arrays.functions[arrays.first[j] : arrays.first[j + 1], functions.ANGLE].any():
+            locate(H, arrays, j, A, B, z, f)
+            twists(h, arrays, j, twist)
             variation(z, twist[0], twist[1], dz)
             p[:] = 0.0
-            functions.add_gradients(z, table.angle[j], angle, p)
+            functions.add_gradients(z, arrays.angle[j], angle, p)
             ahead = f[functions.ANGLE] + p @ dz
-            if abs(ahead - table.turned[j]) > _NEAR:
-                table.turned[j] = ahead
+            if abs(ahead - arrays.turned[j]) > _NEAR:
+                arrays.turned[j] = ahead
 
 
 @compiled
-def angles(H: Array, table: JointTable, out: Array) -> None:
+def angles(H: Array, arrays: JointArrays, out: Array) -> None:
     """Angle of each pair, rad, shape (j,); zero for pairs without an angle."""
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
-    for j in range(table.nodes.shape[0]):
+    for j in range(arrays.nodes.shape[0]):
         out[j] = 0.0
-        if table.functions[table.first[j] : table.first[j + 1], functions.ANGLE].any():
-            locate(H, table, j, A, B, z, f)
+        if arrays.functions[arrays.first[j] : arrays.first[j + 1], functions.ANGLE].any():
+            locate(H, arrays, j, A, B, z, f)
             out[j] = f[functions.ANGLE]
 
 
 @compiled
-def alignments(H: Array, table: JointTable, aligned: Array, out: Array) -> None:
+def alignments(H: Array, arrays: JointArrays, aligned: Array, out: Array) -> None:
     """``aligned : Q`` of each pair, shape (j,).
 
     Args:
-        H: Frames of all rows.
-        table: The joints.
+        H: Frames of all nodes, ground and prescribed motions.
+        arrays: The joints.
         aligned: The identity, a product ``a aᵀ`` or zero for each pair, shape (j, 3, 3).
         out: Overwritten.
     """
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
-    for j in range(table.nodes.shape[0]):
-        locate(H, table, j, A, B, z, f)
+    for j in range(arrays.nodes.shape[0]):
+        locate(H, arrays, j, A, B, z, f)
         out[j] = 0.0
         for k in range(3):
             for n in range(3):
@@ -97,15 +97,15 @@ def alignments(H: Array, table: JointTable, aligned: Array, out: Array) -> None:
 
 
 @compiled
-def spring_values(H: Array, table: JointTable, out: Array) -> None:
+def spring_values(H: Array, arrays: JointArrays, out: Array) -> None:
     """Coordinate of each spring, shape (k,)."""
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
-    m = len(table.targets)
-    for j in range(table.nodes.shape[0]):
-        for t in range(table.first[j], table.first[j + 1]):
-            if table.rows[t] >= m:
-                locate(H, table, j, A, B, z, f)
-                out[table.rows[t] - m] = term(table, t, z, f)
+    m = len(arrays.targets)
+    for j in range(arrays.nodes.shape[0]):
+        for t in range(arrays.first[j], arrays.first[j + 1]):
+            if arrays.rows[t] >= m:
+                locate(H, arrays, j, A, B, z, f)
+                out[arrays.rows[t] - m] = term(arrays, t, z, f)
 
 
 def fixed_rotations(selection: Array) -> Array:

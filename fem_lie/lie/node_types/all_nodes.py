@@ -269,22 +269,22 @@ def advance(
     H: Array,
     dx: Array,
     held: Flags,
-    uncoupled: Flags,
-    straight: Flags,
+    separates_director: Flags,
+    separates_rotation: Flags,
 ) -> None:
     """Move the nodes by ``−dx`` along their axes.
 
     Frames move by ``H exp(−dx)``; by :func:`fem_lie.lie.motions.retract` where translation and
-    rotation are uncoupled; by ``x + R u``, ``R exp(η)`` where ``straight`` is set.
+    rotation move separately; by ``x + R u``, ``R exp(η)`` where ``separates_rotation`` is set.
     """
     h = np.empty((1, 6))
     for i in range(held.shape[0]):
         if not held[i].all():
             for k in range(6):
                 h[0, k] = -dx[6 * i + k]
-            if uncoupled[i]:
+            if separates_director[i]:
                 motions.retract(H[i : i + 1], h)
-            elif straight[i] and node_types[i] < POSITION_GRADIENT:
+            elif separates_rotation[i] and node_types[i] < POSITION_GRADIENT:
                 _go_straight(H[i], h[0])
             else:
                 retract(node_types[i], H[i], h[0], H[i])

@@ -46,7 +46,7 @@ def tangents(
     motion: tuple[Array, Array, Array],
     node_types: Indices,
     floating: PlainFloating,
-    places: tuple[Indices, Indices],
+    block_indices: tuple[Indices, Indices],
     factors: tuple[float, float],
     parts: tuple[Array, Array],
 ) -> None:
@@ -56,7 +56,8 @@ def tangents(
         motion: Nodal coordinates, local velocities and their rates.
         node_types: Type of each node.
         floating: See :class:`~fem_lie.lie.node_types.floating.Floating`.
-        places: Index of each of its pairs among the blocks of derivatives in motion and in frames.
+        block_indices: Index of the block of each of its pairs, for derivatives in motion and in
+            frames.
         factors: Of the derivatives in accelerations and in velocities.
         parts: Blocks of the derivatives in accelerations and velocities, and in frames.
     """
@@ -107,7 +108,7 @@ def tangents(
                         own[:] = 0.0
                         pull_back(node_types[nodes[i]], H[nodes[i]], f[i].imag / _STEP, 1.0, own)
                         at = pair + k * i + j
-                        block = K[places[1][at]] if of_frames else A[places[0][at]]
+                        block = K[block_indices[1][at]] if of_frames else A[block_indices[0][at]]
                         for row in range(6):
                             block[row, column] += own[row]
         pair += k * k

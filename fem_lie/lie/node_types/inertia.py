@@ -72,7 +72,7 @@ def tangents(
     motion: PlainMotion,
     node_types: Indices,
     G: PlainInertia,
-    places: tuple[Indices, Indices],
+    block_indices: tuple[Indices, Indices],
     factors: tuple[float, float],
     parts: tuple[Array, Array],
 ) -> None:
@@ -85,13 +85,13 @@ def tangents(
         node_types: Type of each node, shape (n,); derivatives in accelerations and velocities are
             in those of the group.
         G: The block-sparse matrix.
-        places: Index of each block of ``G`` among the blocks of ``A`` and of ``K``.
+        block_indices: Index of each block of ``G`` among the blocks of ``A`` and of ``K``.
         factors: ``mass``, of the derivative in accelerations, and ``damping``, in velocities.
         parts: ``A``, blocks (b, 6, 6) of the derivative in (a, v), and ``K``, of that in local
             increments, both updated; they may be one array. ``∂Lᵀ`` is in neither.
     """
     (H, v, a), (indptr, indices, blocks), (A, K) = motion, G, parts
-    in_A, in_K = places
+    in_A, in_K = block_indices
     W, X = np.empty((4, 3, 6)), np.empty((4, 3, 6))
     unit, vector = np.empty(3), np.empty((4, 3))
     Q, left = np.empty((3, 3)), np.empty((4, 3))

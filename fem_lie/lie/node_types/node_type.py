@@ -58,13 +58,14 @@ class Traits(NamedTuple):
     Attributes:
         unknowns: Number of unknowns.
         rows: Rows of ``H`` with inertia and forces.
-        clamped: Unknowns that a clamp sets to zero: position and direction are kept, shape (6,).
+        clamp_holds: Unknowns that a clamp holds at zero, so that position and direction are kept,
+            shape (6,).
         description: Coordinates of such nodes, for messages.
     """
 
     unknowns: int
     rows: range
-    clamped: tuple[bool, ...]
+    clamp_holds: tuple[bool, ...]
     description: str
 
 

@@ -65,14 +65,14 @@ def scatter(plan: Plan, values: Array, columns: Numbers, pointers: Numbers, stor
     store[:] = 0.0
     n = plan.sizes.shape[0]
     for v in range(n):
-        e, size = plan.place[v], plan.sizes[v]
+        e, size = plan.position[v], plan.sizes[v]
         for k in range(size):
             row = 6 * v + plan.free[v, k]
             for p in range(pointers[row], pointers[row + 1]):
                 u, c = columns[p] // 6, columns[p]
                 if u >= n:
                     continue
-                other = plan.place[u]
+                other = plan.position[u]
                 if u == v:
                     if e >= 0:
                         store[plan.start[e] + size * k + plan.rank[c]] = values[p]
@@ -219,7 +219,7 @@ def _destination(plan: Plan, left: Left, i: int, j: int) -> tuple[int, int]:
 
     If both remain it is −1 minus the position among those.
     """
-    a, b = plan.place[i], plan.place[j]
+    a, b = plan.position[i], plan.position[j]
     if i == j:
         if a >= 0:
             return plan.start[a], plan.sizes[i]

@@ -45,7 +45,7 @@ class Plan(NamedTuple):
 
     Attributes:
         order: Eliminated nodes, shape (e,).
-        place: Position of each node in that order, −1 if it remains, shape (n,).
+        position: Position of each node in that order, −1 if it remains, shape (n,).
         near: Neighbours of a node when it is eliminated, −1 where there is none, shape (e, MOST).
         first: First unknown of each neighbour among all of these, and their number, shape (e, MOST
             + 1).
@@ -56,7 +56,7 @@ class Plan(NamedTuple):
     """
 
     order: Numbers
-    place: Numbers
+    position: Numbers
     near: Numbers
     first: Numbers
     start: Indices
@@ -90,7 +90,7 @@ def eliminate(pointers: Indices, indices: Indices, may: Flags) -> tuple[Numbers,
     """
     n = may.shape[0]
     near, count = np.full((n, _KNOWN), -1, np.int32), np.zeros(n, np.int32)
-    place, order, done = np.full(n, -1, np.int32), np.empty(n, np.int32), 0
+    position, order, done = np.full(n, -1, np.int32), np.empty(n, np.int32), 0
     eligible, before = may.copy(), -1
     for v in range(n):
         if pointers[v + 1] - pointers[v] - 1 > _KNOWN:
@@ -110,10 +110,10 @@ def eliminate(pointers: Indices, indices: Indices, may: Flags) -> tuple[Numbers,
                 i = near[v, s]
                 if eligible[i]:
                     eligible[i] = _meet(near, count, i, v)
-            place[v], order[done] = done, v
+            position[v], order[done] = done, v
             done += 1
             eligible[v] = False
-    return order[:done], place, near[order[:done], :MOST].copy()
+    return order[:done], position, near[order[:done], :MOST].copy()
 
 
 @inlined
@@ -145,7 +145,7 @@ def plan_of(kkt: Pattern) -> Plan:
     held = kkt.unit_rows[: 6 * (len(kkt.indptr) - 1)].reshape(-1, 6)
     may = np.asarray(~held.all(axis=1))
     may[kkt.incidences.nodes] = False
-    order, place, near = eliminate(kkt.indptr, kkt.indices, may)
+    order, position, near = eliminate(kkt.indptr, kkt.indices, may)
     sizes = (~held).sum(axis=1).astype(np.int32)
     widths = np.where(near >= 0, sizes[near], 0)
     first = np.zeros((len(order), MOST + 1), dtype=np.int32)
@@ -154,13 +154,13 @@ def plan_of(kkt: Pattern) -> Plan:
     start = np.append(0, np.cumsum(own * own + 2 * own * first[:, MOST]))
     rank = np.where(held, -1, np.cumsum(~held, axis=1) - 1).astype(np.int32).ravel()
     free = np.argsort(held, axis=1, kind="stable").astype(np.int32)
-    return Plan(order, place, near, first, start, sizes, rank, free)
+    return Plan(order, position, near, first, start, sizes, rank, free)
 
 
 def pairs_left(plan: Plan) -> Left:
     """Pairs of remaining nodes that were neighbours of an eliminated node."""
     n = len(plan.sizes)
-    stays = (plan.near >= 0) & (plan.place[plan.near] < 0)
+    stays = (plan.near >= 0) & (plan.position[plan.near] < 0)
     left = np.where(stays, plan.near, -1).astype(np.int64)
     found = [np.empty(0, np.int64)]
     for a in left.T:

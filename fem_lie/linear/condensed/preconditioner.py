@@ -54,7 +54,7 @@ class Condensed:
         plan, (_, columns, pointers) = self._plan, self._own.csr
         n, total = len(plan.sizes), len(self._held)
         stays = ~self._held
-        stays[: 6 * n] &= np.repeat(plan.place < 0, 6)
+        stays[: 6 * n] &= np.repeat(plan.position < 0, 6)
         self._rest = rest = np.flatnonzero(stays)
         number = np.full(total, -1)
         number[rest] = np.arange(len(rest))

@@ -74,7 +74,7 @@ class CouplingPoints(NamedTuple):
 
     Attributes:
         nodes: Nodes of the cell on one side, then on the other, shape (b, 16).
-        sizes: Sizes of both cells, see :mod:`fem_lie.elements.thin_shells.rows`, shape (b, 6).
+        sizes: Sizes of both cells, (b, 6), see :mod:`.thin_shells.nodal_coordinates`.
         shapes: Shape functions of ``r``, ``r₁``, ``r₂`` of one side, then of the other, (b, 6, 16).
         taken: Initial gaps ``D`` and ``C``, shape (b, 6).
         stiffness: ``w N`` and ``w M``, shape (b, 2).
@@ -159,8 +159,8 @@ def _nearest(edge: Edge, q: Array, x: Array) -> tuple[Indices, Array]:
     for _ in range(_PASSES):
         grid = low[..., np.newaxis] + parts * (high - low)[..., np.newaxis]
         shapes = _shapes(edge, grid.ravel())[:, 0].reshape(*grid.shape, -1)
-        places = np.einsum("bcga,caj->bcgj", shapes, q)
-        away = np.linalg.norm(places - x[:, np.newaxis, np.newaxis], axis=-1)
+        positions = np.einsum("bcga,caj->bcgj", shapes, q)
+        away = np.linalg.norm(positions - x[:, np.newaxis, np.newaxis], axis=-1)
         best = away.argmin(axis=2)[..., np.newaxis]
         middle = np.take_along_axis(grid, best, axis=2)[..., 0]
         step = (high - low) / (_SAMPLES - 1)
@@ -215,7 +215,7 @@ class Joined(NamedTuple):
     """Points and cells of all patches.
 
     Attributes:
-        rows: Position, ∂u, ∂v and ∂u∂v of each point, shape (n, 4, 3).
+        nodal_vectors: Position, ∂u, ∂v and ∂u∂v of each point, shape (n, 4, 3).
         corners: Points of each cell: (0, 0), (1, 0), (0, 1), (1, 1), shape (m, 4).
         sizes: Sizes of each cell along u and v, shape (m, 2).
         edges: Edges by name.
@@ -224,7 +224,7 @@ class Joined(NamedTuple):
         hanging: Code of the hanging corners of each cell, shape (m,).
     """
 
-    rows: Array
+    nodal_vectors: Array
     corners: Indices
     sizes: Array
     edges: dict[str, Edge]
@@ -251,18 +251,18 @@ def joined(
     Raises:
         ValueError: Gradients of points to be merged differ, or a coupled edge does not exist.
     """
-    rows, corners, sizes = [], [], []
+    nodal_vectors, corners, sizes = [], [], []
     edges: dict[str, Edge] = {}
     named: dict[str, int] = {}
     groups: dict[str, Indices] = {}
     points = cells = 0
     for name, patch in patches.items():
-        na, nb = patch.rows.shape[0] - 1, patch.rows.shape[1] - 1
+        na, nb = patch.nodal_vectors.shape[0] - 1, patch.nodal_vectors.shape[1] - 1
         number = points + np.arange((na + 1) * (nb + 1)).reshape(na + 1, nb + 1)
         cell = cells + np.arange(na * nb).reshape(na, nb)
         quads = [number[:-1, :-1], number[1:, :-1], number[:-1, 1:], number[1:, 1:]]
         corners.append(np.stack(quads, axis=-1).reshape(-1, 4))
-        rows.append(patch.rows.reshape(-1, 4, 3))
+        nodal_vectors.append(patch.nodal_vectors.reshape(-1, 4, 3))
         sizes.append(np.stack(np.meshgrid(*patch.sizes, indexing="ij"), axis=-1).reshape(-1, 2))
         prefix = f"{name}." if name else ""
         for side in (0, 1):
@@ -275,7 +275,7 @@ def joined(
             groups[name] = cell.ravel()
         points, cells = points + number.size, cells + cell.size
     found = Joined(
-        np.concatenate(rows),
+        np.concatenate(nodal_vectors),
         np.concatenate(corners),
         np.concatenate(sizes),
         edges,
@@ -290,20 +290,28 @@ def joined(
 def _merged(found: Joined, coupled: set[int], label: str) -> Joined:
     """Merge coincident points of edges, except those on coupled edges."""
     outer = np.unique(np.concatenate([edge.points for edge in found.edges.values()]))
-    size = float(np.linalg.norm(np.ptp(found.rows[:, 0], axis=0)))
-    same: Indices = np.arange(len(found.rows))
+    size = float(np.linalg.norm(np.ptp(found.nodal_vectors[:, 0], axis=0)))
+    same: Indices = np.arange(len(found.nodal_vectors))
     for k, point in enumerate(outer[1:], start=1):
         before = outer[:k]
-        away = np.linalg.norm(found.rows[before, 0] - found.rows[point, 0], axis=1)
+        away = np.linalg.norm(
+            found.nodal_vectors[before, 0] - found.nodal_vectors[point, 0], axis=1
+        )
         near = before[away <= _PLACES * size]
         for other in near:
             apart = {int(point), int(other)} <= coupled
-            if _same_slopes(found.rows[other], found.rows[point], size, label, refuse=not apart):
+            if _same_slopes(
+                found.nodal_vectors[other],
+                found.nodal_vectors[point],
+                size,
+                label,
+                refuse=not apart,
+            ):
                 same[point] = same[other]
                 break
     kept, number = np.unique(same, return_inverse=True)
     return Joined(
-        found.rows[kept],
+        found.nodal_vectors[kept],
         number[found.corners],
         found.sizes,
         {name: edge._replace(points=number[edge.points]) for name, edge in found.edges.items()},
@@ -327,16 +335,16 @@ def _same_slopes(a: Array, b: Array, size: float, label: str, *, refuse: bool) -
     return same
 
 
-def frames_of(rows: Array, fourth: Array) -> Array:
+def frames_of(nodal_vectors: Array, fourth: Array) -> Array:
     """Nodal coordinates without axes, shape (2 n, 4, 3).
 
     Args:
-        rows: Position and derivatives of each point, shape (n, 4, 3).
+        nodal_vectors: Position and derivatives of each point, shape (n, 4, 3).
         fourth: Fourth vector of each point, shape (n, 3).
     """
-    count = len(rows)
+    count = len(nodal_vectors)
     frames = np.zeros((2 * count, 4, 3))
-    frames[:count, :2] = rows[:, :2]
-    frames[count:, 0], frames[count:, 2] = rows[:, 0], rows[:, 2]
+    frames[:count, :2] = nodal_vectors[:, :2]
+    frames[count:, 0], frames[count:, 2] = nodal_vectors[:, 0], nodal_vectors[:, 2]
     frames[count:, 1] = fourth
     return frames

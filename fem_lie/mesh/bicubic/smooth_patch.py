@@ -33,11 +33,11 @@ class SmoothPatch(Summarised):
     Parameters are lengths: those of the middle lines along a and along b.
 
     Attributes:
-        rows: Position, ∂u, ∂v and ∂u∂v at the nodes, shape (na + 1, nb + 1, 4, 3).
+        nodal_vectors: Position, ∂u, ∂v and ∂u∂v at the nodes, shape (na + 1, nb + 1, 4, 3).
         sizes: Sizes of the cells along u (na,) and along v (nb,).
     """
 
-    rows: Array
+    nodal_vectors: Array
     sizes: tuple[Array, Array]
 
 
@@ -56,9 +56,9 @@ def smooth_patch(function: Surface, cells: tuple[int, int]) -> SmoothPatch:
             zero or parallel.
         TypeError: ``function`` is not a function, or the numbers of cells are not whole.
     """
-    place, grids = grid(function, cells, "smooth_patch")
-    rows = np.array([[derivatives_of(place, a, b) for b in grids[1]] for a in grids[0]])
-    return from_rows(rows, (np.diff(grids[0]), np.diff(grids[1])))
+    position, grids = grid(function, cells, "smooth_patch")
+    nodal_vectors = np.array([[derivatives_of(position, a, b) for b in grids[1]] for a in grids[0]])
+    return from_nodal_vectors(nodal_vectors, (np.diff(grids[0]), np.diff(grids[1])))
 
 
 def grid(
@@ -75,36 +75,40 @@ def grid(
     for name, count in zip("ab", cells, strict=True):
         whole(count, f"{what}: cells along {name}")
 
-    def place(a: float, b: float) -> Array:
+    def position(a: float, b: float) -> Array:
         return vector(function(a, b), 3, f"the position at ({a:g}, {b:g})")
 
     nodes: list[Array] = [np.arange(count + 1.0) / count for count in cells]
-    return place, (nodes[0], nodes[1])
+    return position, (nodes[0], nodes[1])
 
 
-def from_rows(rows: Array, spans: tuple[Array, Array]) -> SmoothPatch:
+def from_nodal_vectors(nodal_vectors: Array, spans: tuple[Array, Array]) -> SmoothPatch:
     """Patch with parameters that are lengths.
 
     Args:
-        rows: Position, ∂a, ∂b and ∂a∂b at the nodes, shape (na + 1, nb + 1, 4, 3).
+        nodal_vectors: Position, ∂a, ∂b and ∂a∂b at the nodes, shape (na + 1, nb + 1, 4, 3).
         spans: Parameter intervals of the cells in a (na,) and in b (nb,).
 
     Raises:
         ValueError: Gradients at a node are zero or parallel.
     """
-    lengths = [float(np.linalg.norm(rows[..., 1 + k, :], axis=-1).mean()) or 1.0 for k in range(2)]
-    rows = rows / np.array([1.0, *lengths, lengths[0] * lengths[1]])[:, np.newaxis]
-    _check_slopes(rows)
-    return SmoothPatch(rows, (lengths[0] * spans[0], lengths[1] * spans[1]))
+    lengths = [
+        float(np.linalg.norm(nodal_vectors[..., 1 + k, :], axis=-1).mean()) or 1.0 for k in range(2)
+    ]
+    nodal_vectors = (
+        nodal_vectors / np.array([1.0, *lengths, lengths[0] * lengths[1]])[:, np.newaxis]
+    )
+    _check_slopes(nodal_vectors)
+    return SmoothPatch(nodal_vectors, (lengths[0] * spans[0], lengths[1] * spans[1]))
 
 
-def derivatives_of(place: Callable[[float, float], Array], a: float, b: float) -> Array:
+def derivatives_of(position: Callable[[float, float], Array], a: float, b: float) -> Array:
     """Position and ∂a, ∂b, ∂a∂b, shape (4, 3)."""
     (x, first), (y, second) = _stencil(a), _stencil(b)
-    values = np.array([[place(s, t) for t in y] for s in x])
+    values = np.array([[position(s, t) for t in y] for s in x])
     mixed = np.einsum("i,j,ijk->k", first, second, values)
     at_a, at_b = int(np.abs(x - a).argmin()), int(np.abs(y - b).argmin())
-    return np.array([place(a, b), first @ values[:, at_b], second @ values[at_a], mixed])
+    return np.array([position(a, b), first @ values[:, at_b], second @ values[at_a], mixed])
 
 
 def _stencil(at: float) -> tuple[Array, Array]:
@@ -119,8 +123,8 @@ def _stencil(at: float) -> tuple[Array, Array]:
     return np.clip(at + _STEP * offsets, 0.0, 1.0), weights
 
 
-def _check_slopes(rows: Array) -> None:
-    first, second = rows[..., 1, :], rows[..., 2, :]
+def _check_slopes(nodal_vectors: Array) -> None:
+    first, second = nodal_vectors[..., 1, :], nodal_vectors[..., 2, :]
     sizes = np.linalg.norm(first, axis=-1), np.linalg.norm(second, axis=-1)
     sine = np.linalg.norm(np.cross(first, second), axis=-1)
     bad = np.argwhere(~(sine > 1e-6 * np.maximum(*sizes) ** 2))
@@ -128,8 +132,8 @@ def _check_slopes(rows: Array) -> None:
         i, j = bad[0]
         raise ValueError(
             "a smooth patch needs gradients along a and b that are neither zero nor parallel; "
-            f"at {rows[i, j, 0]} they are {first[i, j]} and {second[i, j]} (of parameters that are "
-            "lengths)"
+            f"at {nodal_vectors[i, j, 0]} they are {first[i, j]} and {second[i, j]} (of "
+            "parameters that are lengths)"
         )
 
 
@@ -172,8 +176,10 @@ def bspline_patch(
             f"shape {(*expected, 3)}, got {points.shape}"
         )
     at = [_cut(np.unique(each), count) for each, count in zip(knots, cuts, strict=True)]
-    rows = [_evaluated(knots, points, at, orders) for orders in ((0, 0), (1, 0), (0, 1), (1, 1))]
-    return from_rows(np.stack(rows, axis=2), (np.diff(at[0]), np.diff(at[1])))
+    nodal_vectors = [
+        _evaluated(knots, points, at, orders) for orders in ((0, 0), (1, 0), (0, 1), (1, 1))
+    ]
+    return from_nodal_vectors(np.stack(nodal_vectors, axis=2), (np.diff(at[0]), np.diff(at[1])))
 
 
 def spline_patch(function: Surface, cells: tuple[int, int]) -> SmoothPatch:
@@ -190,15 +196,15 @@ def spline_patch(function: Surface, cells: tuple[int, int]) -> SmoothPatch:
         ValueError: As :func:`~fem_lie.mesh.smooth_patch`.
         TypeError: As :func:`~fem_lie.mesh.smooth_patch`.
     """
-    place, (a, b) = grid(function, cells, "spline_patch")
+    position, (a, b) = grid(function, cells, "spline_patch")
     given = np.empty((len(a) + 2, len(b) + 2, 3))
-    inner = np.array([[place(s, t) for t in b] for s in a])
+    inner = np.array([[position(s, t) for t in b] for s in a])
     given[1:-1, 1:-1] = inner
     for i, s in ((0, a[0]), (-1, a[-1])):
-        found = np.array([derivatives_of(place, s, t) for t in b])
+        found = np.array([derivatives_of(position, s, t) for t in b])
         given[i, 1:-1], given[i, [0, -1]] = found[:, 1], found[[0, -1], 3]
     for j, t in ((0, b[0]), (-1, b[-1])):
-        given[1:-1, j] = [derivatives_of(place, s, t)[2] for s in a]
+        given[1:-1, j] = [derivatives_of(position, s, t)[2] for s in a]
     along = _through(a, given)
     both = _through(b, along.c.swapaxes(0, 1))
     return bspline_patch(along.t, both.t, both.c.swapaxes(0, 1))

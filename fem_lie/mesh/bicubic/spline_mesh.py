@@ -7,7 +7,7 @@ finer levels (C. Giannelli, B. Jüttler & H. Speleers, CAGD 29 (2012) 485). So e
 in one vector of one point and zero in all others: a surface is still given by position, gradients
 and mixed derivative at its points, with ``4 (points that do not hang)`` functions, as J. Deng et
 al., Graphical Models 70 (2008) 76, count them. A hanging node, at the midpoint of an edge of a
-larger cell, has the values of that edge (:mod:`fem_lie.elements.thin_shells.rows`).
+larger cell, has the values of that edge (:mod:`fem_lie.elements.thin_shells.nodal_coordinates`).
 
 Adjacent cells differ by at most one level, so that the ends of an edge with a hanging node do not
 hang.
@@ -43,7 +43,7 @@ class SplineMesh(Summarised):
     """Cells of several levels on smooth patches: :func:`spline_mesh`, ``fl.adaptivity.refine``.
 
     Attributes:
-        rows: Position, ∂u, ∂v and ∂u∂v of each point, hanging points included, shape (n, 4, 3).
+        nodal_vectors: Position, ∂u, ∂v and ∂u∂v of each point, hanging ones included, (n, 4, 3).
         cells: Corners of each cell: (0, 0), (1, 0), (0, 1), (1, 1), shape (m, 4).
         sizes: Sizes along u and v, shape (m, 2).
         levels: Level of each cell, shape (m,).
@@ -61,7 +61,7 @@ class SplineMesh(Summarised):
         (7, 10)
     """
 
-    rows: Array
+    nodal_vectors: Array
     cells: Indices
     sizes: Array
     levels: Indices
@@ -80,15 +80,15 @@ class SplineMesh(Summarised):
         """
         if not len(self.cuts):
             return np.full(ends.shape[:-1], -1)
-        known = _keys(self.cuts[:, :2], len(self.rows))
+        known = _keys(self.cuts[:, :2], len(self.nodal_vectors))
         order = np.argsort(known)
-        keys = _keys(ends, len(self.rows))
+        keys = _keys(ends, len(self.nodal_vectors))
         at = order[np.minimum(np.searchsorted(known, keys, sorter=order), len(order) - 1)]
         return np.where(known[at] == keys, self.cuts[at, 2], -1)
 
     def hanging(self) -> Indices:
         """Cell on whose edge each point hangs, −1 for regular points, shape (n,)."""
-        found = np.full(len(self.rows), -1)
+        found = np.full(len(self.nodal_vectors), -1)
         middles = self.middles(self.cells[:, _EDGES])
         cell, edge = np.nonzero(middles >= 0)
         found[middles[cell, edge]] = cell
@@ -118,7 +118,7 @@ class SplineMesh(Summarised):
             cells[own, corner] = np.where(flags[-1], self.parents[own, corner], cells[own, corner])
         number = np.cumsum(~hang) - 1
         return Joined(
-            self.rows[~hang],
+            self.nodal_vectors[~hang],
             number[cells],
             self.sizes,
             {name: _of_points(edge, hang, number) for name, edge in self.edges.items()},
@@ -149,10 +149,10 @@ def spline_mesh(
     if isinstance(patches, SplineMesh):
         raise TypeError("spline_mesh: patches must be a list of SmoothPatch, got a SplineMesh")
     surface = surface_of(patches, joined, (), "spline_mesh")
-    _check_edges(surface.corners, len(surface.rows))
+    _check_edges(surface.corners, len(surface.nodal_vectors))
     m = len(surface.corners)
     return SplineMesh(
-        surface.rows,
+        surface.nodal_vectors,
         surface.corners,
         surface.sizes,
         np.zeros(m, dtype=np.int64),
@@ -195,7 +195,7 @@ def _too_large(mesh: SplineMesh) -> Indices:
 
 def _cut(mesh: SplineMesh, marked: Indices) -> SplineMesh:
     """Divide the marked cells into four, without their neighbours."""
-    points, rows, cuts = _with_middles(mesh, marked)
+    points, nodal_vectors, cuts = _with_middles(mesh, marked)
     corners, pieces = mesh.cells[marked], np.tile(np.arange(4), len(marked))
     kept = np.delete(np.arange(len(mesh.cells)), marked)
     parents = np.concatenate([kept, np.repeat(marked, 4)])
@@ -207,7 +207,7 @@ def _cut(mesh: SplineMesh, marked: Indices) -> SplineMesh:
 
     cells = joined(mesh.cells, points[:, _QUARTERS].reshape(-1, 4))
     return SplineMesh(
-        rows,
+        nodal_vectors,
         cells,
         joined(mesh.sizes, np.repeat(0.5 * mesh.sizes[marked], 4, axis=0)),
         joined(mesh.levels, np.repeat(mesh.levels[marked] + 1, 4)),
@@ -222,7 +222,7 @@ def _cut(mesh: SplineMesh, marked: Indices) -> SplineMesh:
 
 def _with_middles(mesh: SplineMesh, marked: Indices) -> tuple[Indices, Array, Indices]:
     """Corners and new points of cells (c, 9); coordinates of all points; all divided edges."""
-    n, corners = len(mesh.rows), mesh.cells[marked]
+    n, corners = len(mesh.nodal_vectors), mesh.cells[marked]
     ends = corners[:, _EDGES]
     before = mesh.middles(ends).ravel()
     _, first, same = np.unique(_keys(ends, n), return_index=True, return_inverse=True)
@@ -230,11 +230,13 @@ def _with_middles(mesh: SplineMesh, marked: Indices) -> tuple[Indices, Array, In
     number = np.where(fresh, n + np.cumsum(fresh) - 1, before[first])
     inner = n + int(fresh.sum()) + np.arange(len(marked))
     points = np.column_stack([corners, number[same].reshape(-1, 4), inner])
-    rows = np.concatenate([mesh.rows, np.empty((int(fresh.sum()) + len(marked), 4, 3))])
+    nodal_vectors = np.concatenate(
+        [mesh.nodal_vectors, np.empty((int(fresh.sum()) + len(marked), 4, 3))]
+    )
     # cells on both sides of an edge give the same values
-    rows[points[:, 4:]] = _between(mesh.rows[corners], mesh.sizes[marked])
+    nodal_vectors[points[:, 4:]] = _between(mesh.nodal_vectors[corners], mesh.sizes[marked])
     cuts = np.column_stack([ends.reshape(-1, 2)[first[fresh]], number[fresh]])
-    return points, rows, np.concatenate([mesh.cuts, cuts])
+    return points, nodal_vectors, np.concatenate([mesh.cuts, cuts])
 
 
 def _between(corners: Array, sizes: Array) -> Array:

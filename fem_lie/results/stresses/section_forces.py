@@ -241,7 +241,7 @@ class SectionForces(Fields):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of all quantities."""
+        """Names of all quantities: section forces and moments, magnitudes and axial stresses."""
         return QUANTITIES
 
     @property

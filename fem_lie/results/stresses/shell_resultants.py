@@ -139,7 +139,10 @@ def _of_states(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Resultants(ResultantValues):
-    """Stress resultants of a shell in one state; made by :func:`resultants`."""
+    """Stress resultants of a shell in one state, per length of the undeformed surface.
+
+    :func:`resultants` makes it. Forces are per length, moments are moments per length.
+    """
 
     @cached_property
     def mesh(self) -> dolfinx.mesh.Mesh:

@@ -177,14 +177,14 @@ def solid_stresses(result: States, solid: Solid, state: int = -1) -> SolidStress
     mesh, degree = solid.model.mesh.mesh, solid.model.degree
     points, _ = rule(solid.model.mesh.cell, QUADRATURE[solid.model.mesh.cell, degree])
     strains = solid.model.formulation.strains(NodalFrames(mesh, degree), degree)
-    strains.place(own[solid.model.connectivity])
+    strains.set_nodes(own[solid.model.connectivity])
     parameters = [cellwise(mesh, column) for column in solid.model.parameters.T]
     stress = _compat.expression(strains.cauchy(solid.model.material, parameters), points)
     cells = np.arange(solid.model.mesh.cells, dtype=np.int32)
     at_points = stress.eval(mesh, cells).reshape(len(cells), len(points), 3, 3)
     shapes = tabulated(solid.model.mesh.cell, degree, points)[0]
-    places = np.einsum("gk,mkj->mgj", shapes, own[solid.model.connectivity, 0])
-    return SolidStresses(solid, own, at_points, places, _averaged(solid, points, at_points))
+    positions = np.einsum("gk,mkj->mgj", shapes, own[solid.model.connectivity, 0])
+    return SolidStresses(solid, own, at_points, positions, _averaged(solid, points, at_points))
 
 
 def _averaged(solid: Solid, points: Array, values: Array) -> Array:

@@ -144,7 +144,7 @@ class Run(Divided[History]):
 
     @property
     def frames(self) -> Array:
-        """Current frames of all rows."""
+        """Current frames of all nodes, ground and prescribed motions."""
         return np.concatenate([self.s.H, self.equations.start.frames[len(self.s.H) :]])
 
     @property

@@ -249,7 +249,7 @@ class FreeImpacts(Stateful):
     def go_back(self, H: Array) -> None:
         """Begin another step at the start of the failed one, at frames ``H``."""
         work = self._touching.work
-        set_gaps(self._touching.touch, H, work.gaps)
+        set_gaps(self._touching.touch, H, 0, work.gaps)
         work.impulses[:] = 0.0
 
     def _take_shown(self) -> None:

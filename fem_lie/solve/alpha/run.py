@@ -86,7 +86,7 @@ class Run(Newton):
     def _set_size(self, h: float) -> None:
         super()._set_size(h)
         if self._contacts is not None:
-            self._contacts.follow(self._end_rule)
+            self._contacts.set_rule(self._end_rule)
 
     @cached_property
     def _packed(self) -> FixedArrays:

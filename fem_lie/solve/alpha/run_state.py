@@ -209,7 +209,7 @@ class RunState(DividedIntegration[Recorder]):
 
     @property
     def frames(self) -> Array:
-        """Current frames of all rows."""
+        """Current frames of all nodes, ground and prescribed motions."""
         return self.s.H
 
     @property

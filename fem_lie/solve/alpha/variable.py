@@ -271,7 +271,7 @@ class AlphaSteps(Run):
         """Restore a saved state."""
         self._moved.restore(state)
 
-    def follow(self, other: AlphaSteps, state: Mapping[str, Array]) -> None:
+    def restore_from(self, other: AlphaSteps, state: Mapping[str, Array]) -> None:
         """Take the state that another stepper has saved."""
         self.take_back(state)
         self.h, self._speed, self.progress.step = other.h, other._speed, other.index

@@ -22,7 +22,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from fem_lie._arrays import instance
-from fem_lie.joints.equations.table import joint_table
+from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.parts.part_scene import ScenePart
 from fem_lie.scene import Scene
 from fem_lie.solve.composed.momentum_parts import MomentumRun
@@ -121,7 +121,7 @@ def _refuse(equations: Equations) -> None:
     tables, unknowns = equations.tables, equations.unknowns
     pairs = tables.pairs_of_all
     of_all = [tables.joints, *([] if pairs is None else [pairs.joints])]
-    dampers = np.concatenate([joint_table(joints).springs[:, 1] for joints in of_all])
+    dampers = np.concatenate([joint_arrays(joints).springs[:, 1] for joints in of_all])
     reasons = {
         "damping of materials": any(term.viscosity is not None for _, term in tables.assemblies),
         "damping in proportion to mass": len(tables.damping.indptr) > 0,

@@ -124,7 +124,7 @@ class MomentumPart(VariationalRun):
 
     def start_as_shared(self) -> None:
         """Take the initial state of the run that owns the state."""
-        self._take_rows()
+        self._reset_coordinates()
         self.scale[:] = self._fill(None)
 
     def set_size(self, size: float) -> None:
@@ -198,7 +198,7 @@ class MomentumPart(VariationalRun):
         return self._increment, float(np.abs(self._r).max(initial=0.0))
 
 
-_OWN = "_made", "twists", "rows"
+_OWN = "_made", "twists", "coordinates"
 """State of a size that its sub-steps change."""
 
 
@@ -245,7 +245,7 @@ class MomentumRun(DividedIntegration[Recorder]):
 
     @property
     def frames(self) -> Array:
-        """Current frames of all rows."""
+        """Current frames of all nodes, ground and prescribed motions."""
         return self._parts[0].frames
 
     @property

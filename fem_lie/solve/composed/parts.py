@@ -98,7 +98,9 @@ class Part(Run):
         share: Size over that of the whole step; it may be negative.
     """
 
-    follows = False  # all sizes share one state, and have matrices with constraints of their own
+    current_jacobian = (
+        False  # all sizes share one state, and have matrices with constraints of their own
+    )
 
     def __init__(
         self,

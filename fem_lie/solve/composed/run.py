@@ -71,7 +71,7 @@ class ComposedRun(DividedIntegration[History]):
 
     @property
     def frames(self) -> Array:
-        """Current frames of all rows."""
+        """Current frames of all nodes, ground and prescribed motions."""
         return self._parts[0].frames
 
     @property
@@ -239,7 +239,7 @@ class ComposedRun(DividedIntegration[History]):
         history.keep(np.array([self.index]), np.array([self._iterations]))
 
     def _end_forces(self, v: Array) -> tuple[Array, Array]:
-        """Accelerations and multipliers at the current state with twists ``v`` of all rows.
+        """Accelerations and multipliers at the current state with twists ``v`` of all nodes.
 
         They are of fourth order, and need a matrix of their own at each recorded state.
         """

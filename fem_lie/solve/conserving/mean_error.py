@@ -47,7 +47,7 @@ class End(NamedTuple):
     """One end of a step.
 
     Attributes:
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
         V: Velocities of (x, d₁, d₂, d₃) and of products, (n + p, 4, 3).
         time: Time; on the side of the step at a discontinuity.
     """

@@ -9,7 +9,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.bodies.balances import TOTAL
 from fem_lie.forms.assembly import BodyTerm
-from fem_lie.forms.cell_forms import FormTable, each_cell, joined
+from fem_lie.forms.cell_forms import FormArrays, each_cell, joined
 from fem_lie.forms.cells import Cells
 from fem_lie.forms.term import Term
 from fem_lie.lie.node_types import POSITION_GRADIENT
@@ -30,7 +30,7 @@ from fem_lie.solve.conserving.step.records import (
     Step,
 )
 from fem_lie.solve.conserving.step.series import DENSE, WHOLE
-from fem_lie.solve.conserving.vector_cells.cell_table import CellTable as RowCells
+from fem_lie.solve.conserving.vector_cells.cell_arrays import VectorCells
 from fem_lie.solve.conserving.vector_cells.force_changes import measure_cells
 from fem_lie.solve.convergence import unknown_scaling
 from fem_lie.system.equations import Equations
@@ -41,13 +41,18 @@ _LIGHT = 1e-12
 
 
 def start_state(
-    equations: Equations, cells: Cells, rows: RowCells, incidences: Incidences, *, dissipates: bool
+    equations: Equations,
+    cells: Cells,
+    vector_cells: VectorCells,
+    incidences: Incidences,
+    *,
+    dissipates: bool,
 ) -> State:
     """State at rest at the initial frames."""
     z = np.zeros
     n, m = equations.unknowns.moving, equations.unknowns.m
     p, bodies = products_of(equations)
-    count = cells.count + len(rows.sees) + bodies
+    count = cells.count + len(vector_cells.sees) + bodies
     return State(
         H=equations.start.frames.copy(),
         rest=z((n, 4, 3)),
@@ -69,24 +74,29 @@ def start_state(
         slow=z((2 if dissipates else 0, 6 * n + m)),
         share=z(2),
         probe=np.cos(np.arange(6 * n + m)),
-        cell_forces=z((2, len(rows.nodes) if dissipates else 0, 2, 3)),
+        cell_forces=z((2, len(vector_cells.nodes) if dissipates else 0, 2, 3)),
         rates=z((2, n, 6)),
         within=z(p if dissipates else 0),
     )
 
 
 def step_workspace(
-    equations: Equations, cells: Cells, rows: RowCells, incidences: Incidences, *, dissipates: bool
+    equations: Equations,
+    cells: Cells,
+    vector_cells: VectorCells,
+    incidences: Incidences,
+    *,
+    dissipates: bool,
 ) -> Step:
     """Allocate the arrays of a step."""
     z, (p, bodies) = np.zeros, products_of(equations)
-    count = cells.count + len(rows.sees) + bodies
+    count = cells.count + len(vector_cells.sees) + bodies
     unknowns, frames = equations.unknowns, equations.start.frames
     n, m, total = unknowns.moving, unknowns.m, unknowns.total
     between = np.stack([*[frames] * 3, z(frames.shape)])
     return Step(
         step=z((n, 6)),
-        rows=between,
+        coordinates=between,
         V1=z((n + p, 4, 3)),
         F1=z((cells.incidences, 6)),
         W1=z(count),
@@ -110,7 +120,7 @@ def step_workspace(
         own=z((3, n + p, 4, 3)),
         turnings=z((2, 3 if dissipates else 0, 6 * n)),
         gains=z(cells.count),
-        cell_forces=z((3, len(rows.nodes) if dissipates else 0, 2, 3)),
+        cell_forces=z((3, len(vector_cells.nodes) if dissipates else 0, 2, 3)),
         changes=z((2, n if dissipates else 0, 6)),
         outer=z((n, 6)),
         moved=z((n + p, 4, 3)) if p else Span(*between).delta[:n],
@@ -141,18 +151,18 @@ def assemblies_of_frames(equations: Equations) -> list[tuple[slice, BodyTerm]]:
     ]
 
 
-def cells_of_rows(equations: Equations) -> RowCells:
+def vector_cells_of(equations: Equations) -> VectorCells:
     """Cells of all terms on nodes with vector coordinates, with their initial metric."""
     kinds = equations.tables.kinds
     tables = [term.tables for term in equations.tables.terms if not term.load]
     parts = [both for both in tables if both is not None]
     parts = [both for both in parts if (kinds[both[0].nodes] >= POSITION_GRADIENT).all()]
     forces, energy = (
-        each_cell(FormTable(*joined([both[k] for both in parts], [0] * len(parts))))
+        each_cell(FormArrays(*joined([both[k] for both in parts], [0] * len(parts))))
         for k in range(2)
     )
     count = len(forces.calls)
-    cells = RowCells(
+    cells = VectorCells(
         np.stack([forces.calls, energy.calls], axis=1),
         forces.first,
         forces.nodes,
@@ -172,18 +182,24 @@ def end_forces_of(equations: Equations) -> EndForces:
     return EndForces(known.terms, known.master, known.offset, equations.unknowns.moving)
 
 
-def incidences_of(equations: Equations, follows: bool) -> Incidences:
+def incidences_of(equations: Equations, current_jacobian: bool) -> Incidences:
     """Incidences of all constraints.
 
     None if the constraint block of the frozen matrix is used as it is.
     """
     border = equations.matrix.incidences
-    nodes, rows = (border.nodes, border.rows) if follows else (border.nodes[:0], border.rows[:0])
+    nodes, rows = (
+        (border.nodes, border.rows) if current_jacobian else (border.nodes[:0], border.rows[:0])
+    )
     return Incidences(nodes, rows.astype(np.int64))
 
 
 def model_of(
-    equations: Equations, cells: Cells, rows: RowCells, scheme: Scheme, incidences: Incidences
+    equations: Equations,
+    cells: Cells,
+    vector_cells: VectorCells,
+    scheme: Scheme,
+    incidences: Incidences,
 ) -> Model:
     """Constant arrays of the scene for steps."""
     known, unknowns = equations.tables, equations.unknowns
@@ -217,7 +233,7 @@ def model_of(
         ends=incidence_positions_of(incidences, n, unknowns.size),
         kinds=known.kinds,
         arms=np.where(unknowns.lengths, 1.0, unknowns.length),
-        rows=rows,
+        vector_cells=vector_cells,
         of_frames=_of_frames(equations),
         addresses=np.zeros(ADDRESSES, dtype=np.int64),
         bodies=packed_bodies(known.floating),

@@ -154,7 +154,7 @@ class Run(Steps):
 
     def _warn_of_cancellation(self) -> None:
         """Warn of constitutive laws that lose the digits of small strains, if energies show it."""
-        cancels, most = self.row_cells.cancels, float(self.s.filter_state.energy)
+        cancels, most = self.vector_cells.cancels, float(self.s.filter_state.energy)
         error = float(np.linalg.norm(cancels))
         if error > _CANCELLED * most:
             _log.warning(

@@ -24,13 +24,13 @@ from fem_lie.solve.conserving.midpoint.cayley import Turning, midpoint_frames
 from fem_lie.solve.conserving.midpoint.products import product_rates, stored_energies
 from fem_lie.solve.conserving.model import (
     assemblies_of_frames,
-    cells_of_rows,
     end_forces_of,
     incidences_of,
     model_of,
     segments_of,
     start_state,
     step_workspace,
+    vector_cells_of,
 )
 from fem_lie.solve.conserving.python_forces.constraints import OtherConstraints
 from fem_lie.solve.conserving.python_forces.forces import PythonForces
@@ -41,7 +41,7 @@ from fem_lie.solve.conserving.step.joints import border_at
 from fem_lie.solve.conserving.step.packing import Packed
 from fem_lie.solve.conserving.step.records import Scheme, Span, State, Step
 from fem_lie.solve.conserving.step.series import set_inverse
-from fem_lie.solve.conserving.vector_cells.cell_table import CellTable as RowCells
+from fem_lie.solve.conserving.vector_cells.cell_arrays import VectorCells
 from fem_lie.solve.conserving.vector_cells.cells import energies_at
 from fem_lie.solve.conserving.vector_cells.force_changes import forces_at
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
@@ -89,7 +89,7 @@ class RunState(DividedIntegration[History]):
         this: The current step.
         size: Size of the next step or sub-step.
         unpredicted: Number of steps to come that begin without a prediction.
-        follows: Whether solutions use the current constraint Jacobian, whatever the matrix
+        current_jacobian: Whether solutions use the current constraint Jacobian, whatever the matrix
             contains.
     """
 
@@ -98,7 +98,7 @@ class RunState(DividedIntegration[History]):
         *(*_ARRAYS, *_PARTS),
     )
 
-    follows = True
+    current_jacobian = True
     _framed: slice | Indices
     _framed_rows: slice | Indices
 
@@ -133,11 +133,13 @@ class RunState(DividedIntegration[History]):
         self.cells: Cells = (
             Cells(assemblies_of_frames(equations)) if shared is None else shared.cells
         )
-        self.row_cells: RowCells = cells_of_rows(equations) if shared is None else shared.row_cells
+        self.vector_cells: VectorCells = (
+            vector_cells_of(equations) if shared is None else shared.vector_cells
+        )
         self._strained = equations.unknowns.strains_change
-        incidences = incidences_of(equations, self.follows)
+        incidences = incidences_of(equations, self.current_jacobian)
         parts, dissipates = (
-            (equations, self.cells, self.row_cells, incidences),
+            (equations, self.cells, self.vector_cells, incidences),
             options.dissipation > 0.0,
         )
         self.s: State = start_state(*parts, dissipates=dissipates) if shared is None else shared.s
@@ -146,7 +148,7 @@ class RunState(DividedIntegration[History]):
         )
         self._end_forces, self._turning = end_forces_of(equations), Turning()
         scheme = Scheme(self.size, options.dissipation, options.filter_gain)
-        self.model = model_of(equations, self.cells, self.row_cells, scheme, incidences)
+        self.model = model_of(equations, self.cells, self.vector_cells, scheme, incidences)
         python_forces = None if shared is None else shared._python_forces
         self._python_forces: PythonForces = PythonForces(
             equations, self, self._end_forces, python_forces
@@ -181,7 +183,7 @@ class RunState(DividedIntegration[History]):
 
     @property
     def frames(self) -> Array:
-        """Current frames of all rows."""
+        """Current frames of all nodes, ground and prescribed motions."""
         return self.s.H
 
     @property
@@ -251,13 +253,13 @@ class RunState(DividedIntegration[History]):
         """Forces and energies of the cells at the start of a step; returns the energies."""
         frames = self.equations.report(self.s.H).frames
         s, framed = self.s, self.cells.count
-        others = framed + len(self.row_cells.sees)
+        others = framed + len(self.vector_cells.sees)
         evaluate(self.cells.table, frames, np.zeros_like(frames), s.F, s.W[:framed])
-        energies_at(self.row_cells, s.H, s.rest, s.W[framed:others])
+        energies_at(self.vector_cells, s.H, s.rest, s.W[framed:others])
         if len(s.W) > others:
             stored_energies(*self.model.bodies, s.H, s.W[others:])
         if len(s.cell_forces[0]):
-            forces_at(self.row_cells, s.H, s.rest, s.cell_forces[0])
+            forces_at(self.vector_cells, s.H, s.rest, s.cell_forces[0])
         return s.W
 
     # --- steps that are taken back ---
@@ -295,15 +297,18 @@ class RunState(DividedIntegration[History]):
 
     def _set_time(self, start: float, end: float) -> None:
         """Set loads at the midpoint of the next step, and prescribed motions at its end."""
-        equations, rows, n = self.equations, Span(*self.this.rows), self.moving
+        equations, coordinates, n = self.equations, Span(*self.this.coordinates), self.moving
         self._set_loads(0.5 * (start + end))
         if equations.unknowns.driven:
             targets = [equations.prescribed(time).targets for time in (start, end)]
             self.model.driven[:] = targets[1] - targets[0]
-        if len(rows.end) > n + 1:
+        if len(coordinates.end) > n + 1:
             before, after = self.s.H[n + 1 :], equations.prescribed(end).frames
-            rows.end[n + 1 :], rows.middle[n + 1 :] = after, after
-            rows.mean[n + 1 :], rows.delta[n + 1 :] = 0.5 * (before + after), after - before
+            coordinates.end[n + 1 :], coordinates.middle[n + 1 :] = after, after
+            coordinates.mean[n + 1 :], coordinates.delta[n + 1 :] = (
+                0.5 * (before + after),
+                after - before,
+            )
 
     def _take_loads(self) -> None:
         # the weight of products is constant
@@ -355,7 +360,7 @@ class RunState(DividedIntegration[History]):
         """
         s, this, n = self.s, self.this, self.moving
         if self.progress.iteration > 1:
-            packed, end, ahead = self._packed, Span(*this.rows).end, 0.0
+            packed, end, ahead = self._packed, Span(*this.coordinates).end, 0.0
             packed_residual(packed.model, packed.state, packed.step)
             H = at = self._midpoint_frames(end)
             V, V1 = s.V[:n], this.V1[:n]
@@ -368,7 +373,7 @@ class RunState(DividedIntegration[History]):
         age = self._age()
         joints_at = s.H if scale is None else self._moved(end, v, ahead + age)
         forces_at = self._moved(at, v, 0.5 * ahead + age)
-        if self.follows:
+        if self.current_jacobian:
             axes = self._moved(joints_at, v, -0.5)
             joints, held, incidences = self.model.joints, self.model.held, self.model.incidences
             border_at(joints, incidences, self._kinds, held, (joints_at, axes, forces_at), s.border)
@@ -387,11 +392,11 @@ class RunState(DividedIntegration[History]):
 
     def _at_start(self) -> Array:
         """Frames at the start of the step, other nodes at the midpoint of the predicted step."""
-        s, along, own = self.s, Span(*self.this.rows), self._vectors
+        s, along, own = self.s, Span(*self.this.coordinates), self._vectors
         if not len(own):
             return s.H
-        rows = along.delta, along.mean, along.end, along.middle
-        span_from_python(self._kinds, s.H, self.this.step, rows)
+        coordinates = along.delta, along.mean, along.end, along.middle
+        span_from_python(self._kinds, s.H, self.this.step, coordinates)
         H = s.H.copy()
         H[own] = along.middle[own]
         return H
@@ -399,7 +404,7 @@ class RunState(DividedIntegration[History]):
     def _midpoint_frames(self, end: Array) -> Array:
         """Nodes at the midpoint of the step: frames along screw motions, others along lines."""
         H = midpoint_frames(self.s.H, end, self.moving)
-        H[self._vectors] = Span(*self.this.rows).middle[self._vectors]
+        H[self._vectors] = Span(*self.this.coordinates).middle[self._vectors]
         return H
 
     def _moved(self, H: Array, v: Array, steps: float) -> Array:

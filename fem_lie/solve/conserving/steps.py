@@ -115,8 +115,8 @@ def _fill(
     s, (scene, rows), model = state_of(starts), results, model_of(packed)
     kinds, row, h = model.kinds, progress.row, model.scheme.h
     multipliers, n = s.multipliers, kinds.shape[0]
-    room = np.zeros((3, n, 6))
-    v, unused, still = room[0], room[1], room[2]
+    workspace = np.zeros((3, n, 6))
+    v, unused, still = workspace[0], workspace[1], workspace[2]
     twists(kinds, turning, s.H, s.V[:n], still, v, unused)
     if multipliers.shape[0] > 0:
         multipliers = at_end(s.multipliers, s.earlier, s.sizes)

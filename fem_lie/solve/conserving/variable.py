@@ -42,7 +42,7 @@ _USUAL = 4
 class ConservingSteps(Run):
     """Conserving scheme with variable steps; see :class:`~.variable_steps.Stepper`."""
 
-    follows = False  # the matrix of each step size has its own constraint Jacobian
+    current_jacobian = False  # the matrix of each step size has its own constraint Jacobian
     endures = (
         False  # the error estimate uses the same matrix, and needs the current constraint Jacobian
     )
@@ -94,7 +94,7 @@ class ConservingSteps(Run):
         if level not in self._scales:
             self._scales[level] = self._fill_here(None)
         self.model.scale[:] = self._scales[level]
-        self.levels.make_room()
+        self.levels.release()
         super()._factorise()
         self.progress.fewest = _USUAL
         assert self._factors is not None
@@ -180,7 +180,7 @@ class ConservingSteps(Run):
         progress.iteration = progress.asked = 0
         self.unpredicted = int(state["unpredicted"])
 
-    def follow(self, other: ConservingSteps, state: Mapping[str, Array]) -> None:
+    def restore_from(self, other: ConservingSteps, state: Mapping[str, Array]) -> None:
         """Take the state that another stepper has saved."""
         self.take_back(state)
         self._set_size(other.size)

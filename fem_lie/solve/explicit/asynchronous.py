@@ -22,7 +22,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices, number
 from fem_lie._state import attributes
 from fem_lie.forms.cell_forms import CELLS, FIRST, NO_ROWS, NODES
-from fem_lie.joints.equations.table import joint_table
+from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.lie.node_types import POSITION
 from fem_lie.parts.part_scene import ScenePart
 from fem_lie.results import Result
@@ -170,7 +170,7 @@ class AsynchronousRun(Integration[Recorder]):
 
     @property
     def frames(self) -> Array:
-        """Current frames of all rows."""
+        """Current frames of all nodes, ground and prescribed motions."""
         return self.shown.H
 
     @property
@@ -229,7 +229,7 @@ def _refuse(equations: Equations) -> None:
     reasons = {
         "nodes with other unknowns than positions": bool((unknowns.kinds != POSITION).any()),
         "joints": unknowns.m > 0,
-        "springs between bodies": len(joint_table(tables.joints).springs) > 0,
+        "springs between bodies": len(joint_arrays(tables.joints).springs) > 0,
         "damping": viscous,
         "nodes without mass": massless,
         "loads that change in time, following loads and moments": unknowns.time_dependent

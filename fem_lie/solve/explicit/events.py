@@ -23,7 +23,7 @@ class Flight(NamedTuple):
     """Nodes in free motion.
 
     Attributes:
-        H: Frames of all rows; positions are those at the nodes' own times.
+        H: Frames of all nodes, ground and prescribed motions; positions at the nodes' times.
         v: Velocities in global components, (n, 3).
         times: Times of the nodes, (n,).
         fall: Accelerations by dead loads, (n, 3).
@@ -46,7 +46,7 @@ class Queue(NamedTuple):
     """Cells of all forms, and the order in which they are due.
 
     Attributes:
-        rows: Packed forms, see :class:`~fem_lie.forms.cell_forms.FormTable`.
+        rows: Packed forms, see :class:`~fem_lie.forms.cell_forms.FormArrays`.
         nodes: Nodes of their cells.
         form: Form of each cell, (m,).
         steps: Step size of each cell, (m,).
@@ -122,8 +122,8 @@ def run(flight: PlainFlight, queue: PlainQueue, end: float) -> int:
     H = flight[0]
     rows, nodes, form, steps, made, heap = queue
     width, most = workspace_for(rows)
-    data, place = stack(width), stack(most)
-    forces = numba.carray(place, (most,))
+    data, buffer = stack(width), stack(most)
+    forces = numba.carray(buffer, (most,))
     before = np.zeros(rows.shape[0] + 1, dtype=np.int64)
     for f in range(rows.shape[0]):
         before[f + 1] = before[f] + rows[f, CELLS]
@@ -139,7 +139,7 @@ def run(flight: PlainFlight, queue: PlainQueue, end: float) -> int:
         first = row[FIRST] + row[NODES] * cell
         for i in range(first, first + row[NODES]):
             _fly(flight, nodes[i], time)
-        cell_forces(H, row, nodes, cell, data, place)
+        cell_forces(H, row, nodes, cell, data, buffer)
         # the first impulse is half a step: forces represent the time around them
         size = steps[e] if made[e] > 0 else 0.5 * steps[e]
         for i in range(row[NODES]):
@@ -164,12 +164,12 @@ def state_at(flight: PlainFlight, queue: PlainQueue, time: float, out: PlainFlig
     for i in range(out[2].shape[0]):
         _fly(out, i, time)
     width, most = workspace_for(rows)
-    data, place = stack(width), stack(most)
-    forces = numba.carray(place, (most,))
+    data, buffer = stack(width), stack(most)
+    forces = numba.carray(buffer, (most,))
     e = 0
     for f in range(rows.shape[0]):
         for cell in range(rows[f, CELLS]):
-            first = cell_forces(out[0], rows[f], nodes, cell, data, place)
+            first = cell_forces(out[0], rows[f], nodes, cell, data, buffer)
             kicked = (made[e] - 0.5) * steps[e] if made[e] > 0 else 0.0
             for i in range(rows[f, NODES]):
                 _kick(out, nodes[first + i], time - kicked, forces[6 * i : 6 * i + 6])
@@ -184,8 +184,8 @@ def stiffness_at_nodes(H: Array, rows: Indices, nodes: Indices, size: float) -> 
     """
     out = np.zeros((nodes.shape[0], 3, 3))
     width, most = workspace_for(rows)
-    data, place = stack(width), stack(most)
-    forces = numba.carray(place, (most,))
+    data, buffer = stack(width), stack(most)
+    forces = numba.carray(buffer, (most,))
     for f in range(rows.shape[0]):
         for cell in range(rows[f, CELLS]):
             first = rows[f, FIRST] + rows[f, NODES] * cell
@@ -196,7 +196,7 @@ def stiffness_at_nodes(H: Array, rows: Indices, nodes: Indices, size: float) -> 
                     axis = load_row(H[node], 1 + k)
                     for sign in (-1.0, 1.0):
                         store_row(H[node], 0, combined(1.0, x, sign * size, axis))
-                        cell_forces(H, rows[f], nodes, cell, data, place)
+                        cell_forces(H, rows[f], nodes, cell, data, buffer)
                         for j in range(3):
                             out[first + i, j, k] += sign * forces[6 * i + j] / (2.0 * size)
                 store_row(H[node], 0, x)

@@ -30,7 +30,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit.fixed_arrays import FixedArrays
 from fem_lie._state import attributes
 from fem_lie.forms.cell_forms import NO_ROWS
-from fem_lie.joints.equations.table import joint_table
+from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import MIXED_DERIVATIVE, SURFACE_GRADIENT
 from fem_lie.parts.part_scene import ScenePart
@@ -106,7 +106,9 @@ class ExplicitRun(Integration[Recorder]):
         self._summed = known.in_one_sum and table is not None and not m
         self._supported = len(supports) > 0
         # points with convected axes of their surroundings; cables have those of the tangent
-        self._follows = bool(np.isin(masses.kinds, (SURFACE_GRADIENT, MIXED_DERIVATIVE)).any())
+        self._convects_axes = bool(
+            np.isin(masses.kinds, (SURFACE_GRADIENT, MIXED_DERIVATIVE)).any()
+        )
         self._remembers = any(term.passage or term.path for term in known.terms)
         self.progress = loop.PROGRESS()
         others = _NOWHERE if table is None else table.copy()
@@ -171,7 +173,7 @@ class ExplicitRun(Integration[Recorder]):
 
     @property
     def frames(self) -> Array:
-        """Current frames of all rows."""
+        """Current frames of all nodes, ground and prescribed motions."""
         return self.H
 
     @property
@@ -255,7 +257,7 @@ class ExplicitRun(Integration[Recorder]):
         history.show_progress(self.index)
         wanted = history.wants(self.index)
         if wanted:
-            if self._follows:
+            if self._convects_axes:
                 self._convect_axes()
             nodes.twists((*self.masses,), self.H, self.p, self.v)
             history.count = self.index
@@ -335,7 +337,7 @@ def _refuse(equations: Equations) -> None:
     """Raise ``ValueError`` if the scheme does not support the scene."""
     refuse_floating(equations)
     unknowns, tables = equations.unknowns, equations.tables
-    dampers = bool(np.any(joint_table(tables.joints).springs[:, 1] != 0.0))
+    dampers = bool(np.any(joint_arrays(tables.joints).springs[:, 1] != 0.0))
     reasons = {
         "velocity constraints (KnifeEdge, RollingDisc), whose motion makes no action stationary": (
             unknowns.of_velocities > 0

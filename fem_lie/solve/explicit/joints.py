@@ -92,7 +92,7 @@ class Joints(Stateful):
 
         Args:
             h: Step size.
-            H: Frames of all rows.
+            H: Frames of all nodes, ground and prescribed motions.
             p: Momenta, (n, 6).
             r: Forces at the start on entry, at the end on return, (≥ 6 n,).
         """

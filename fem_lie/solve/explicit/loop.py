@@ -42,7 +42,7 @@ def workspace_for(rows: Indices) -> tuple[int, int]:
 
 @inlined
 def cell_forces(
-    H: Array, row: Indices, nodes: Indices, e: int, data: Pointer, place: Pointer
+    H: Array, row: Indices, nodes: Indices, e: int, data: Pointer, buffer: Pointer
 ) -> int:
     """Forces on the nodes of cell ``e`` of a form; the stored data of the cell are not changed.
 
@@ -52,14 +52,14 @@ def cell_forces(
         nodes: Nodes of the cells of the form.
         e: Index of the cell.
         data: Workspace for all coefficients of a cell.
-        place: Six numbers for each of its nodes, overwritten.
+        buffer: Six numbers for each of its nodes, overwritten.
 
     Returns:
         Index of its first node in ``nodes``.
     """
     count, width, gathered = row[NODES], row[WIDTH], row[GATHERED]
     first = row[FIRST] + count * e
-    packed, values = numba.carray(data, (gathered + width,)), numba.carray(place, (6 * count,))
+    packed, values = numba.carray(data, (gathered + width,)), numba.carray(buffer, (6 * count,))
     given = numba.carray(pointer(row[W] + 8 * width * e), (width,))
     k = 0
     for i in range(first, first + count):
@@ -73,7 +73,7 @@ def cell_forces(
     for j in range(6 * count):
         values[j] = 0.0
     x = pointer(row[X] + 8 * row[EXTENT] * e)
-    call_kernel(row[KERNEL], place, data, pointer(row[C]), x)
+    call_kernel(row[KERNEL], buffer, data, pointer(row[C]), x)
     return first
 
 
@@ -91,12 +91,12 @@ def add_all(H: Array, rows: Indices, nodes: Indices, r: Array) -> None:
         r: Residual, shape (6 n,), updated.
     """
     width, most = workspace_for(rows)
-    data, place = stack(width), stack(most)
-    values = numba.carray(place, (most,))
+    data, buffer = stack(width), stack(most)
+    values = numba.carray(buffer, (most,))
     for f in range(rows.shape[0]):
         count = rows[f, NODES]
         for e in range(rows[f, CELLS]):
-            first = cell_forces(H, rows[f], nodes, e, data, place)
+            first = cell_forces(H, rows[f], nodes, e, data, buffer)
             for i in range(count):
                 for k in range(6):
                     r[6 * nodes[first + i] + k] += values[6 * i + k]
@@ -139,7 +139,7 @@ class Packed(NamedTuple):
 
     Attributes:
         masses: See :class:`~fem_lie.solve.explicit.nodes.Masses`.
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
         p: Momenta, (n, 6).
         v: Twists, (n, 6).
         rest: Zeros, (n, 6).
@@ -153,7 +153,7 @@ class Packed(NamedTuple):
         balance: Energy balance and impulses so far.
         progress: See :data:`PROGRESS`.
         decay: Decay of momenta over half a step, see :func:`~fem_lie.solve.explicit.nodes.decay`.
-        rows: Packed forms of cells, see :class:`~fem_lie.forms.cell_forms.FormTable`.
+        rows: Packed forms of cells, see :class:`~fem_lie.forms.cell_forms.FormArrays`.
         nodes: Nodes of these cells.
     """
 

@@ -205,7 +205,7 @@ def _drift_frame(
     (centre, J, inverse), (v, spin) = inertia, motion
     d1, d2, d3 = _axes(H)
     c = load(centre, 0)
-    place = plus(load_row(H, 0), combined(h, v, 1.0, rotate(d1, d2, d3, c)))
+    position = plus(load_row(H, 0), combined(h, v, 1.0, rotate(d1, d2, d3, c)))
     a = scaled(h, rotate_back(d1, d2, d3, spin))
     size = sqrt(dot(a, a))
     if size > 0.0:
@@ -223,7 +223,7 @@ def _drift_frame(
             store_row(H, 1 + k, rotate(d1, d2, d3, e))
         reorthonormalise(0, H)
         d1, d2, d3 = _axes(H)
-    store_row(H, 0, minus(place, rotate(d1, d2, d3, c)))
+    store_row(H, 0, minus(position, rotate(d1, d2, d3, c)))
 
 
 @compiled

@@ -151,9 +151,9 @@ def _node_names(equations: Equations, chosen: Flags) -> str:
 def node_name(equations: Equations, node: int) -> str:
     """Name of a node in messages."""
     for body, nodes in equations.unknowns.bodies.items():
-        place = np.flatnonzero(nodes == node)
-        if len(place):
-            return f"node {int(place[0])} of {body.label}"
+        index = np.flatnonzero(nodes == node)
+        if len(index):
+            return f"node {int(index[0])} of {body.label}"
     return f"node {node}"
 
 
@@ -163,13 +163,13 @@ def stable_step(equations: Equations, masses: Masses, H: Array) -> StableStep:
     Args:
         equations: Equations of the scene, with lumped inertia.
         masses: Lumped inertia of its nodes.
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
     """
     n, held = len(masses.kinds), equations.unknowns.held | (masses.ways == STILL)[:, np.newaxis]
     K = np.zeros((n, 6, 6))
     for term in equations.tables.terms:
         rows, columns = term.pairs
-        kept = term.room()
+        kept = term.workspace()
         term.add_forces(H, np.zeros((n, 6)), kept)
         blocks, own = term.tangent(H, kept), rows == columns
         np.add.at(K, rows[own], _cell_size(term) * blocks[own])
@@ -203,13 +203,13 @@ def in_axes(masses: Masses) -> Array:
 
 def _cell_size(term: Term) -> int:
     """Number of nodes of its cells."""
-    table = None
+    arrays = None
     if term.tables is not None:
-        table = term.tables[0]
-    elif term.following is not None:
-        table = term.following.table
-    if table is not None:
-        return int(table.rows[:, _NODES].max(initial=1))
+        arrays = term.tables[0]
+    elif term.attached_cells is not None:
+        arrays = term.attached_cells.arrays
+    if arrays is not None:
+        return int(arrays.rows[:, _NODES].max(initial=1))
     return _MANY if term.of_bodies else _FEW
 
 

@@ -102,7 +102,7 @@ class HamelRun(DividedIntegration[Recorder]):
 
     @property
     def frames(self) -> Array:
-        """Current frames of all rows."""
+        """Current frames of all nodes, ground and prescribed motions."""
         return self.H
 
     @property
@@ -239,13 +239,13 @@ def _bodies(scene: Scene) -> Bodies:
         if joint is not None:
             _, frame = joint.frames()
             x, R = body.frames[0, 0], body.frames[0, 1:].T
-            place, axis = R.T @ (frame[0] - x), R.T @ frame[3]
+            offset, axis = R.T @ (frame[0] - x), R.T @ frame[3]
             if isinstance(joint, RollingDisc):
                 plane, _ = joint.frames()
                 found.radius[i], found.normal[i] = joint.radius, plane[3]
-                found.disc[i] = place, axis
+                found.disc[i] = offset, axis
             else:
-                Z = _complement(np.concatenate([axis, np.cross(place, axis)]))
+                Z = _complement(np.concatenate([axis, np.cross(offset, axis)]))
         k = Z.shape[1]
         M = np.zeros((6, 6))
         M[:3, :3], M[3:, 3:] = found.mass[i] * np.eye(3), found.turning[i]

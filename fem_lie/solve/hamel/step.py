@@ -98,8 +98,8 @@ def contact(H: Array, disc: Array, N: Array, radius: float) -> Vector:
 
 
 @compiled
-def _end(H: Array, place: Vector, ψ: Vector) -> None:
-    store_row(H, 0, place)
+def _end(H: Array, position: Vector, ψ: Vector) -> None:
+    store_row(H, 0, position)
     for k in range(1, 4):
         store_row(H, k, turned(ψ, load_row(H, k)))
     reorthonormalise(0, H)

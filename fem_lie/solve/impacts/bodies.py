@@ -65,13 +65,13 @@ class CoupledBodies:
             TimeState(start.frames, none, none, np.zeros(self._m)), np.ones(self._m), self._r
         )
 
-    def follow(self, rule: Rule) -> None:
+    def set_rule(self, rule: Rule) -> None:
         """Change the relation of velocities and accelerations to the increment."""
         self._rule, self._h = rule, rule.h
         self._impulses.resize(rule.h)
 
     def _all_rows(self, v: Array, time: float) -> Array:
-        """Twists of all rows, including ground and prescribed motions, shape (rows, 6)."""
+        """Twists of all nodes, of ground and of prescribed motions, shape (r, 6)."""
         found = np.zeros((self._rows, 6))
         found[: self._n] = v
         if self._rows > self._n + 1:
@@ -80,7 +80,7 @@ class CoupledBodies:
 
     def _gaps(self, H: Array) -> Array:
         g = np.empty(len(self.near.touch.pairs))
-        set_gaps(self.near.touch, H, g)
+        set_gaps(self.near.touch, H, 0, g)
         return g
 
     def _rows_of(self, H: Array, pairs: Indices, axis: Indices) -> BlockRows:

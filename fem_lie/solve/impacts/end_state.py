@@ -51,7 +51,7 @@ class Moved(NamedTuple):
     """End of a step moved by contacts.
 
     Attributes:
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
         d: Increments, in the nodes' axes, shape (6 n,).
         r: Contact forces, shape (k, 3).
         rows: Contact Jacobian there.
@@ -80,7 +80,7 @@ class CoupledPositions(CoupledBodies):
         """Store the start of a step.
 
         Args:
-            H: Frames of all rows.
+            H: Frames of all nodes, ground and prescribed motions.
             v: Twists of the moving nodes, shape (n, 6).
             time: Time at the start.
         """
@@ -100,7 +100,7 @@ class CoupledPositions(CoupledBodies):
 
         Args:
             chosen: Active contacts.
-            end: Frames of all rows without contacts.
+            end: Frames of all nodes, ground and prescribed motions without contacts.
             aims: Targets of the contacts.
             r: Initial guess of forces, shape (k, 3).
         """

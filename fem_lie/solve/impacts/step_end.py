@@ -73,7 +73,7 @@ class StepEnd(NamedTuple):
     """State at the end of a step.
 
     Attributes:
-        frames: Frames of all rows, shape (rows, 4, 3).
+        frames: Frames of all nodes, ground and prescribed motions, shape (rows, 4, 3).
         twists: Twists of the moving nodes in their axes, shape (n, 6).
         time: Time, s.
     """
@@ -87,7 +87,7 @@ class Changed(NamedTuple):
     """End of a step changed by impulses.
 
     Attributes:
-        frames: Frames of all rows, shape (rows, 4, 3).
+        frames: Frames of all nodes, ground and prescribed motions, shape (rows, 4, 3).
         twists: Twists of the moving nodes in their axes, shape (n, 6).
         rates: Rates of the twists by the equations of motion without impulses, at the given end and
             at the changed one, each of shape (n, 6).
@@ -215,7 +215,7 @@ class Last(NamedTuple):
 
         Args:
             near: Contact pairs of the run.
-            H: Frames of all rows.
+            H: Frames of all nodes, ground and prescribed motions.
             time: Time at the end of the step.
         """
         pairs, axis, gaps, impulses, speeds, sticks = self

@@ -90,7 +90,7 @@ def _check_held(equations: Equations, bound: float) -> None:
 
 
 def _moved(equations: Equations, velocities: Array, prescribed: Array) -> Array:
-    """Velocities of all rows, including prescribed motions, (p, 6)."""
+    """Velocities of all nodes and prescribed motions, (p, 6)."""
     v = velocities.copy()
     v[equations.unknowns.moving + 1 :] = prescribed
     return v
@@ -118,8 +118,8 @@ def accelerations(
     Args:
         equations: Equations of the scene; their matrix and loads are overwritten.
         solver: Solver for that matrix.
-        H: Frames of all rows.
-        v: Local velocities of all rows; those of prescribed motions are computed here.
+        H: Frames of all nodes, ground and prescribed motions.
+        v: Local velocities of all nodes; those of prescribed motions are computed here.
         time: The time.
         step: Step ``h`` of the difference quotients of prescribed motions.
         sweeps: Number of solutions.
@@ -236,7 +236,7 @@ def allowed_velocities(
     Args:
         equations: Equations of the scene; their matrix is overwritten.
         solver: Solver for that matrix.
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
         twist: Local velocities.
         time: The time.
         step: As in :func:`accelerations`.
@@ -259,7 +259,7 @@ def across_joints(
     Args:
         equations: Equations of the scene; their matrix is overwritten.
         solver: Solver for that matrix.
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
         rates: Rates of the constraints, shape (m,).
         step: As in :func:`accelerations`.
 

@@ -55,7 +55,7 @@ class Driver(ABC, Stateful, Generic[HistoryT]):
     @property
     @abstractmethod
     def frames(self) -> Array:
-        """Current frames of all rows."""
+        """Current frames of all nodes, ground and prescribed motions."""
 
     @property
     @abstractmethod
@@ -200,8 +200,8 @@ class Integration(Driver[HistoryT]):
         If they do, :attr:`reason` names them.
 
         Args:
-            start: Frames of all rows at its start.
-            end: Frames of all rows at its end.
+            start: Frames of all nodes, ground and prescribed motions at its start.
+            end: Frames of all nodes, ground and prescribed motions at its end.
         """
         self.reason = ""
         try:

@@ -50,7 +50,7 @@ class Stepper(Protocol[HistoryT]):
 
     @property
     def frames(self) -> Array:
-        """Current frames of all rows, (≥ n, 4, 3)."""
+        """Current frames of all nodes, ground and prescribed motions, (≥ n, 4, 3)."""
 
     @property
     def increment(self) -> float:
@@ -88,7 +88,7 @@ class Stepper(Protocol[HistoryT]):
         """Restore a saved state."""
 
     @abstractmethod
-    def follow(self, other: Any, state: Any) -> None:
+    def restore_from(self, other: Any, state: Any) -> None:
         """Take the state that another stepper of the same scene has saved."""
 
     @abstractmethod
@@ -184,7 +184,7 @@ class VariableSteps(Driver[Growing]):
 
     @property
     def frames(self) -> Array:
-        """Current frames of all rows."""
+        """Current frames of all nodes, ground and prescribed motions."""
         return self._stepper.frames
 
     @property
@@ -306,7 +306,7 @@ class VariableSteps(Driver[Growing]):
         finer, parts = self._finer, self._parts
         if finer is None:
             return np.nan, np.nan
-        finer.follow(self._stepper, before)
+        finer.restore_from(self._stepper, before)
         h, start = (end - time) / parts, time
         finer.set_step(time, h)
         for k in range(1, parts + 1):

@@ -23,7 +23,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie._state import ChangingArrays, attributes
 from fem_lie.bodies.body import Body
-from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.joints.equations.joint_arrays import PackedJoints
 from fem_lie.joints.joint import Joint
 from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.lie.tuples import Vector, combined, cross, dot, load, load_row, plus, scaled, store_row
@@ -93,9 +93,9 @@ def rows_of(part: Equations, whole: Equations) -> Indices:
     node = np.empty(part.unknowns.total, dtype=np.int64)
     for body, own in part.unknowns.bodies.items():
         node[own] = whole.unknowns.bodies[body]
-    place = np.full(whole.unknowns.total, -1, dtype=np.int64)
-    place[whole.unknowns.masters] = np.arange(whole.unknowns.moving)
-    return np.asarray(place[node[part.unknowns.masters]])
+    number = np.full(whole.unknowns.total, -1, dtype=np.int64)
+    number[whole.unknowns.masters] = np.arange(whole.unknowns.moving)
+    return np.asarray(number[node[part.unknowns.masters]])
 
 
 @compiled

@@ -106,7 +106,7 @@ class MultiRateRun(DividedIntegration[History]):
 
     @property
     def frames(self) -> Array:
-        """Current frames of all rows."""
+        """Current frames of all nodes, ground and prescribed motions."""
         for domain in self._domains:
             self.H[domain.rows] = domain.s.H[: domain.moving]
         return self.H

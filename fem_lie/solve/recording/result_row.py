@@ -25,7 +25,7 @@ from fem_lie._jit.fixed_arrays import (
 from fem_lie.bodies.balances import COLUMNS
 from fem_lie.forms.cell_forms import add_cells
 from fem_lie.joints.equations import terms
-from fem_lie.joints.equations.table import PackedJoints, joint_table
+from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays
 from fem_lie.lie.node_types import all_result_twists, inertia, push_all_forward
 from fem_lie.lie.node_types.floating import PlainFloating
 from fem_lie.results.record import Record
@@ -171,8 +171,8 @@ class ResultRow:
             multipliers: Lagrange multipliers, shape (m,).
             balance: Energy balance and impulses, shape (15,).
         """
-        (V, v), table = motion, rows.arrays.table
-        found = fill_by_both(H, v, V, multipliers, balance, self.scene, table, rows.row)
+        (V, v), arrays = motion, rows.arrays.table
+        found = fill_by_both(H, v, V, multipliers, balance, self.scene, arrays, rows.row)
         self._fill_rest(rows, H, v, multipliers, found)
 
     def _fill_rest(
@@ -254,7 +254,7 @@ def fill_whole(
         balance: Energy balance and impulses, shape (15,).
         scene: Packed arrays of the scene, :class:`~SceneArrays`.
         rows: Packed arrays of :attr:`~fem_lie.solve.recording.window.Window.arrays`.
-        cells: Packed arrays of the cells, see :class:`~fem_lie.forms.cell_forms.FormTable`.
+        cells: Packed arrays of the cells, see :class:`~fem_lie.forms.cell_forms.FormArrays`.
         row: Number of the row.
         iterations: Number of iterations so far.
         time: Time of the state.
@@ -354,18 +354,18 @@ def _fill_joints(
 ) -> float:
     """Forces, coordinates and violations of joints; returns the energy of springs."""
     given, kept = scene_arrays_of(scene), columns_of(rows)
-    table = joint_table(given.joints)
+    arrays = joint_arrays(given.joints)
     if _any(kept.joint_forces):
         forces = kept.joint_forces[row, : given.pairs.shape[0]]
-        terms.wrenches(H, v, table, multipliers, given.pairs, given.sides, forces)
+        terms.wrenches(H, v, arrays, multipliers, given.pairs, given.sides, forces)
     if _any(kept.joint_coordinates):
         largest, values = kept.joint_violations[row], np.zeros(multipliers.shape[0])
         largest[:] = 0.0
-        terms.violations(H, joint_table(given.probes), kept.joint_coordinates[row])
-        terms.violations(H, table, values)
-        for c in range(len(table.targets)):
+        terms.violations(H, joint_arrays(given.probes), kept.joint_coordinates[row])
+        terms.violations(H, arrays, values)
+        for c in range(len(arrays.targets)):
             size = abs(values[c])
             if size > largest[given.owner[c]] or size != size:  # nan stays
                 largest[given.owner[c]] = size
-    wanted = _any(kept.elastic) and len(table.springs) > 0
-    return terms.spring_energy(H, table) if wanted else 0.0
+    wanted = _any(kept.elastic) and len(arrays.springs) > 0
+    return terms.spring_energy(H, arrays) if wanted else 0.0

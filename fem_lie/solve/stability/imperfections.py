@@ -106,7 +106,7 @@ class FieldImperfection(Imperfection):
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` if it is not a function."""
-        wanted = "a function of the place"
+        wanted = "a function of the position"
         instance(self.displacement, Callable, "FieldImperfection: displacement", wanted)
 
     def of(self, body: Body) -> tuple[Array, Array]:
@@ -120,10 +120,10 @@ class FieldImperfection(Imperfection):
         """
         return _with_rotations(body, self._at)
 
-    def _at(self, places: Array, frames: Array) -> Array:
+    def _at(self, positions: Array, frames: Array) -> Array:
         what = "the field of an imperfection"
-        values = numbers([self.displacement(x) for x in places], what)
-        if values.shape != places.shape or not np.isfinite(values).all():
+        values = numbers([self.displacement(x) for x in positions], what)
+        if values.shape != positions.shape or not np.isfinite(values).all():
             raise ValueError(
                 f"the field of an imperfection must be three finite numbers, got {values[0]}"
             )
@@ -161,20 +161,20 @@ class RandomImperfection(Imperfection):
         # the same field for all bodies of a scene: about the maximum of this number of waves
         scale = self.amplitude / (2.5 * np.sqrt(0.5 * _WAVES))
 
-        def waves(places: Array, frames: Array) -> Array:
+        def waves(positions: Array, frames: Array) -> Array:
             across = frames[:, 3]
             if self.along is not None:
-                across = np.array([self.along(x) for x in places], dtype=np.float64)
-            return np.asarray(scale * self._waves(places)[:, np.newaxis] * across)
+                across = np.array([self.along(x) for x in positions], dtype=np.float64)
+            return np.asarray(scale * self._waves(positions)[:, np.newaxis] * across)
 
         return _with_rotations(body, waves)
 
-    def _waves(self, places: Array) -> Array:
+    def _waves(self, positions: Array) -> Array:
         random = np.random.default_rng(self.seed)
         k = random.standard_normal((_WAVES, 3))
         k *= 2 * np.pi / self.wavelength / np.linalg.norm(k, axis=1)[:, np.newaxis]
         phases = random.uniform(0.0, 2 * np.pi, _WAVES)
-        return np.asarray(np.cos(places @ k.T + phases).sum(axis=1))
+        return np.asarray(np.cos(positions @ k.T + phases).sum(axis=1))
 
 
 def apply_imperfections(scene: Scene, *imperfections: Imperfection) -> Scene:
@@ -215,10 +215,10 @@ def _deform(body: Body, u: Array, theta: Array) -> None:
     turn = np.where(held[:, 3:], 0.0, np.einsum("nij,nj->ni", H[:, 1:], theta))
     turned = lie.se3_retract(H, np.hstack([np.zeros_like(turn), turn]))
     turned[:, 0] += u
-    follows = np.flatnonzero(body.model.masters != np.arange(len(H)))
-    masters = body.model.masters[follows]
-    relative = lie.se3_compose(lie.se3_inverse(H[masters]), H[follows])
-    turned[follows] = lie.se3_compose(turned[masters], relative)
+    attached = np.flatnonzero(body.model.masters != np.arange(len(H)))
+    masters = body.model.masters[attached]
+    relative = lie.se3_compose(lie.se3_inverse(H[masters]), H[attached])
+    turned[attached] = lie.se3_compose(turned[masters], relative)
     body.frames[:] = turned
     if isinstance(body, Beam):
         a, b = turned[body.model.elements[:, 0]], turned[body.model.elements[:, 1]]

@@ -74,7 +74,7 @@ class Pursuit:
         equations, unknowns = self.model.equations, self.model.equations.unknowns
         self.info = equations.info
         placed = self.model.placed
-        self._places = equations.start.unloaded[: unknowns.moving, 0][placed]
+        self._positions = equations.start.unloaded[: unknowns.moving, 0][placed]
         self._scale = _SCALE * self.model.diameter
         self._fixed: Control | None = None
         self._to, self._passed = inf, ""
@@ -82,23 +82,23 @@ class Pursuit:
             assert control.point.body is not None
             of_all = unknowns.bodies[control.point.body][control.point.node]
             node = int(np.count_nonzero(placed[: equations.tables.master[of_all]]))
-            gap = np.abs(self._places[node] - control.point.position).max()
+            gap = np.abs(self._positions[node] - control.point.position).max()
             if gap > 1e-9 * unknowns.length:
                 raise ValueError(
                     f"displacement control at {control.point.label}, which is attached to another "
                     f"node rigidly {gap:g} away: control that one"
                 )
             self._control_label = f"displacement control at {control.point.label}"
-            self._fixed, self._to = control.along(len(self._places), node), 1.0
+            self._fixed, self._to = control.along(len(self._positions), node), 1.0
         elif isinstance(control, LoadControl):
             self._fixed = Load(walker.load)
         self.found = Record()
 
     def follow(self, start: Station | None, backwards: bool) -> None:
         """Make steps until an end condition is met."""
-        if start is not None and start.positions.shape != self._places.shape:
+        if start is not None and start.positions.shape != self._positions.shape:
             raise ValueError(
-                f"start=... must be a state of this scene with {len(self._places)} nodes, got "
+                f"start=... must be a state of this scene with {len(self._positions)} nodes, got "
                 f"{len(start.positions)}"
             )
         here = self._begin(start, backwards)
@@ -169,7 +169,7 @@ class Pursuit:
 
     def _arc(self, here: Station) -> Arc:
         """Metric of a step: displacements over the largest ones so far."""
-        moved = here.positions - self._places
+        moved = here.positions - self._positions
         self._scale = max(self._scale, sqrt(float(np.sum(moved * moved)) / len(moved)))
         return Arc(self._scale, self._walker.load)
 
@@ -180,7 +180,7 @@ class Pursuit:
         """Remaining length to the displacement target."""
         if self._to == inf or self._fixed is None:
             return inf
-        return self._to - self._fixed.distance(here.positions - self._places, 0.0)
+        return self._to - self._fixed.distance(here.positions - self._positions, 0.0)
 
     def _step(self, here: Station, arc: Arc, length: float) -> Station | None:
         """The next state, or ``None`` if there is none or the path bends too much."""
@@ -325,8 +325,8 @@ def _flattest(rates: tuple[float, float], mean: float) -> float:
     ends = min(first, last, key=abs)
     if curvature == 0.0:
         return ends
-    place = (3.0 * first + last - 4.0 * middle) / (2.0 * curvature)
-    if not 0.0 < place < 1.0:
+    part = (3.0 * first + last - 4.0 * middle) / (2.0 * curvature)
+    if not 0.0 < part < 1.0:
         return ends
-    value = first + (4.0 * middle - 3.0 * first - last) * place + curvature * place**2
+    value = first + (4.0 * middle - 3.0 * first - last) * part + curvature * part**2
     return min(value, ends) if first > 0 else max(value, ends)

@@ -214,15 +214,15 @@ class Walker:
             _, self._last_load = model.forces()
         model.factorise(factor)
         response = model.solve(self._last_load)
-        velocity, places = model.translations(response), model.positions()
+        velocity, positions = model.translations(response), model.positions()
         if way is not None:
             before, arc = way
-            along = arc.inner(places - before.positions, factor - before.factor, velocity, 1.0)
+            along = arc.inner(positions - before.positions, factor - before.factor, velocity, 1.0)
             sign = 1.0 if along >= 0.0 else -1.0
         return Station(
             factor=factor,
             state=model.state(),
-            positions=places,
+            positions=positions,
             velocity=velocity,
             response=response,
             sign=sign,

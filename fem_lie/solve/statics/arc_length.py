@@ -62,36 +62,36 @@ class Passed:
     those of that step.
     """
 
-    def __init__(self, places: Array, dot: Dot = plain_dot) -> None:
+    def __init__(self, positions: Array, dot: Dot = plain_dot) -> None:
         """Start with positions (n, 3) at load factor 0.
 
         Args:
-            places: The positions.
+            positions: The positions.
             dot: Inner product of two arrays with a row for each node.
         """
         self._dot = dot
-        self._factors, self._places = [0.0], [places]
+        self._factors, self._positions = [0.0], [positions]
         self._twists: list[Array] = []
         self._count = 0
 
-    def again(self, factor: float, places: Array, twist: Array) -> bool:
+    def again(self, factor: float, positions: Array, twist: Array) -> bool:
         """Add the end of a step; return whether it and the previous one ran back."""
         factors = np.array(self._factors)
-        back = factor < factors[-1] and self._against(factor, places, twist, factors)
+        back = factor < factors[-1] and self._against(factor, positions, twist, factors)
         self._count = self._count + 1 if back else 0
         self._factors.append(factor)
-        self._places.append(places)
+        self._positions.append(positions)
         self._twists.append(twist)
         return self._count >= _KNOWN
 
-    def _against(self, factor: float, places: Array, twist: Array, factors: Array) -> bool:
+    def _against(self, factor: float, positions: Array, twist: Array, factors: Array) -> bool:
         """Whether a step to this state is opposite to an earlier upward one."""
-        near = _NEAR * rms(places - self._places[int(factors.argmax())], self._dot)
+        near = _NEAR * rms(positions - self._positions[int(factors.argmax())], self._dot)
         upwards = (factors[:-1] <= factor) & (factor < factors[1:])
         for k in np.flatnonzero(upwards):
-            chord = self._places[k + 1] - self._places[k]
+            chord = self._positions[k + 1] - self._positions[k]
             part = (factor - factors[k]) / (factors[k + 1] - factors[k])
-            close = rms(self._places[k] + part * chord - places, self._dot) < near
+            close = rms(self._positions[k] + part * chord - positions, self._dot) < near
             if close and cosine(twist, self._twists[k], self._dot) < -_AGAINST:
                 return True
         return False

@@ -42,7 +42,7 @@ def move(equations: Equations, H: Array, x: Array, *, linearised: bool) -> float
 
     Args:
         equations: Equations of the scene.
-        H: Frames of all rows, changed.
+        H: Frames of all nodes, ground and prescribed motions, changed.
         x: Solution of the equations, in the nodes' frames, (≥ 6 n,).
         linearised: Whether the stress is updated linearly, too.
 
@@ -50,10 +50,10 @@ def move(equations: Equations, H: Array, x: Array, *, linearised: bool) -> float
         The largest increment, over the unit of its unknown.
     """
     unknowns = equations.unknowns
-    equations.history_variables.follow(H, -x[: 6 * unknowns.moving])
+    equations.history_variables.move_reference_angles(H, -x[: 6 * unknowns.moving])
     if linearised:
         equations.history_variables.update_stress(H, -x[: 6 * unknowns.moving])
-    ways = unknowns.held, unknowns.uncoupled, unknowns.straight
+    ways = unknowns.held, unknowns.separates_director, unknowns.separates_rotation
     advance(unknowns.kinds, H, x, *ways)
     equations.history_variables.rotate_axes(H)
     size = float(np.abs(x[: 6 * unknowns.moving] / unknowns.units).max(initial=0.0))

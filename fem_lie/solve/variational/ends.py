@@ -148,7 +148,7 @@ def prescribe(
     H: Array,
     start: float,
     h: float,
-    rows: tuple[Array, Array, Array, Array],
+    coordinates: tuple[Array, Array, Array, Array],
     given: tuple[Array, Array],
 ) -> None:
     """Set loads at the midpoint of the step, drives and prescribed motions, also at its end.
@@ -158,7 +158,7 @@ def prescribe(
         H: Nodal coordinates of all nodes at the start, shape (N, 4, 3).
         start: Time at the start.
         h: Step size.
-        rows: Increments, means, ends and midpoints of nodes; those of prescribed nodes are set.
+        coordinates: Increments, means, ends, midpoints of nodes; set for prescribed nodes.
         given: Increments of drives, shape (m,), and twists, shape (N, 6), of which those of
             prescribed nodes are set; results.
     """
@@ -168,7 +168,7 @@ def prescribe(
         at = [equations.prescribed(time).targets for time in (start, end)]
         driven[:] = at[1] - at[0]
     if len(H) > n + 1:
-        delta, mean, last, midpoint_frames = rows
+        delta, mean, last, midpoint_frames = coordinates
         after = equations.prescribed(end)
         delta[n + 1 :] = after.frames - H[n + 1 :]
         mean[n + 1 :] = 0.5 * (after.frames + H[n + 1 :])

@@ -18,7 +18,7 @@ from fem_lie._jit.fixed_arrays import (
     unpacking,
 )
 from fem_lie._jit.records import Records, record_type
-from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.joints.equations.joint_arrays import PackedJoints
 from fem_lie.lie.node_types import inertia
 from fem_lie.linear.factors import PlainFactors, solve
 from fem_lie.solve.conserving.midpoint.cayley import advance
@@ -154,18 +154,18 @@ def weigh(table: Indices, h: float) -> None:
     """Residual of the momenta at the start and of the constraints at the end."""
     this = packed(table)
     n, H, step, held = this.step.shape[0], this.H, this.step, this.held
-    rows = this.delta, this.mean, this.end, this.middle
-    momenta.between(this.kinds, H, step, rows, h, this.twists)
+    coordinates = this.delta, this.mean, this.end, this.middle
+    momenta.between(this.kinds, H, step, coordinates, h, this.twists)
     still = this.still
     residual(this.middle, still, still, this.none, this.scale, this.work, this.table)
     for i in range(n):
         for k in range(6):
             this.forces[i, k] = 0.0 if held[i, k] else this.work[6 * i + k]
     found = this.change, this.constraints
-    momenta.constrain(H, rows, this.joints, this.multipliers, this.driven, found)
+    momenta.constrain(H, coordinates, this.joints, this.multipliers, this.driven, found)
     acting = this.before, this.forces, this.constraints
     out = this.r[: 6 * n].reshape(n, 6), this.after
-    momenta.balance(this.kinds, H, step, rows, this.mass, h, acting, held, this.within, out)
+    momenta.balance(this.kinds, H, step, coordinates, this.mass, h, acting, held, this.within, out)
     for c in range(this.gap.shape[0]):
         this.r[6 * n + c] = this.scale[c] * (this.gap[c] + this.change[c])
 

@@ -16,7 +16,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie._jit.fixed_arrays import Numbers2, Numbers3
 from fem_lie.forms.fixed_arrays import put
-from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.joints.equations.joint_arrays import PackedJoints
 from fem_lie.lie.node_types import inertia
 from fem_lie.lie.node_types.floating import Floating
 from fem_lie.lie.node_types.node_type import (
@@ -152,7 +152,7 @@ def between(
     kinds: Indices,
     H: Array,
     step: Array,
-    rows: tuple[Array, Array, Array, Array],
+    coordinates: tuple[Array, Array, Array, Array],
     h: float,
     twists: Array,
 ) -> None:
@@ -163,11 +163,11 @@ def between(
         H: Nodes at the start, (≥ n, 4, 3).
         step: Translation and rotation of each frame in global components, increments of both
             coordinate vectors of other nodes, (n, 6).
-        rows: Increments, means, ends and midpoint nodes, (≥ n, 4, 3), overwritten.
+        coordinates: Increments, means, ends and midpoint nodes, (≥ n, 4, 3), overwritten.
         h: Step size.
         twists: Velocities, (≥ n, 6); those of the moving nodes are overwritten.
     """
-    delta, mean, end, middle = rows
+    delta, mean, end, middle = coordinates
     span(H, step, delta, mean, end, middle)
     for i in range(step.shape[0]):
         if kinds[i] >= POSITION_GRADIENT:
@@ -179,10 +179,10 @@ def between(
 
 @compiled
 def _span_vectors(
-    kind: int, H: Array, step: Array, rows: tuple[Array, Array, Array, Array]
+    kind: int, H: Array, step: Array, coordinates: tuple[Array, Array, Array, Array]
 ) -> None:
     """Increments, mean, end and midpoint of one node with vector coordinates."""
-    delta, mean, end, middle = rows
+    delta, mean, end, middle = coordinates
     half, at = 0.5 * step, first_vector(kind)
     add_increment(kind, H, half, middle)
     add_increment(kind, H, step, end)
@@ -248,7 +248,7 @@ def to_space(kinds: Indices, H: Array, local: Array, out: Array) -> None:
 @compiled
 def constrain(
     H: Array,
-    rows: tuple[Array, Array, Array, Array],
+    coordinates: tuple[Array, Array, Array, Array],
     joints: PackedJoints,
     multipliers: Array,
     driven: Array,
@@ -258,13 +258,13 @@ def constrain(
 
     Args:
         H: Nodes at the start.
-        rows: See :func:`between`.
+        coordinates: See :func:`between`.
         joints: Packed arrays of the joints.
         multipliers: Lagrange multipliers, (m,).
         driven: Increments of the constraints' targets, (m,).
         out: The increments, (m,), and forces and moments, (n, 6); overwritten.
     """
-    delta, mean, _, _ = rows
+    delta, mean, _, _ = coordinates
     change, forces = out
     aside, ground, still = np.zeros_like(forces), np.zeros(6), np.zeros_like(delta)
     none = np.zeros_like(multipliers)
@@ -303,7 +303,7 @@ def balance(
     kinds: Indices,
     H: Array,
     step: Array,
-    rows: tuple[Array, Array, Array, Array],
+    coordinates: tuple[Array, Array, Array, Array],
     mass: inertia.PlainInertia,
     h: float,
     acting: tuple[Array, Array, Array],
@@ -317,7 +317,7 @@ def balance(
         kinds: Types of the nodes, (n,).
         H: Nodes at the start.
         step: See :func:`between`.
-        rows: See :func:`between`.
+        coordinates: See :func:`between`.
         mass: Inertia.
         h: Step size.
         acting: Momenta at the start, (n, 6); forces without inertia, as of a residual, in the
@@ -327,15 +327,15 @@ def balance(
         out: 4/h times the residual, in the frames at the start, (n, 6), and momenta at the end, (n,
             6); overwritten.
     """
-    delta, mean, end, middle = rows
+    delta, mean, end, middle = coordinates
     before, forces, constraints = acting
     r, after = out
-    (bodies, rest, coordinates, means, moved), n = within, step.shape[0]
+    (bodies, rest, modal, means, moved), n = within, step.shape[0]
     for i in range(n):
         for k in range(4):
             store_row(moved[i], k, load_row(delta[i], k))
     if means.shape[0] > 0:
-        span_products(bodies, (H, rest), (mean, delta), coordinates, means, moved)
+        span_products(bodies, (H, rest), (mean, delta), modal, means, moved)
     q, p = np.empty(moved.shape), np.empty(moved.shape)
     for i in range(moved.shape[0]):
         for k in range(4):

@@ -117,7 +117,7 @@ class VariationalRun(Newton):
 
     @property
     def frames(self) -> Array:
-        """Current frames of all rows."""
+        """Current frames of all nodes, ground and prescribed motions."""
         return self.H
 
     @property
@@ -145,7 +145,7 @@ class VariationalRun(Newton):
         self._made, self.reason = self.begun, ""
         if self._changing:
             given = self._driven, self.twists
-            prescribe(self.equations, self.H, start, self.size, self.rows, given)
+            prescribe(self.equations, self.H, start, self.size, self.coordinates, given)
         if self._binding is not None:
             self._binding.begin(self.H, start, self.size)
         if self._contacts is not None:
@@ -164,7 +164,7 @@ class VariationalRun(Newton):
         """Whether the compiled loop can make the next steps; the first ones have no matrix yet."""
         tables, balance = self.equations.tables, self.balance
         needs_python = self._changing or self._viscous or tables.turns or not tables.in_one_sum
-        needs_python = needs_python or self._binding is not None or self._follows
+        needs_python = needs_python or self._binding is not None or self._convects_axes
         needs_python = needs_python or self._contacts is not None
         needs_python = (
             needs_python or not (balance.empty or balance.compiled) or self.division.level > 0
@@ -227,7 +227,7 @@ class VariationalRun(Newton):
             self.multipliers,
             self.earlier,
             self.gap,
-            *self.rows,
+            *self.coordinates,
             self.twists,
             np.zeros((len(self.H), 6)),
             np.zeros(m),
@@ -265,7 +265,7 @@ class VariationalRun(Newton):
 
         Returns whether no surfaces passed through each other.
         """
-        delta, _, end, middle = self.rows
+        delta, _, end, middle = self.coordinates
         n, start = self._n, self.H.copy()
         was = None if self._contacts is None else saved(self, _CHANGED)
         advance(self.H[:n], self.rest, delta[:n])
@@ -283,7 +283,7 @@ class VariationalRun(Newton):
             return False
         if not self._accept_history(start, middle):
             return False
-        if self._follows:
+        if self._convects_axes:
             self._convect_axes()
         if self._contacts is None and not self.balance.empty:
             self._add_to_balance(time, ahead)

@@ -8,7 +8,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._state import attributes
-from fem_lie.joints.equations.table import joint_table
+from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.lie.node_types import push_all_forward
 from fem_lie.linear.factors import Factors, factorise, solve
 from fem_lie.solve.conserving.midpoint.products import (
@@ -58,7 +58,7 @@ class RunState(DividedIntegration[Recorder]):
         "gap",
         "scale",
         "twists",
-        "rows",
+        "coordinates",
         "_made",
         "_factorisations",
         "_iterations",
@@ -83,14 +83,14 @@ class RunState(DividedIntegration[Recorder]):
         self._changing = unknowns.time_dependent
         self._mass = inertia_with_products(known.inertia, known.floating)
         self._viscous = _dissipates(equations)
-        self._follows = any(body.model.axes_update() is not None for body in unknowns.bodies)
+        self._convects_axes = any(body.model.axes_update() is not None for body in unknowns.bodies)
         self.H, self.rest = equations.start.frames.copy(), z((n, 4, 3))
         self._within = momenta.Within.of(known.floating, self.rest)
         # the last step and the one before
         self.steps, self.step = z((2, n, 6)), z((n, 6))
         self.before, self.after = z((n, 6)), z((n, 6))
         self.multipliers, self.earlier, self.gap = z(m), z(m), z(m)
-        self.rows = z(self.H.shape), self.H.copy(), self.H.copy(), self.H.copy()
+        self.coordinates = z(self.H.shape), self.H.copy(), self.H.copy(), self.H.copy()
         self.twists, self._still = equations.start.velocities.copy(), z((n, 6))
         self._none, self._driven, self._change = z(m), z(m), z(m)
         self._forces, self._constraints = z((n, 6)), z((n, 6))
@@ -140,7 +140,7 @@ class RunState(DividedIntegration[Recorder]):
         equations.residual(now, np.ones(len(self.multipliers)), self._work)
         self.gap[:] = self._work[6 * n :]
         self.balance.open(0.0, *now)
-        self._take_rows()
+        self._reset_coordinates()
         self.scale[:] = self._fill(None)
 
     def _momenta(self, H: Array, v: Array) -> Array:
@@ -171,8 +171,8 @@ class RunState(DividedIntegration[Recorder]):
             momenta.to_space(kinds, self.H, local, acceleration)
             self.steps -= h**2 * np.array([0.5, 1.5])[:, np.newaxis, np.newaxis] * acceleration
 
-    def _take_rows(self) -> None:
-        for row in self.rows[1:]:
+    def _reset_coordinates(self) -> None:
+        for row in self.coordinates[1:]:
             row[:] = self.H
 
     # --- the size of the step ---
@@ -181,14 +181,14 @@ class RunState(DividedIntegration[Recorder]):
         """Start steps of another size; momenta do not depend on it."""
         self.steps *= size / self.size
         self._take_size(size)
-        self._take_rows()
+        self._reset_coordinates()
         self.scale[:] = self._fill(None)
         self._factors = None
 
     def _take_size(self, size: float) -> None:
         self.size = self._ends.h = size
         if self._contacts is not None:
-            self._contacts.follow(self._end_rule)
+            self._contacts.set_rule(self._end_rule)
 
     # --- one iteration ---
 
@@ -201,10 +201,10 @@ class RunState(DividedIntegration[Recorder]):
 
     def _residual(self) -> None:
         """Residual of the momenta at the start and of the constraints at the end."""
-        equations, n, rows, h = self.equations, self._n, self.rows, self.size
+        equations, n, coordinates, h = self.equations, self._n, self.coordinates, self.size
         kinds = equations.unknowns.kinds
-        momenta.between(kinds, self.H, self.step, rows, h, self.twists)
-        middle = rows[3]
+        momenta.between(kinds, self.H, self.step, coordinates, h, self.twists)
+        middle = coordinates[3]
         v = self.twists if self._viscous else np.zeros_like(self.twists)
         equations.residual(
             TimeState(middle, v, self._still, self._none), self.scale, self._work, self._found
@@ -217,15 +217,19 @@ class RunState(DividedIntegration[Recorder]):
         constraints = self._change, self._constraints
         joints = equations.tables.joints
         if self._binding is None:
-            momenta.constrain(self.H, rows, joints, self.multipliers, self._driven, constraints)
+            momenta.constrain(
+                self.H, coordinates, joints, self.multipliers, self._driven, constraints
+            )
         else:
-            self._binding.constrain(rows[2], self.multipliers, self.gap, constraints)
+            self._binding.constrain(coordinates[2], self.multipliers, self.gap, constraints)
         acting = self.before, self._forces, self._constraints
         r = self._r[: 6 * n].reshape(n, 6)
         held = equations.unknowns.held
         out = r, self.after
         inside = self._inside
-        momenta.balance(kinds, self.H, self.step, rows, self._mass, h, acting, held, inside, out)
+        momenta.balance(
+            kinds, self.H, self.step, coordinates, self._mass, h, acting, held, inside, out
+        )
         self._r[6 * n :] = self.scale * (self.gap + self._change)
 
     @property
@@ -241,7 +245,7 @@ class RunState(DividedIntegration[Recorder]):
     def _fill(self, scale: Array | None) -> Array:
         """Assemble the matrix at the midpoint of the step; returns the scale of its constraints."""
         equations, h, n = self.equations, self.size, self._n
-        _, _, end, middle = self.rows
+        _, _, end, middle = self.coordinates
         v, H = self.twists.copy(), middle.copy()
         now = TimeState(H, v, np.zeros((n, 6)), self.multipliers)
         ones = np.ones(len(self.multipliers)) if scale is None else scale
@@ -254,5 +258,5 @@ class RunState(DividedIntegration[Recorder]):
 def _dissipates(equations: Equations) -> bool:
     """Whether forces depend on velocities."""
     known = equations.tables
-    dampers = joint_table(known.joints).springs[:, 1].any()
+    dampers = joint_arrays(known.joints).springs[:, 1].any()
     return bool(dampers) or len(known.damping.indptr) > 0 or any(t.viscosity for t in known.terms)

@@ -1,4 +1,4 @@
-"""Relative motions of a scene, between nodes and attachment frames, in one table.
+"""Relative motions of a scene, between nodes and attachment frames, in one record.
 
 Conserving schemes use it: they compute forces over a step from the motion of frames, and need to
 know which nodes act by their position only.
@@ -13,7 +13,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.joints.equations.functions import DISTANCE
-from fem_lie.joints.equations.table import JointTable, PackedJoints, pack
+from fem_lie.joints.equations.joint_arrays import JointArrays, PackedJoints, pack
 from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
 from fem_lie.system.constraint_sets.on_attachments import OnAttachments
@@ -29,7 +29,7 @@ class AllPairs(NamedTuple):
     """Pairs whose rows are the moving nodes, then attachments, ground and prescribed motions.
 
     Attributes:
-        joints: The table; rows of which only positions matter may rotate arbitrarily.
+        joints: The joints; frames of which only positions matter may rotate arbitrarily.
         attachments: The attachment frames.
         oriented: Nodes and attachments of which more than the position matters, shape (n + g,).
         turns: Whether any angle is counted beyond a full turn.
@@ -51,13 +51,13 @@ def all_pairs(
     Args:
         sets: Sets of a system; the first is that of nodes.
         numbering: Numbering of the nodes.
-        frames: Initial frames of all rows.
+        frames: Initial frames of all nodes, ground and prescribed motions.
         kinds: Types of the nodes.
     """
     first, *others = sets
     attached = [each for each in others if isinstance(each, OnAttachments)]
     parts = [first, *(each.inner for each in attached)]
-    tables = [each.table for each in parts if isinstance(each, RelativeMotions)]
+    tables = [each.arrays for each in parts if isinstance(each, RelativeMotions)]
     if len(tables) < len(sets) or len(attached) > 1:
         return None
     attachments = attached[0].rows.attachments if attached else HeldAttachments([], numbering)
@@ -81,8 +81,8 @@ def all_pairs(
     return AllPairs(pack(table), attachments, oriented, turns, loose)
 
 
-def _joined(tables: Sequence[JointTable], rows: Sequence[Indices]) -> JointTable:
-    """Concatenate tables: constraints first, then the springs of all."""
+def _joined(tables: Sequence[JointArrays], rows: Sequence[Indices]) -> JointArrays:
+    """Concatenate the arrays: constraints first, then the springs of all."""
     m = sum(len(table.targets) for table in tables)
     row, springs, terms = 0, m, 0
     of_terms: list[Indices] = []
@@ -97,7 +97,7 @@ def _joined(tables: Sequence[JointTable], rows: Sequence[Indices]) -> JointTable
         name: np.concatenate([getattr(table, name) for table in tables])
         for name in ("frames", "selection", "functions", "angle", "curved", "turned", "springs")
     }
-    return JointTable(
+    return JointArrays(
         nodes=np.concatenate([numbers[table.nodes] for table, numbers in own]),
         first=np.concatenate(first),
         rows=np.concatenate(of_terms),
@@ -107,7 +107,7 @@ def _joined(tables: Sequence[JointTable], rows: Sequence[Indices]) -> JointTable
     )
 
 
-def _oriented(table: JointTable, count: int, short: float) -> Flags:
+def _oriented(table: JointArrays, count: int, short: float) -> Flags:
     """Rows, of ``count``, of which more than the position matters.
 
     Side A matters with its rotation if some but not all components of the gap are constrained along

@@ -21,7 +21,7 @@ from fem_lie.system.nodes.held_attachments import HeldAttachments
 
 @compiled
 def _expand(
-    core: Array, S: Array, of: Indices, left: Indices, right: Indices, place: Indices, K: Array
+    core: Array, S: Array, of: Indices, left: Indices, right: Indices, index: Indices, K: Array
 ) -> None:
     """Add ``Sᵀ C S`` to blocks ``K``."""
     product, row, column = np.empty((S.shape[1], 6)), -1, -1
@@ -30,7 +30,7 @@ def _expand(
         if of[i] != row or j != column:
             row, column = of[i], j
             product[:] = np.ascontiguousarray(core[row, :, of[j]]) @ S[j]
-        K[place[p]] += S[i].T @ product
+        K[index[p]] += S[i].T @ product
 
 
 class AveragedPairs:
@@ -79,9 +79,9 @@ class AveragedPairs:
         np.add.at(by_pair, (self._first, self._second), pulled)
         return core
 
-    def add(self, H: Array, core: Array, place: Indices, K: Array) -> None:
+    def add(self, H: Array, core: Array, index: Indices, K: Array) -> None:
         """Add ``Sᵀ C S`` to blocks ``K`` at the positions of :attr:`nodes`."""
-        _expand(core, self._attachments.spread(H), self._of, self._left, self._right, place, K)
+        _expand(core, self._attachments.spread(H), self._of, self._left, self._right, index, K)
 
 
 class Averages:

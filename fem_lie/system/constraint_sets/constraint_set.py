@@ -1,9 +1,9 @@
 """Base class of sets of constraints: all that the equations know of joints.
 
 A set takes its connections from the items of a scene (joints, springs, drives and so on), numbers
-their constraints, and works on arrays of the whole system: frames and twists of all rows, Lagrange
-multipliers, the rows of the constraint Jacobian. A new type of constraint is one file with such a
-class, and an entry in :mod:`.kinds`.
+their constraints, and works on arrays of the whole system: frames and twists of all nodes, of
+ground and of prescribed motions, Lagrange multipliers, the constraint Jacobian. A new type of
+constraint is one file with such a class, and an entry in :mod:`.kinds`.
 
 All constraints are equalities, ``Φ = 0`` or ``W V = 0``. Inequalities would need a *bound* of each
 constraint, beside ``angular`` and ``owner``: "equal", "not negative" or "in the cone of the next
@@ -62,7 +62,7 @@ class SystemRows:
 
         Args:
             numbering: Numbering of the nodes.
-            frames: Initial frames of all rows.
+            frames: Initial frames of all nodes, ground and prescribed motions.
             held: Unknowns of the moving nodes that are zero, shape (n, 6).
             motions: Row of each point with a prescribed motion.
         """
@@ -252,7 +252,7 @@ class ConstraintSet(ABC):
         """Add constraint forces ``Bᵀλ`` and spring forces to ``r``; set its rows ``scale · Φ``.
 
         Args:
-            H: Frames of all rows.
+            H: Frames of all nodes, ground and prescribed motions.
             v: Twists, shape (≥ n, 6); further rows are at rest.
             multipliers: Lagrange multipliers λ of all constraints, shape (m of all,).
             scale: Scale factor of each constraint, shape (m of all,).
@@ -269,8 +269,8 @@ class ConstraintSet(ABC):
         """Add ``∂Φ/∂h``, one row of six per incidence, to the constraint Jacobian ``rows``."""
 
     @abstractmethod
-    def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
-        """Add ``∂(Bᵀλ)/∂h`` to blocks ``K``, at ``place`` of each of ``pairs``, −1: none."""
+    def geometric(self, H: Array, multipliers: Array, index: Indices, K: Array) -> None:
+        """Add ``∂(Bᵀλ)/∂h`` to blocks ``K``, at ``index`` of each of ``pairs``, −1: none."""
 
     @property
     def means(self) -> Means | None:
@@ -309,7 +309,7 @@ class ConstraintSet(ABC):
         """Whether springs couple each of :attr:`pairs`; of the same shape."""
         return np.ones(self.pairs[0].shape, dtype=bool)
 
-    def stiffen(self, H: Array, place: Indices, stiff: float, damp: float, K: Array) -> None:
+    def stiffen(self, H: Array, index: Indices, stiff: float, damp: float, K: Array) -> None:
         """Add ``(stiff k + damp c) bᵀb`` of springs and dampers to blocks, as :meth:`geometric`."""
         return  # most sets have none
 
@@ -331,7 +331,7 @@ class ConstraintSet(ABC):
 
     # --- rotations within a step ---
 
-    def follow(self, H: Array, h: Array) -> None:
+    def move_reference_angles(self, H: Array, h: Array) -> None:
         """Move reference angles along the increment ``h`` (n, 6) of nodes, made from ``H``."""
         return  # most sets have no angles
 

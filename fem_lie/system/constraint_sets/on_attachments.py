@@ -141,7 +141,7 @@ class OnAttachments(ConstraintSet):
         """Node pairs between entries of coupled rows, within attachments, and of averaging ones."""
         rows, columns = self.inner.pairs
         moves = (rows < self.rows.count) & (columns < self.rows.count)
-        self._inner_place = np.where(moves, np.cumsum(moves).reshape(moves.shape) - 1, -1)
+        self._inner_index = np.where(moves, np.cumsum(moves).reshape(moves.shape) - 1, -1)
         first, second = rows[moves], columns[moves]
         self._blocks = len(first)
         averaged = np.append(np.full(len(self.rows.moving), -1), self._attachments.averaged)
@@ -214,16 +214,16 @@ class OnAttachments(ConstraintSet):
         self.inner.evaluate(H, v, multipliers, scale, len(H), r)
         return r[: 6 * len(H)].reshape(-1, 6), r[6 * len(H) :]
 
-    def _add_pulled(self, J: Array, blocks: Array, place: Indices, K: Array) -> None:
+    def _add_pulled(self, J: Array, blocks: Array, index: Indices, K: Array) -> None:
         """Add blocks of pairs of inner rows, transformed to node pairs, without averaged ones."""
         pulled = J[self._left].transpose(0, 2, 1) @ blocks[self._block] @ J[self._right]
-        add_at(K, place[: len(pulled)], pulled)
+        add_at(K, index[: len(pulled)], pulled)
 
     def _add_averaged(
-        self, H: Array, blocks: Array, forces: Array, place: Indices, K: Array
+        self, H: Array, blocks: Array, forces: Array, index: Indices, K: Array
     ) -> None:
         """Add contributions of averaging attachments to the last pairs."""
-        own = place[len(self._sparse[0]) :]
+        own = index[len(self._sparse[0]) :]
         if len(own):
             self._averaged.add(H, self._averaged.core(H, blocks, forces), own, K)
 
@@ -254,20 +254,20 @@ class OnAttachments(ConstraintSet):
         moved = np.einsum("lij,li->lj", J[self._incidence_entry], own[self._inner_incidence])
         np.add.at(rows, self._to_incidence, moved)
 
-    def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
+    def geometric(self, H: Array, multipliers: Array, index: Indices, K: Array) -> None:
         """Add the geometric stiffness of the inner set, and of attachments under its forces."""
         _, J = self._inner_frames(H)
         blocks, forces = self._bent(H, multipliers)
-        self._add_pulled(J, blocks, place, K)
-        within = place[len(self._left) : len(self._sparse[0])]
+        self._add_pulled(J, blocks, index, K)
+        within = index[len(self._left) : len(self._sparse[0])]
         add_at(K, within, self._attachments.bend(H, forces))
-        self._add_averaged(H, blocks, forces, place, K)
+        self._add_averaged(H, blocks, forces, index, K)
 
     def _bent(self, H: Array, multipliers: Array) -> tuple[Array, Array]:
         """Geometric stiffness of the inner set between its rows, and its forces on attachments."""
         frames, _ = self._inner_frames(H)
         blocks, own = np.zeros((self._blocks, 6, 6)), multipliers[self.own]
-        self.inner.geometric(frames, own, self._inner_place, blocks)
+        self.inner.geometric(frames, own, self._inner_index, blocks)
         forces, _ = self._forces(frames, np.zeros((0, 6)), own, np.ones(self.m))
         return blocks, forces[len(self.rows.moving) : self.rows.count]
 
@@ -296,13 +296,13 @@ class OnAttachments(ConstraintSet):
         """Stiffness, damping and rest value of each spring, shape (k, 3)."""
         return self.inner.springs
 
-    def stiffen(self, H: Array, place: Indices, stiff: float, damp: float, K: Array) -> None:
+    def stiffen(self, H: Array, index: Indices, stiff: float, damp: float, K: Array) -> None:
         """Add ``(stiff k + damp c) bᵀb`` of springs and dampers to blocks, as :meth:`geometric`."""
         frames, J = self._inner_frames(H)
         blocks = np.zeros((self._blocks, 6, 6))
-        self.inner.stiffen(frames, self._inner_place, stiff, damp, blocks)
-        self._add_pulled(J, blocks, place, K)
-        self._add_averaged(H, blocks, np.zeros((self._attachments.count, 6)), place, K)
+        self.inner.stiffen(frames, self._inner_index, stiff, damp, blocks)
+        self._add_pulled(J, blocks, index, K)
+        self._add_averaged(H, blocks, np.zeros((self._attachments.count, 6)), index, K)
 
     def stretch_springs(self, H: Array, h: Array) -> None:
         """Change rest values of springs by the changes of coordinates along ``h`` (n, 6)."""
@@ -320,10 +320,10 @@ class OnAttachments(ConstraintSet):
 
     # --- rotations within a step ---
 
-    def follow(self, H: Array, h: Array) -> None:
+    def move_reference_angles(self, H: Array, h: Array) -> None:
         """Move reference angles along the increment ``h`` (n, 6) of nodes, made from ``H``."""
         frames, J = self._inner_frames(H)
-        self.inner.follow(frames, self._twists(J, h))
+        self.inner.move_reference_angles(frames, self._twists(J, h))
 
     def mark(self) -> None:
         """Take the reference angles as those of the accepted state."""
@@ -372,13 +372,13 @@ class OnAttachments(ConstraintSet):
     def drawn(self) -> dict[int, tuple[int, Array]]:
         """Positions of items; on an attachment relative to its nearest node at the start."""
         rows, found = self.rows, {}
-        for item, (row, place) in self.inner.drawn().items():
+        for item, (row, offset) in self.inner.drawn().items():
             if row >= rows.count:
-                found[item] = (int(rows.fixed[row - rows.count]), place)
+                found[item] = (int(rows.fixed[row - rows.count]), offset)
             elif row < len(rows.moving):
-                found[item] = (int(rows.moving[row]), place)
+                found[item] = (int(rows.moving[row]), offset)
             else:
-                spot = rows.frames[row, 0] + place @ rows.frames[row, 1:]
+                spot = rows.frames[row, 0] + offset @ rows.frames[row, 1:]
                 found[item] = self._attachments.nearest(row - len(rows.moving), spot)
         return found
 

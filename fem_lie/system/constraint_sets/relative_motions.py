@@ -11,7 +11,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.joints.connection import Connection, ConstraintDefinition, LostBranchError
 from fem_lie.joints.equations import terms, turns
 from fem_lie.joints.equations.functions import ANGLE, DISTANCE
-from fem_lie.joints.equations.table import JointTable, PackedJoints, pack, views
+from fem_lie.joints.equations.joint_arrays import JointArrays, PackedJoints, pack, views
 from fem_lie.joints.equations.turns import spring_changes
 from fem_lie.joints.joint import Joint
 from fem_lie.linear.saddle_point import Incidences
@@ -33,30 +33,30 @@ class Branches:
     """Reference angles of pairs of frames in a step, and alignment of constrained axes."""
 
     def __init__(
-        self, table: JointTable, probes: JointTable, labels: Sequence[str], item: Indices
+        self, arrays: JointArrays, probes: JointArrays, labels: Sequence[str], item: Indices
     ) -> None:
-        """Store the two tables.
+        """Store the arrays of both sets.
 
         Args:
-            table: Table of constraints and springs.
+            arrays: Table of constraints and springs.
             probes: Table of the coordinates in results.
             labels: Names of items in messages.
-            item: Item of each pair of ``table``, shape (j,).
+            item: Item of each pair of ``arrays``, shape (j,).
         """
-        self._table, self._probes = table, probes
+        self._table, self._probes = arrays, probes
         self._labels, self._item = labels, item
-        self._accepted = table.turned.copy()
-        bound = table.rows < len(table.targets)
-        ends = list(zip(table.first[:-1], table.first[1:], strict=True))
+        self._accepted = arrays.turned.copy()
+        bound = arrays.rows < len(arrays.targets)
+        ends = list(zip(arrays.first[:-1], arrays.first[1:], strict=True))
         self._counted: Flags = np.array(
-            [table.functions[a:b, ANGLE].any() for a, b in ends], dtype=bool
+            [arrays.functions[a:b, ANGLE].any() for a, b in ends], dtype=bool
         )
         self._aligned = np.array(
-            [turns.fixed_rotations(table.selection[a:b, 3:][bound[a:b]]) for a, b in ends]
+            [turns.fixed_rotations(arrays.selection[a:b, 3:][bound[a:b]]) for a, b in ends]
         ).reshape(-1, 3, 3)
         self._any_aligned = bool(self._aligned.any())
 
-    def follow(self, H: Array, h: Array) -> None:
+    def move_reference_angles(self, H: Array, h: Array) -> None:
         """Move reference angles along the increment ``h`` (n, 6) of nodes, made from ``H``."""
         turns.foresee(H, h, self._table)
         turns.foresee(H, h, self._probes)
@@ -71,15 +71,15 @@ class Branches:
         Raises:
             LostBranchError: An angle has changed by more than a quarter turn, or axes are opposite.
         """
-        table = self._table
+        arrays = self._table
         if self._counted.any():
-            angles = np.empty(len(table.nodes))
-            turns.angles(H, table, angles)
+            angles = np.empty(len(arrays.nodes))
+            turns.angles(H, arrays, angles)
             change = np.where(self._counted, np.abs(angles - self._accepted), 0.0)
             self._refuse(change > _QUARTER, "rotates by more than a quarter turn in one step")
         if self._any_aligned:
-            found = np.empty(len(table.nodes))
-            turns.alignments(H, table, self._aligned, found)
+            found = np.empty(len(arrays.nodes))
+            turns.alignments(H, arrays, self._aligned, found)
             self._refuse(found < -0.5, "is half a turn away from where its axes are aligned")
 
     def _refuse(self, lost: Flags, how: str) -> None:
@@ -107,7 +107,7 @@ class RelativeMotions(ConstraintSet):
     """First set of constraints, in relative motions, see :mod:`fem_lie.joints.equations.terms`.
 
     Attributes:
-        table: Packed constraints and springs; ``packed``: the same for calls from Python.
+        arrays: Packed constraints and springs; ``packed``: the same for calls from Python.
         probes: Table whose constraints are the coordinates in results; ``packed_probes``: likewise.
         tied: Items with pairs of frames, in ascending order.
         turns: Whether any angle is counted beyond a full turn.
@@ -117,7 +117,7 @@ class RelativeMotions(ConstraintSet):
     what = "joints"
 
     def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
-        """Build the table of all definitions."""
+        """Build the arrays of all definitions."""
         assert start.row == 0, "compiled sums over all nodes count its constraints from zero"
         self.start, self._count = start, rows.count
         sizes = np.array([item.size for item, _, _ in items], dtype=np.int64)
@@ -137,13 +137,13 @@ class RelativeMotions(ConstraintSet):
         self.incidences = Incidences.of(touched, rows.count)
         springs = [item.spring for item, _, _ in items if item.spring is not None]
         self.packed = _packed(rows, pairs, self.m, springs, self.incidences, start.incidence)
-        self.table = views(self.packed)
-        self.targets = self.table.targets
-        self._rest = self.table.springs[:, 2].copy()
+        self.arrays = views(self.packed)
+        self.targets = self.arrays.targets
+        self._rest = self.arrays.springs[:, 2].copy()
         # without definitions the compiled functions are not called: compiling them takes seconds
-        self._ties = len(self.table.nodes) > 0
+        self._ties = len(self.arrays.nodes) > 0
         self.angular = self._angles()
-        a, b = self.table.nodes.T
+        a, b = self.arrays.nodes.T
         sides = np.stack([a, b], axis=1)
         self.pairs = (
             np.repeat(sides[:, :, np.newaxis], 2, axis=2),
@@ -159,7 +159,7 @@ class RelativeMotions(ConstraintSet):
         self._probe(items, rows)
         labels = [item.label for item, _, _ in items]
         of = np.repeat(np.arange(len(items)), counts)
-        self._branches = Branches(self.table, self.probes, labels, of)
+        self._branches = Branches(self.arrays, self.probes, labels, of)
         pairs_of = [
             key
             for (item, _, _), group in zip(items, groups, strict=True)
@@ -169,7 +169,7 @@ class RelativeMotions(ConstraintSet):
         self._keys = pairs_of, [(c.joint.label, c.name) for c in coordinates]
         sprung = [item for item, _, _ in items if item.spring is not None]
         self._preloaded = np.array([item.preloaded for item in sprung], dtype=bool)
-        self._rest, self._start = self.table.springs[:, 2].copy(), np.empty(0)
+        self._rest, self._start = self.arrays.springs[:, 2].copy(), np.empty(0)
 
     def _probe(self, items: Sequence[Numbered], rows: Rows) -> None:
         definitions = [
@@ -180,93 +180,93 @@ class RelativeMotions(ConstraintSet):
         probes = [_pair(rows, definition, row) for row, (definition, _) in enumerate(definitions)]
         self.packed_probes: PackedJoints = _packed(rows, probes, len(probes), [], None, 0)
         self.probes = views(self.packed_probes)
-        self._place: Indices = np.array([at for _, at in definitions], dtype=np.int64)
-        self.turns = bool(self.table.functions.any() or self.probes.functions.any())
+        self._index: Indices = np.array([at for _, at in definitions], dtype=np.int64)
+        self.turns = bool(self.arrays.functions.any() or self.probes.functions.any())
 
     def _angles(self) -> Flags:
-        table, angular = self.table, np.ones(self.m, dtype=bool)
-        lengths = table.selection[:, :3].any(axis=1) | (table.functions[:, DISTANCE] != 0.0)
+        arrays, angular = self.arrays, np.ones(self.m, dtype=bool)
+        lengths = arrays.selection[:, :3].any(axis=1) | (arrays.functions[:, DISTANCE] != 0.0)
         # the first term of a gear decides: its ratio converts the second term
-        rows, first = np.unique(table.rows, return_index=True)
+        rows, first = np.unique(arrays.rows, return_index=True)
         angular[rows[lengths[first] & (rows < self.m)]] = False
         return angular
 
     @property
     def empty(self) -> bool:
         """Whether it has no constraint, spring or coordinate."""
-        return len(self.table.nodes) == 0 and len(self.probes.nodes) == 0
+        return len(self.arrays.nodes) == 0 and len(self.probes.nodes) == 0
 
     def evaluate(
         self, H: Array, v: Array, multipliers: Array, scale: Array, count: int, r: Array
     ) -> None:
         """Add constraint forces ``Bᵀλ`` and spring forces to ``r``; set its rows ``scale · Φ``."""
         if self._ties:
-            terms.evaluate(H, v, self.table, multipliers, scale, count, r)
+            terms.evaluate(H, v, self.arrays, multipliers, scale, count, r)
 
     def values(self, H: Array, v: Array, out: Array) -> None:
         """Set the violations ``Φ`` or ``W V`` in its rows of ``out``."""
         if self._ties:
-            terms.violations(H, self.table, out)
+            terms.violations(H, self.arrays, out)
 
     def jacobian(self, H: Array, rows: Array) -> None:
         """Add ``∂Φ/∂h``, one row of six per incidence, to the constraint Jacobian ``rows``."""
         if self._ties:
-            terms.jacobian(H, self.table, rows)
+            terms.jacobian(H, self.arrays, rows)
 
-    def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
-        """Add ``∂(Bᵀλ)/∂h`` to blocks ``K``, at ``place`` of each of ``pairs``, −1: none."""
+    def geometric(self, H: Array, multipliers: Array, index: Indices, K: Array) -> None:
+        """Add ``∂(Bᵀλ)/∂h`` to blocks ``K``, at ``index`` of each of ``pairs``, −1: none."""
         if self._ties:
-            terms.geometric(H, self.table, multipliers, place, K)
+            terms.geometric(H, self.arrays, multipliers, index, K)
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
         """Set first and second rates at constant twists and targets; of ``W V``: value and rate."""
         if self._ties:
-            terms.rates(H, v, self.table, first, second)
+            terms.rates(H, v, self.arrays, first, second)
 
     def initial(self, H: Array) -> Array:
         """Targets that keep initial values, shape (m,); zero for all other constraints."""
         values = np.zeros(self.m)
         if self._ties:
-            terms.violations(H, self.table, values)
+            terms.violations(H, self.arrays, values)
         return np.where(self._keeps, values, 0.0)
 
     @property
     def springs(self) -> Array:
         """Stiffness, damping and rest value of each spring, shape (k, 3)."""
-        return self.table.springs
+        return self.arrays.springs
 
     @property
     def sprung(self) -> Flags:
         """Whether springs couple each of :attr:`pairs`; of the same shape."""
-        term = np.flatnonzero(self.table.rows >= self.m)
+        term = np.flatnonzero(self.arrays.rows >= self.m)
         found = np.zeros(self.pairs[0].shape, dtype=bool)
-        found[np.searchsorted(self.table.first, term, side="right") - 1] = True
+        found[np.searchsorted(self.arrays.first, term, side="right") - 1] = True
         return found
 
-    def stiffen(self, H: Array, place: Indices, stiff: float, damp: float, K: Array) -> None:
+    def stiffen(self, H: Array, index: Indices, stiff: float, damp: float, K: Array) -> None:
         """Add ``(stiff k + damp c) bᵀb`` of springs and dampers to blocks, as :meth:`geometric`."""
-        if len(self.table.springs):
-            terms.add_springs(H, self.table, place, stiff, damp, K)
+        if len(self.arrays.springs):
+            terms.add_springs(H, self.arrays, index, stiff, damp, K)
 
     def stretch_springs(self, H: Array, h: Array) -> None:
         """Change rest values of springs by the changes of coordinates along ``h`` (n, 6)."""
-        if len(self.table.springs):
+        if len(self.arrays.springs):
             changes = np.zeros(len(self._rest))
-            spring_changes(H, h, self.table, changes)
-            self.table.springs[:, 2] = self._rest - changes
+            spring_changes(H, h, self.arrays, changes)
+            self.arrays.springs[:, 2] = self._rest - changes
 
     def spring_energy(self, H: Array) -> float:
         """Energy of all springs."""
-        return terms.spring_energy(H, self.table) if len(self.table.springs) else 0.0
+        return terms.spring_energy(H, self.arrays) if len(self.arrays.springs) else 0.0
 
     def damper_loss(self, H: Array, v: Array) -> float:
         """Power dissipated by dampers."""
-        return terms.damper_loss(H, v, self.table) if len(self.table.springs) else 0.0
+        return terms.damper_loss(H, v, self.arrays) if len(self.arrays.springs) else 0.0
 
-    def follow(self, H: Array, h: Array) -> None:
+    def move_reference_angles(self, H: Array, h: Array) -> None:
         """Move reference angles along the increment ``h`` (n, 6) of nodes, made from ``H``."""
         if self.turns:
-            self._branches.follow(H, h)
+            self._branches.move_reference_angles(H, h)
 
     def mark(self) -> None:
         """Take the reference angles as those of the accepted state."""
@@ -284,11 +284,11 @@ class RelativeMotions(ConstraintSet):
 
     def preload(self, H: Array, part: float) -> None:
         """Apply a fraction of the preload of springs with a prescribed rest value."""
-        springs = self.table.springs
+        springs = self.arrays.springs
         if not len(self._start):
             # later the initial frames do not determine full turns
             self._start = np.zeros(len(springs))
-            turns.spring_values(H, self.table, self._start)
+            turns.spring_values(H, self.arrays, self._start)
         now = part * self._rest + (1.0 - part) * self._start
         springs[:, 2] = np.where(self._preloaded, now, self._rest)
 
@@ -301,7 +301,7 @@ class RelativeMotions(ConstraintSet):
     @property
     def history_variables(self) -> tuple[Array, ...]:
         """History variables that :meth:`accept` updates; arrays that may be written."""
-        return self.table.turned, self.probes.turned
+        return self.arrays.turned, self.probes.turned
 
     @property
     def history_keys(self) -> tuple[list[HistoryKey], ...]:
@@ -313,29 +313,31 @@ class RelativeMotions(ConstraintSet):
         if not self._ties:
             return
         found: Array = np.empty((len(self.tied), 6))
-        terms.wrenches(H, v, self.table, multipliers, *self.reported, found)
+        terms.wrenches(H, v, self.arrays, multipliers, *self.reported, found)
         out[self.tied] += found
 
     def coordinates(self, H: Array, out: Array) -> None:
         """Set the coordinates of its items in ``out``, shape (c,)."""
-        if not len(self._place):
+        if not len(self._index):
             return
         found: Array = np.empty(len(self.probes.targets))
         terms.violations(H, self.probes, found)
-        out[self._place] = found
+        out[self._index] = found
 
     def drawn(self) -> dict[int, tuple[int, Array]]:
         """Position on side A of each item, or on side B if A is ground."""
-        table, pairs = self.table, self.reported[0]
-        side = (table.nodes[pairs, 0] >= self._count).astype(np.int64)
-        found = zip(self.tied, table.nodes[pairs, side], table.frames[pairs, side, 0], strict=True)
-        return {int(item): (int(node), place) for item, node, place in found}
+        arrays, pairs = self.arrays, self.reported[0]
+        side = (arrays.nodes[pairs, 0] >= self._count).astype(np.int64)
+        found = zip(
+            self.tied, arrays.nodes[pairs, side], arrays.frames[pairs, side, 0], strict=True
+        )
+        return {int(item): (int(node), offset) for item, node, offset in found}
 
     @property
     def outward(self) -> bool:
         """Whether there are dampers, or connections to ground or prescribed motions."""
-        table = self.table
-        return bool((table.nodes >= self._count).any() or table.springs[:, 1].any())
+        arrays = self.arrays
+        return bool((arrays.nodes >= self._count).any() or arrays.springs[:, 1].any())
 
 
 def _keys(item: Connection, pairs: Sequence[Pair]) -> list[HistoryKey]:
@@ -375,7 +377,7 @@ def _packed(
     at = np.full_like(nodes, -1) if incidences is None else incidences.find(of_terms, nodes)
     of_pairs = np.array([pair.nodes for pair in pairs], dtype=np.int64).reshape(-1, 2)
     frames = np.array([pair.definition.frames for pair in pairs]).reshape(-1, 2, 4, 3)
-    table = JointTable(
+    arrays = JointArrays(
         nodes=of_pairs,
         frames=in_rows(rows, of_pairs, frames),
         first=np.cumsum([0] + [len(pair.rows) for pair in pairs], dtype=np.int64),
@@ -389,4 +391,4 @@ def _packed(
         targets=np.zeros(m),
         springs=np.array(springs, dtype=np.float64).reshape(-1, 3),
     )
-    return pack(table)
+    return pack(arrays)

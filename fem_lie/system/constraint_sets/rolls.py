@@ -9,7 +9,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.joints.connection import VelocityConstraintDefinition
 from fem_lie.joints.equations import rolling
-from fem_lie.joints.equations.rolling import RollingTable
+from fem_lie.joints.equations.rolling import RollingArrays
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
@@ -25,14 +25,14 @@ class Rolls(ConstraintSet):
     """Set of velocity constraints, see :mod:`fem_lie.joints.equations.rolling`.
 
     Attributes:
-        table: Packed arrays of all of them.
+        arrays: Packed arrays of all of them.
     """
 
     what = "velocity constraints (KnifeEdge, RollingDisc)"
     of_velocities = True
 
     def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
-        """Build the table of all rolling discs and knife edges."""
+        """Build the arrays of all rolling discs and knife edges."""
         found = [
             (given.number, definition)
             for given in items
@@ -50,7 +50,7 @@ class Rolls(ConstraintSet):
             for _ in definition.selection
         ]
         self.incidences = Incidences.of(touched, rows.count)
-        self.table = _table(rows, definitions, self.incidences, start)
+        self.arrays = _table(rows, definitions, self.incidences, start)
         self.targets = np.zeros(self.m)
         # all constrained velocities are those of points
         self.angular = np.zeros(self.m, dtype=bool)
@@ -67,41 +67,41 @@ class Rolls(ConstraintSet):
         self, H: Array, v: Array, multipliers: Array, scale: Array, count: int, r: Array
     ) -> None:
         """Add constraint forces ``Bᵀλ`` and spring forces to ``r``; set its rows ``scale · Φ``."""
-        rolling.evaluate(H, v, self.table, multipliers, scale, count, r)
+        rolling.evaluate(H, v, self.arrays, multipliers, scale, count, r)
 
     def values(self, H: Array, v: Array, out: Array) -> None:
         """Set the slip velocities ``W V`` in its rows of ``out``."""
-        rolling.rates(H, v, self.table, out, np.empty_like(out))
+        rolling.rates(H, v, self.arrays, out, np.empty_like(out))
 
     def jacobian(self, H: Array, rows: Array) -> None:
         """Add ``W``, one row of six per incidence, to the constraint Jacobian ``rows``."""
-        rolling.jacobian(H, self.table, rows)
+        rolling.jacobian(H, self.arrays, rows)
 
-    def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
+    def geometric(self, H: Array, multipliers: Array, index: Indices, K: Array) -> None:
         """Add nothing: the geometric stiffness of velocity constraints is left out."""
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
         """Set ``W V`` and its rate at constant twists in its rows."""
-        rolling.rates(H, v, self.table, first, second)
+        rolling.rates(H, v, self.arrays, first, second)
 
     def wrenches(self, H: Array, v: Array, multipliers: Array, out: Array) -> None:
         """Add force and moment on side A of each item, in its axes there, to the rows of items."""
-        rolling.wrenches(H, self.table, multipliers, self._items, out)
+        rolling.wrenches(H, self.arrays, multipliers, self._items, out)
 
     def drawn(self) -> dict[int, tuple[int, Array]]:
         """Position on side A of each item, or on side B if A is ground."""
-        table = self.table
-        side = (table.nodes[:, 0] >= self._count).astype(np.int64)
+        arrays = self.arrays
+        side = (arrays.nodes[:, 0] >= self._count).astype(np.int64)
         which = np.arange(len(side))
         found = zip(
-            self._items, table.nodes[which, side], table.frames[which, side, 0], strict=True
+            self._items, arrays.nodes[which, side], arrays.frames[which, side, 0], strict=True
         )
-        return {int(item): (int(node), place) for item, node, place in found}
+        return {int(item): (int(node), offset) for item, node, offset in found}
 
     @property
     def outward(self) -> bool:
         """Whether there are dampers, or connections to ground or prescribed motions."""
-        return bool((self.table.nodes >= self._count).any())
+        return bool((self.arrays.nodes >= self._count).any())
 
 
 def _table(
@@ -109,7 +109,7 @@ def _table(
     definitions: Sequence[VelocityConstraintDefinition],
     incidences: Incidences,
     start: Start,
-) -> RollingTable:
+) -> RollingArrays:
     nodes = np.array(
         [(rows.of(definition.a), rows.of(definition.b)) for definition in definitions],
         dtype=np.int64,
@@ -121,7 +121,7 @@ def _table(
     )
     of_rows = np.repeat(nodes, np.diff(first), axis=0)
     at = incidences.find(np.arange(len(of_rows)), of_rows)
-    return RollingTable(
+    return RollingArrays(
         nodes=nodes,
         frames=in_rows(rows, nodes, frames),
         first=first,

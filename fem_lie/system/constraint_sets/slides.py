@@ -10,7 +10,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie.joints.connection import SlidingConstraintDefinition
 from fem_lie.joints.equations import sliding
-from fem_lie.joints.equations.sliding import SlidingTable
+from fem_lie.joints.equations.sliding import SlidingArrays
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
@@ -27,13 +27,13 @@ class Slides(ConstraintSet):
     """Set of sliding constraints, see :mod:`fem_lie.joints.equations.sliding`.
 
     Attributes:
-        table: Packed arrays of all of them.
+        arrays: Packed arrays of all of them.
     """
 
     what = "joints that slide along a beam (Sliding, Collar, Sleeve)"
 
     def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
-        """Build the table of all sliding joints."""
+        """Build the arrays of all sliding joints."""
         found = [
             (given, definition)
             for given in items
@@ -41,7 +41,7 @@ class Slides(ConstraintSet):
         ]
         self.start, self._count = start, rows.count
         self._items: Indices = np.array([given.number for given, _ in found], dtype=np.int64)
-        self._place: Indices = np.array([given.coordinate for given, _ in found], dtype=np.int64)
+        self._index: Indices = np.array([given.coordinate for given, _ in found], dtype=np.int64)
         self._labels = [given.item.label for given, _ in found]
         definitions = [definition for _, definition in found]
         sizes = [len(definition.selection) for definition in definitions]
@@ -50,49 +50,49 @@ class Slides(ConstraintSet):
             _touched(rows, definition) for definition in definitions for _ in definition.selection
         ]
         self.incidences = Incidences.of(touched, rows.count)
-        self.table = _table(rows, definitions, self.incidences, start)
-        self.targets = self.table.targets
-        table = self.table
-        self.angular = ~(table.selection[:, :3].any(axis=1) | (table.advance != 0.0))
+        self.arrays = _table(rows, definitions, self.incidences, start)
+        self.targets = self.arrays.targets
+        arrays = self.arrays
+        self.angular = ~(arrays.selection[:, :3].any(axis=1) | (arrays.advance != 0.0))
         # the sliding frame and both ends, for each element
-        of = np.repeat(table.nodes, np.diff(table.elements))
-        three = np.repeat(np.column_stack([of, table.ends])[:, :, np.newaxis], 3, axis=2)
+        of = np.repeat(arrays.nodes, np.diff(arrays.elements))
+        three = np.repeat(np.column_stack([of, arrays.ends])[:, :, np.newaxis], 3, axis=2)
         self.pairs = three, three.transpose(0, 2, 1)
 
     @property
     def empty(self) -> bool:
         """Whether it has no constraint, spring or coordinate."""
-        return len(self.table.nodes) == 0
+        return len(self.arrays.nodes) == 0
 
     def evaluate(
         self, H: Array, v: Array, multipliers: Array, scale: Array, count: int, r: Array
     ) -> None:
         """Add constraint forces ``Bᵀλ`` and spring forces to ``r``; set its rows ``scale · Φ``."""
-        sliding.evaluate(H, self.table, multipliers, scale, count, r)
+        sliding.evaluate(H, self.arrays, multipliers, scale, count, r)
 
     def values(self, H: Array, v: Array, out: Array) -> None:
         """Set the violations ``Φ`` or ``W V`` in its rows of ``out``."""
-        sliding.state(H, self.table, np.empty(len(self._items)), out)
+        sliding.state(H, self.arrays, np.empty(len(self._items)), out)
 
     def jacobian(self, H: Array, rows: Array) -> None:
         """Add ``∂Φ/∂h``, one row of six per incidence, to the constraint Jacobian ``rows``."""
-        sliding.jacobian(H, self.table, rows)
+        sliding.jacobian(H, self.arrays, rows)
 
-    def geometric(self, H: Array, multipliers: Array, place: Indices, K: Array) -> None:
-        """Add ``∂(Bᵀλ)/∂h`` to blocks ``K``, at ``place`` of each of ``pairs``, −1: none."""
-        sliding.geometric(H, self.table, multipliers, place, K)
+    def geometric(self, H: Array, multipliers: Array, index: Indices, K: Array) -> None:
+        """Add ``∂(Bᵀλ)/∂h`` to blocks ``K``, at ``index`` of each of ``pairs``, −1: none."""
+        sliding.geometric(H, self.arrays, multipliers, index, K)
 
     def rates(self, H: Array, v: Array, first: Array, second: Array) -> None:
         """Set first rates, and second rates by differences of the first along the motion."""
         incidences, own = self.incidences, self.own
         rows = np.zeros((self.start.incidence + len(incidences.nodes), 6))
-        speeds = np.abs(v[:, 3:]).max(), np.abs(v[:, :3]).max() / self.table.lengths.min()
+        speeds = np.abs(v[:, 3:]).max(), np.abs(v[:, :3]).max() / self.arrays.lengths.min()
         time = 1e-5 / max(float(max(speeds)), 1e-300)
         for ahead in (0.0, time, -time):
             moved = H.copy()
             moved[: len(v)] = lie.se3_retract(H[: len(v)], ahead * v)
             rows[:] = 0.0
-            sliding.jacobian(moved, self.table, rows)
+            sliding.jacobian(moved, self.arrays, rows)
             work = np.einsum("lk,lk->l", rows[self.start.incidence :], v[incidences.nodes])
             rate = np.bincount(incidences.rows, work, minlength=self.m)
             if ahead == 0.0:
@@ -102,21 +102,21 @@ class Slides(ConstraintSet):
 
     def accept(self, H: Array) -> None:
         """Update history variables that frames do not determine, at an accepted state."""
-        table, last = self.table, self.table.elements[1:] - 1
-        sliding.state(H, table, table.arclength, np.zeros(self.own.stop))
-        ends = table.starts[last] + table.lengths[last]
-        off = (table.arclength < 0.0) | (table.arclength > ends)
+        arrays, last = self.arrays, self.arrays.elements[1:] - 1
+        sliding.state(H, arrays, arrays.arclength, np.zeros(self.own.stop))
+        ends = arrays.starts[last] + arrays.lengths[last]
+        off = (arrays.arclength < 0.0) | (arrays.arclength > ends)
         if off.any():
             k = int(np.flatnonzero(off)[0])
             raise ValueError(
-                f"{self._labels[k]} slid off its beam: arclength {table.arclength[k]:g} of "
+                f"{self._labels[k]} slid off its beam: arclength {arrays.arclength[k]:g} of "
                 f"{ends[k]:g}"
             )
 
     @property
     def history_variables(self) -> tuple[Array, ...]:
         """History variables that :meth:`accept` updates; arrays that may be written."""
-        return (self.table.arclength,)
+        return (self.arrays.arclength,)
 
     @property
     def history_keys(self) -> tuple[list[HistoryKey], ...]:
@@ -125,23 +125,23 @@ class Slides(ConstraintSet):
 
     def wrenches(self, H: Array, v: Array, multipliers: Array, out: Array) -> None:
         """Add force and moment on side A of each item, in its axes there, to the rows of items."""
-        sliding.wrenches(H, self.table, multipliers, self._items, out)
+        sliding.wrenches(H, self.arrays, multipliers, self._items, out)
 
     def coordinates(self, H: Array, out: Array) -> None:
         """Set the coordinates of its items in ``out``, shape (c,)."""
-        places = np.empty(len(self._items))
-        sliding.state(H, self.table, places, np.zeros(self.own.stop))
-        out[self._place] = places
+        coordinates = np.empty(len(self._items))
+        sliding.state(H, self.arrays, coordinates, np.zeros(self.own.stop))
+        out[self._index] = coordinates
 
     def drawn(self) -> dict[int, tuple[int, Array]]:
         """Position of the sliding frame."""
-        found = zip(self._items, self.table.nodes, self.table.frames[:, 0], strict=True)
-        return {int(item): (int(node), np.asarray(place)) for item, node, place in found}
+        found = zip(self._items, self.arrays.nodes, self.arrays.frames[:, 0], strict=True)
+        return {int(item): (int(node), np.asarray(offset)) for item, node, offset in found}
 
     @property
     def outward(self) -> bool:
         """Whether there are dampers, or connections to ground or prescribed motions."""
-        return bool((self.table.nodes >= self._count).any())
+        return bool((self.arrays.nodes >= self._count).any())
 
 
 def _touched(rows: Rows, definition: SlidingConstraintDefinition) -> set[int]:
@@ -154,7 +154,7 @@ def _table(
     definitions: Sequence[SlidingConstraintDefinition],
     incidences: Incidences,
     start: Start,
-) -> SlidingTable:
+) -> SlidingArrays:
     first = np.cumsum(
         [0] + [len(definition.selection) for definition in definitions], dtype=np.int64
     )
@@ -170,7 +170,7 @@ def _table(
         _from_first(incidences, int(row), both.ravel())
         for row, (both, _) in zip(first, ends, strict=False)
     ]
-    return SlidingTable(
+    return SlidingArrays(
         nodes=nodes,
         frames=in_rows(rows, nodes, frames),
         elements=np.cumsum(

@@ -1,6 +1,6 @@
 """The equations of a scene as solvers see them.
 
-States belong to the solver: frames ``H`` of all rows (moving nodes, ground, prescribed motions),
+States belong to the solver: frames ``H`` (moving nodes, ground, prescribed motions),
 local twists ``v`` and their rates ``a``, and Lagrange multipliers. Only the methods here change
 what is behind them, and solvers use nothing else.
 """
@@ -37,12 +37,12 @@ def fill_at_rest(system: System, H: Array, step: float) -> Array:
 
     Args:
         system: The equations; the independent stress is reset to the current one.
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
         step: Step size ``h``.
     """
     tangent = system.tangent
     terms, still = system.terms, np.zeros((system.count, 6))
-    kept = terms.room()
+    kept = terms.workspace()
     terms.reset_stress(H)
     terms.add_forces(H, np.zeros(system.size), kept)
     # after the forces, which may change the pairs of nodes in contact
@@ -80,7 +80,7 @@ class LinearState:
         Args:
             system: The equations.
             history: History variables, with the independent stress.
-            H: Frames of all rows.
+            H: Frames of all nodes, ground and prescribed motions.
             dx: Local increments of the moving nodes from there, and multipliers, shape (6 n + m,).
             forces: Forces of the residual there.
         """

@@ -57,7 +57,7 @@ class HistoryVariables:
         """Accept a state: joints count their turns, and friction updates its slip.
 
         Args:
-            H: Frames of all rows.
+            H: Frames of all nodes, ground and prescribed motions.
             start: Frames at the start of the step, to check whether surfaces passed through each
                 other.
 
@@ -70,15 +70,15 @@ class HistoryVariables:
         self._connections.accept(H)
         self._terms.accept(H)
 
-    def follow(self, H: Array, h: Array) -> None:
+    def move_reference_angles(self, H: Array, h: Array) -> None:
         """Update joint angles along the increment ``h`` (6 n,) made from frames ``H``."""
-        self._connections.follow(H, h.reshape(-1, 6))
+        self._connections.move_reference_angles(H, h.reshape(-1, 6))
 
     def check_passage(self, start: Array, end: Array) -> None:
         """Check whether surfaces pass through each other in a step that is not yet accepted.
 
         Args:
-            start: Frames of all rows at its start.
+            start: Frames of all nodes, ground and prescribed motions at its start.
             end: Frames at its end.
 
         Raises:
@@ -90,7 +90,7 @@ class HistoryVariables:
         """Record an accepted step of a scheme that does not conserve energy.
 
         Args:
-            start: Frames of all rows at its start.
+            start: Frames of all nodes, ground and prescribed motions at its start.
             end: Frames at its end.
             h: Step size.
             middle: Frames at which forces act in the step; default: at both ends.
@@ -103,7 +103,7 @@ class HistoryVariables:
         """Rotate convected nodal axes, and transform the components of motions to them.
 
         Args:
-            H: Frames of all rows.
+            H: Frames of all nodes, ground and prescribed motions.
             motion: Velocities, accelerations and so on, shape (k, n, 6); default: none.
             written: Representation of these components.
         """

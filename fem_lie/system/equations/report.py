@@ -53,7 +53,7 @@ class ConstraintsAt:
 
         Args:
             system: The equations.
-            H: Frames of all rows.
+            H: Frames of all nodes, ground and prescribed motions.
         """
         self._system, self._H = system, H
 
@@ -68,7 +68,7 @@ class ConstraintsAt:
         return self._system.connections.values(self._H)
 
     def rates(self, v: Array) -> tuple[Array, Array]:
-        """``dΦ/dt`` and ``d²Φ/dt²`` at constant twists ``v`` of all rows, targets at rest, (m,)."""
+        """``dΦ/dt`` and ``d²Φ/dt²`` at constant twists ``v`` of the nodes, targets fixed, (m,)."""
         return self._system.connections.rates(self._H, v)
 
     def rigid_motions(self, weight: Array) -> list[RigidMotions]:

@@ -11,7 +11,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.term import Term
-from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.joints.equations.joint_arrays import PackedJoints
 from fem_lie.joints.redundant import RedundantConstraints
 from fem_lie.lie.node_types.floating import Floating
 from fem_lie.lie.node_types.inertia import Inertia, turning_of
@@ -38,8 +38,8 @@ class Unknowns(NamedTuple):
             others have no dimension.
         held: Unknowns of the nodes that are zero, (n, 6).
         supported: Supported nodes, whose reactions are reported, (s,).
-        uncoupled: Nodes that move by ``x + R u`` in statics, tilted and then drilled, (n,).
-        straight: Other nodes that move by ``x + R u``, with one rotation, (n,).
+        separates_director: Nodes that statics moves by ``x + R u``, tilts and then drills, (n,).
+        separates_rotation: Other nodes that move by ``x + R u``, with one rotation, (n,).
         angular: Whether a constraint is an angle, (m,).
         joined: Whether a constraint belongs to the vector of the one before, (m,).
         vectors: Constraints of the vector of each, (m, w); arbitrary beyond its end.
@@ -72,8 +72,8 @@ class Unknowns(NamedTuple):
     lengths: Flags
     held: Flags
     supported: Indices
-    uncoupled: Flags
-    straight: Flags
+    separates_director: Flags
+    separates_rotation: Flags
     angular: Flags
     joined: Flags
     vectors: Indices
@@ -117,8 +117,8 @@ class Unknowns(NamedTuple):
             lengths=system.lengths,
             held=system.held,
             supported=system.supported,
-            uncoupled=system.uncoupled,
-            straight=numbering.straight,
+            separates_director=system.separates_director,
+            separates_rotation=numbering.separates_rotation,
             angular=connections.angular,
             joined=connections.joined,
             vectors=system.tangent.vectors.others,
@@ -149,7 +149,7 @@ class Unknowns(NamedTuple):
 
 
 class Start(NamedTuple):
-    """Initial values of all rows: moving nodes, ground, prescribed motions.
+    """Initial values of moving nodes, ground and prescribed motions.
 
     Attributes:
         frames: Current frames at the start, shape (n + 1 + p, 4, 3).
@@ -193,7 +193,7 @@ class Tables(NamedTuple):
         in_one_sum: Whether a residual is the compiled sum of :attr:`.Forces.table` only, apart from
             held unknowns.
         stored: Cells with all stored energy of bodies, as two arrays, see
-            :class:`~fem_lie.forms.cell_forms.FormTable`; ``None`` if there is more.
+            :class:`~fem_lie.forms.cell_forms.FormArrays`; ``None`` if there is more.
         pairs_of_all: Relative motions of nodes and attachments, if some nodes have vector
             coordinates and there are no other constraints; else ``None``.
         edges: Nodes with a frame along the edge to another node, and these other nodes, (k, 2).

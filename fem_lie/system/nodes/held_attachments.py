@@ -168,10 +168,10 @@ class HeldAttachments:
             found.append(changes(sort.kind, sort.nodes(H), sort.data, h))
         return np.concatenate(found)
 
-    def nearest(self, attachment: int, place: Array) -> tuple[int, Array]:
+    def nearest(self, attachment: int, position: Array) -> tuple[int, Array]:
         """Node of an attachment nearest to a point at the start, and the point in its frame."""
         masters = self.nodes[self.of == attachment]
-        away = place - self._frames[masters, 0]
+        away = position - self._frames[masters, 0]
         k = int(np.linalg.norm(away, axis=1).argmin())
         return int(masters[k]), np.asarray(self._frames[masters[k], 1:] @ away[k])
 
@@ -185,10 +185,10 @@ def _known(point: Point) -> tuple[Body, AttachmentFrame]:
 def _alike(
     kind: AttachmentKind, keys: Sequence[tuple[Body, AttachmentFrame]], numbering: Numbering
 ) -> _Alike:
-    follows = numbering.master_map
+    master_map = numbering.master_map
     nodes = np.array([numbering.nodes[body][list(attachment.nodes)] for body, attachment in keys])
     data = np.array([attachment.data for _, attachment in keys], dtype=np.float64)
-    offsets = follows.offset[nodes]
+    offsets = master_map.offset[nodes]
     turns = lie.se3_adjoint(lie.se3_inverse(offsets))
-    lead = bool(np.isin(nodes, follows.masters).all())
-    return _Alike(kind, follows.master[nodes], offsets, turns, data, lead)
+    lead = bool(np.isin(nodes, master_map.masters).all())
+    return _Alike(kind, master_map.master[nodes], offsets, turns, data, lead)

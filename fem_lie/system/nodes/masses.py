@@ -127,7 +127,7 @@ def _on_masters(numbering: Numbering, r: Indices, c: Indices, given: list[Array]
     master_map, count = numbering.master_map, numbering.count
     master = master_map.master
     W = None if master_map.trivial else master_map.linear()
-    key, place = np.unique(master[r] * count + master[c], return_inverse=True)
+    key, index = np.unique(master[r] * count + master[c], return_inverse=True)
     G, first = np.zeros((len(key), 4, 4)), 0
     for blocks in given:
         own = slice(first, first + len(blocks))
@@ -135,7 +135,7 @@ def _on_masters(numbering: Numbering, r: Indices, c: Indices, given: list[Array]
         if W is not None:
             left, right = (W[nodes[own], : blocks.shape[1]] for nodes in (r, c))
             blocks = left.transpose(0, 2, 1) @ blocks @ right
-        add_at(G, place[own], blocks)
+        add_at(G, index[own], blocks)
     return Inertia(np.searchsorted(key // count, np.arange(count + 1)), key % count, G)
 
 

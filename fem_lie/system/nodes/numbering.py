@@ -155,15 +155,16 @@ class Numbering:
         velocities: Initial local velocities of the master nodes, shape (count, 6).
         groups: Group of each master node, shape (count,).
         kinds: :class:`~fem_lie.lie.node_types.NodeType` of each master node, shape (count,).
-        clamped: Unknowns of each master node that a clamp holds, shape (count, 6).
+        clamp_holds: Unknowns of each master node that a clamp holds, shape (count, 6).
         held: Unknowns of the master nodes that their bodies hold, shape (count, 6).
-        absent: Unknowns that nodes with fewer than six do not have; they are held as well.
+        missing_unknowns: Unknowns that nodes with fewer than six do not have, (count, 6); they are
+            held as well.
         supported: Master nodes that their bodies support, in ascending order.
         supports: Axes fixed in space of the master nodes' translations, nan if local, (count, 3,
             3).
-        uncoupled: Master nodes that move by ``x + R u`` in statics, tilted and then drilled,
-            (count,).
-        straight: Other nodes that move by ``x + R u``, with one rotation, shape (count,).
+        separates_director: Master nodes that statics moves by ``x + R u``, tilts and then drills,
+            shape (count,).
+        separates_rotation: Other nodes that move by ``x + R u``, with one rotation, shape (count,).
     """
 
     def __init__(
@@ -221,8 +222,14 @@ class Numbering:
         start_frames = np.empty_like(frames) if elsewhere else frames
         groups, kinds = np.empty((2, self.total), dtype=np.int64)
         supports, own = np.empty((self.total, 3, 3)), np.empty(self.total, dtype=bool)
-        held, uncoupled = np.empty((self.total, 6), dtype=bool), np.empty(self.total, dtype=bool)
-        straight, absent = np.empty(self.total, dtype=bool), np.empty((self.total, 6), dtype=bool)
+        held, separates_director = (
+            np.empty((self.total, 6), dtype=bool),
+            np.empty(self.total, dtype=bool),
+        )
+        separates_rotation, missing_unknowns = (
+            np.empty(self.total, dtype=bool),
+            np.empty((self.total, 6), dtype=bool),
+        )
         pairs = [(self._of_all(link.a), self._of_all(link.b)) for link in links]
         for body, nodes in self.nodes.items():
             frames[nodes], velocities[nodes] = body.frames, body.velocities
@@ -230,14 +237,19 @@ class Numbering:
                 body.frames if body.model.start_frames is None else body.model.start_frames
             )
             groups[nodes], kinds[nodes] = body.model.group, body.model.node_types
-            held[nodes], uncoupled[nodes] = body.model.held, body.model.separates_director
-            own[nodes], straight[nodes] = body.model.held.any(axis=1), body.model.separates_rotation
+            held[nodes], separates_director[nodes] = body.model.held, body.model.separates_director
+            own[nodes], separates_rotation[nodes] = (
+                body.model.held.any(axis=1),
+                body.model.separates_rotation,
+            )
             held[nodes, 5] |= not self.has_drilling[body]
-            absent[nodes] = body.model.missing_unknowns
+            missing_unknowns[nodes] = body.model.missing_unknowns
             supports[nodes] = body.model.supports
-            follows = np.flatnonzero(body.model.masters != np.arange(len(nodes)))
-            masters = body.model.masters[follows]
-            pairs += [(int(nodes[a]), int(nodes[b])) for a, b in zip(masters, follows, strict=True)]
+            attached_nodes = np.flatnonzero(body.model.masters != np.arange(len(nodes)))
+            masters = body.model.masters[attached_nodes]
+            pairs += [
+                (int(nodes[a]), int(nodes[b])) for a, b in zip(masters, attached_nodes, strict=True)
+            ]
         # attached nodes follow from the current configuration at the start, which may be deformed
         self.master_map = MasterMap(start_frames, pairs)
         self.count = self.master_map.count
@@ -250,25 +262,27 @@ class Numbering:
         self.kinds: Indices = kinds[self.master_map.masters]
         known, which = np.unique(self.kinds, return_inverse=True)
         traits = [TRAITS[NodeType(kind)] for kind in known]
-        self.clamped: Flags = np.array([each.clamped for each in traits])[which]
+        self.clamp_holds: Flags = np.array([each.clamp_holds for each in traits])[which]
         self.held = held[self.master_map.masters]
         self.supported: Indices = np.unique(self.master_map.master[own])
-        self.uncoupled = np.zeros(self.count, dtype=bool)
-        np.logical_or.at(self.uncoupled, self.master_map.master, uncoupled)
-        self.straight: Flags = straight[self.master_map.masters]
+        self.separates_director = np.zeros(self.count, dtype=bool)
+        np.logical_or.at(self.separates_director, self.master_map.master, separates_director)
+        self.separates_rotation: Flags = separates_rotation[self.master_map.masters]
         self.supports = supports[self.master_map.masters]
         self._hold_masters(held, np.isfinite(supports[:, 0, 0]))
         # unknowns that a node type does not have are not coupled in the matrix
-        self.absent = np.arange(6) >= np.array([[each.unknowns] for each in traits])[which]
-        self.absent |= absent[self.master_map.masters]
-        self.held |= self.absent
+        self.missing_unknowns = (
+            np.arange(6) >= np.array([[each.unknowns] for each in traits])[which]
+        )
+        self.missing_unknowns |= missing_unknowns[self.master_map.masters]
+        self.held |= self.missing_unknowns
         self._check_velocities(velocities)
 
     def _hold_masters(self, held: Flags, fixed: Flags) -> None:
         """Hold the unknowns of master nodes that correspond to supports of attached nodes."""
-        follows = np.ones(self.total, dtype=bool)
-        follows[self.master_map.masters] = False
-        for node in np.flatnonzero(follows & held.any(axis=1)):
+        attached_nodes = np.ones(self.total, dtype=bool)
+        attached_nodes[self.master_map.masters] = False
+        for node in np.flatnonzero(attached_nodes & held.any(axis=1)):
             master, offset = self.master_map.master[node], self.master_map.offset[node].copy()
             offset[0] /= self._size
             # constraints on the unknowns of the master node

@@ -15,7 +15,7 @@ from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.cell_forms import add_cells
 from fem_lie.forms.kernels.addresses import pointer
 from fem_lie.joints.equations import terms
-from fem_lie.joints.equations.table import PackedJoints, joint_table
+from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays
 from fem_lie.lie.node_types import (
     floating,
     inertia,
@@ -32,7 +32,7 @@ from fem_lie.system.nodes.numbering import expand
 
 PlainAttached: TypeAlias = tuple[Integers1, Numbers3, Numbers3, Numbers2, Integers2, Integers1]
 """Master node and offset of each node of some cells, workspace for their frames and forces, and the
-table of the cells, see :class:`~fem_lie.forms.cell_forms.FormTable`.
+table of the cells, see :class:`~fem_lie.forms.cell_forms.FormArrays`.
 """
 
 
@@ -122,7 +122,7 @@ def add_joints(
     H: Array, v: Array, joints: PackedJoints, multipliers: Array, scale: Array, count: int, r: Array
 ) -> None:
     """Add ``Bᵀλ`` to ``r``, and set ``scale · Φ``; packed joints are faster to pass."""
-    terms.evaluate(H, v, joint_table(joints), multipliers, scale, count, r)
+    terms.evaluate(H, v, joint_arrays(joints), multipliers, scale, count, r)
 
 
 @uncounted
@@ -151,7 +151,7 @@ class _Forces(NamedTuple):
         loads: Nodal loads.
         joints: Packed arrays of the joints.
         work: Workspace, (2, n, 4, 3).
-        cells: Cells of master nodes, see :class:`~fem_lie.forms.cell_forms.FormTable`.
+        cells: Cells of master nodes, see :class:`~fem_lie.forms.cell_forms.FormArrays`.
         attached: Arrays of :func:`add_attached`.
         bodies: Floating bodies.
     """
@@ -176,7 +176,7 @@ def residual(
     """:func:`nodal_residual`, joints, and forces of elements in one sum.
 
     Args:
-        H: Frames of all rows.
+        H: Frames of all nodes, ground and prescribed motions.
         v: Twists, shape (≥ n, 6).
         a: Their rates.
         multipliers: Lagrange multipliers, shape (m,).
@@ -186,7 +186,7 @@ def residual(
     """
     this = _forces(table)
     nodal_residual(this.kinds, (H, v, a), this.mass, this.bodies, this.loads, this.work, r)
-    terms.evaluate(H, v, joint_table(this.joints), multipliers, scale, this.work.shape[1], r)
+    terms.evaluate(H, v, joint_arrays(this.joints), multipliers, scale, this.work.shape[1], r)
     add_cells(H, this.cells, 6, r)
     if this.attached[0].shape[0] > 0:
         add_attached(H, this.attached, r)

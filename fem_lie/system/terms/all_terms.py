@@ -9,8 +9,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.contact.contact import Contact
-from fem_lie.forms.cell_forms import FormTable, add_cells, joined, of_some_cells
-from fem_lie.forms.term import FollowingTable, Pairs, Term
+from fem_lie.forms.cell_forms import FormArrays, add_cells, joined, of_some_cells
+from fem_lie.forms.term import AttachedForms, Pairs, Term
 from fem_lie.lie.node_types.inertia import Inertia
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
 from fem_lie.system.nodes.numbering import Numbering
@@ -25,12 +25,12 @@ class Terms:
     Attributes:
         tables: Cells with forces and cells with energy, for
             :func:`~fem_lie.forms.cell_forms.add_cells`.
-        following: All cells with rigidly attached nodes.
+        attached_cells: All cells with rigidly attached nodes.
         viscous: Whether any term has forces that depend on twists and are in no other sum.
         viscous_labels: Labels of terms with such forces.
         loads: Terms that are loads.
-        all_in_tables: Whether all forces are in the tables, in :attr:`following` or in the sum over
-            joints.
+        all_in_tables: Whether all forces are in the tables, in :attr:`attached_cells` or in the
+            sum over joints.
         energy_in_tables: Whether all energy is in the tables.
     """
 
@@ -53,8 +53,8 @@ class Terms:
             for k, term in enumerate(self._terms)
             if tables[k] is None and not term.within_joints
         ]
-        self._by_themselves = [(k, term) for k, term in self._apart if term.following is None]
-        self.following = _following([term.following for _, term in self._apart])
+        self._by_themselves = [(k, term) for k, term in self._apart if term.attached_cells is None]
+        self.attached_cells = _attached_cells([term.attached_cells for _, term in self._apart])
         self._with_energy = [t for t, both in zip(self._terms, tables, strict=True) if both is None]
         viscous = [(t, t.viscosity) for t in self._terms if moving and t.viscosity is not None]
         self._viscous = [viscosity for t, viscosity in viscous if not t.within_joints]
@@ -99,17 +99,17 @@ class Terms:
 
     # --- forces ---
 
-    def room(self) -> list[Array]:
+    def workspace(self) -> list[Array]:
         """Arrays for the forces that tangents need."""
-        return [term.room() for term in self._terms]
+        return [term.workspace() for term in self._terms]
 
     def add_forces(self, H: Array, r: Array, kept: Sequence[Array] | None = None) -> None:
         """Add all forces that depend on frames, except those in the sum over joints, to ``r``.
 
         Args:
-            H: Frames of all rows.
+            H: Frames of all nodes, ground and prescribed motions.
             r: Shape (≥ 6 count,).
-            kept: Arrays of :meth:`room`, overwritten; default: forces are not stored.
+            kept: Arrays of :meth:`workspace`, overwritten; default: forces are not stored.
 
         Raises:
             ValueError: ``r`` is too short, and compiled sums would write beyond it.
@@ -120,11 +120,11 @@ class Terms:
                 f"got one of shape {r.shape}"
             )
         add_cells(H, self.tables[0], 6, r)
-        self.following.add_forces(H, r)
+        self.attached_cells.add_forces(H, r)
         self.add_others(H, r, kept)
 
     def add_others(self, H: Array, r: Array, kept: Sequence[Array] | None = None) -> None:
-        """:meth:`add_forces` without those of :attr:`tables` and of :attr:`following`."""
+        """:meth:`add_forces` without those of :attr:`tables` and of :attr:`attached_cells`."""
         nodal = r[: self._size].reshape(-1, 6)
         for k, term in self._by_themselves:
             term.add_forces(H, nodal, None if kept is None else kept[k])
@@ -139,7 +139,7 @@ class Terms:
         known = [other for other in others if other is not None]
         if len(known) < len(others):
             return None
-        return NearTerms(of_some_cells(FormTable(*self.tables[0]), nodes), known)
+        return NearTerms(of_some_cells(FormArrays(*self.tables[0]), nodes), known)
 
     def add_viscous_forces(self, H: Array, v: Array, r: Array) -> None:
         """Add forces that depend on twists, except those in the sum over joints."""
@@ -228,14 +228,14 @@ class Terms:
             each.reset_stress(H)
 
 
-def _following(parts: Sequence[FollowingTable | None]) -> AttachedCells:
+def _attached_cells(parts: Sequence[AttachedForms | None]) -> AttachedCells:
     """Cells with attached nodes of all terms in one record."""
     some = [part for part in parts if part is not None]
     first = [sum(len(part.master) for part in some[:k]) for k in range(len(some))]
-    table = FormTable(*joined([part.table for part in some], first))
+    arrays = FormArrays(*joined([part.arrays for part in some], first))
     master: Indices = np.concatenate([np.empty(0, np.int64), *(part.master for part in some)])
     offset = np.concatenate([np.empty((0, 4, 3)), *(part.offset for part in some)])
-    return AttachedCells(table, master, offset)
+    return AttachedCells(arrays, master, offset)
 
 
 def terms_of(

@@ -17,8 +17,8 @@ from fem_lie.forms.abilities import (
     StepForces,
     ViscousForces,
 )
-from fem_lie.forms.cell_forms import FormTable, of_some_cells
-from fem_lie.forms.term import CellMatrices, FollowingTable, Pairs, PushedPieces, Term
+from fem_lie.forms.cell_forms import FormArrays, of_some_cells
+from fem_lie.forms.term import AttachedForms, CellMatrices, Pairs, PushedPieces, Term
 from fem_lie.system.nodes.numbering import MasterMap
 from fem_lie.system.terms.attached_abilities import (
     AttachedGround,
@@ -135,9 +135,9 @@ class AttachedTerm(Term):
 
     # --- forces ---
 
-    def room(self) -> Array:
+    def workspace(self) -> Array:
         """Array for the forces that the tangent needs, on the nodes of the term."""
-        return self.term.room()
+        return self.term.workspace()
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """Add the forces at frames ``H``."""
@@ -156,26 +156,26 @@ class AttachedTerm(Term):
         return AttachedCells(table, self._nodes.master, self._nodes.offset)
 
     @property
-    def following(self) -> FollowingTable | None:
+    def attached_cells(self) -> AttachedForms | None:
         """Cells with attached nodes, if not all nodes are master nodes."""
         if self.term.tables is None or self._nodes.direct:
             return None
-        return FollowingTable(self.term.tables[0], self._nodes.master, self._nodes.offset)
+        return AttachedForms(self.term.tables[0], self._nodes.master, self._nodes.offset)
 
     def linear_forces(self, H: Array, kept: Array, h: Array) -> Array:
-        """Change of the forces of :meth:`room` along increments, on the nodes of the term."""
+        """Change of the forces of :meth:`workspace` along increments, on the nodes of the term."""
         return self.term.linear_forces(self._nodes.frames(H), kept, self._nodes.twists(h))
 
     def tangent(self, H: Array, kept: Array) -> Array:
         """Derivative of the forces in the twists of the master nodes, (pairs, 6, 6)."""
         return self._nodes.blocks(self.term.tangent(self._nodes.frames(H), kept), self.term.pairs)
 
-    def add_tangent(self, H: Array, kept: Array, place: Indices, K: Array) -> None:
-        """Add :meth:`tangent` to blocks ``K`` at ``place``."""
+    def add_tangent(self, H: Array, kept: Array, index: Indices, K: Array) -> None:
+        """Add :meth:`tangent` to blocks ``K`` at ``index``."""
         if self._nodes.direct:
-            self.term.add_tangent(H[self._nodes.where], kept, place, K)
+            self.term.add_tangent(H[self._nodes.where], kept, index, K)
         else:
-            super().add_tangent(H, kept, place, K)
+            super().add_tangent(H, kept, index, K)
 
     def geometric(self, H: Array) -> Array | None:
         """Derivative of forces that are not stored, shape (pairs, 6, 6), or ``None``."""
@@ -187,12 +187,12 @@ class AttachedTerm(Term):
         return self.term.energy(self._nodes.frames(H))
 
     @property
-    def tables(self) -> tuple[FormTable, FormTable] | None:
+    def tables(self) -> tuple[FormArrays, FormArrays] | None:
         """Cell tables of the term, if all of its nodes are master nodes."""
         tables = self.term.tables
         if tables is None or not self._nodes.direct:
             return None
-        forces, energy = (FormTable(t.rows, self._nodes.where.start + t.nodes) for t in tables)
+        forces, energy = (FormArrays(t.rows, self._nodes.where.start + t.nodes) for t in tables)
         return forces, energy
 
     @property

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.forms.cell_forms import FormTable, add_cells
+from fem_lie.forms.cell_forms import FormArrays, add_cells
 from fem_lie.forms.term import NearCells
 from fem_lie.system.nodes.sums import PlainAttached, add_attached
 
@@ -19,7 +19,7 @@ class AttachedCells:
         plain: Arrays for :func:`~fem_lie.system.nodes.sums.add_attached`.
     """
 
-    def __init__(self, table: FormTable, master: Indices, offset: Array) -> None:
+    def __init__(self, table: FormArrays, master: Indices, offset: Array) -> None:
         """Store the master nodes.
 
         Args:
@@ -41,7 +41,7 @@ class AttachedCells:
 class NearTerms:
     """Cells of several terms around some nodes."""
 
-    def __init__(self, cells: FormTable, others: Sequence[NearCells]) -> None:
+    def __init__(self, cells: FormArrays, others: Sequence[NearCells]) -> None:
         """Store the cells.
 
         Args:

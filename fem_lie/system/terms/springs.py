@@ -39,7 +39,7 @@ class MassDamping(Term, ViscousForces):
         own = np.flatnonzero(self._rows == D.indices)
         self._diagonal = np.full(self._count, -1)
         self._diagonal[self._rows[own]] = own
-        self._place = np.arange(len(D.indices))
+        self._index = np.arange(len(D.indices))
         self._work = np.zeros((2, self._count, 4, 3))
 
     @property
@@ -79,8 +79,8 @@ class MassDamping(Term, ViscousForces):
         A, K = np.zeros((2, len(self._rows), 6, 6))
         # L v is the acceleration v of a body at rest
         motion = H, np.zeros((self._count, 6)), v[: self._count]
-        places = self._place, self._place
-        inertia.tangents(motion, self._kinds, self._D.plain, places, (1.0, 0.0), (A, K))
+        block_indices = self._index, self._index
+        inertia.tangents(motion, self._kinds, self._D.plain, block_indices, (1.0, 0.0), (A, K))
         f = self._forces(H, v, np.zeros((self._count, 6)))
         _add_turned(self._kinds, H, f, self._diagonal, K)
         return A, K
@@ -103,7 +103,7 @@ class _Along(Term):
         rows, columns = joints.pairs
         moves = (rows < count) & (columns < count) & joints.sprung
         self._pairs = rows[moves], columns[moves]
-        self._place = np.where(moves, np.cumsum(moves).reshape(moves.shape) - 1, -1)
+        self._index = np.where(moves, np.cumsum(moves).reshape(moves.shape) - 1, -1)
 
     @property
     def pairs(self) -> Pairs:
@@ -131,13 +131,13 @@ class Springs(_Along):
     def tangent(self, H: Array, kept: Array) -> Array:
         """``k bᵀb`` with the derivatives ``b`` of the coordinates."""
         blocks = self._blocks()
-        self._joints.stiffen(H, self._place, 1.0, 0.0, blocks)
+        self._joints.stiffen(H, self._index, 1.0, 0.0, blocks)
         return blocks
 
     def geometric(self, H: Array) -> Array:
         """``k (q − q₀) ∂b/∂h``."""
         blocks = self._blocks()
-        self._joints.geometric(H, self._none, self._place, blocks)
+        self._joints.geometric(H, self._none, self._index, blocks)
         return blocks
 
     def energy(self, H: Array) -> float:
@@ -170,5 +170,5 @@ class Dampers(_Along, ViscousForces):
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
         """``c bᵀb``; the derivative of ``b`` is neglected."""
         blocks = self._blocks()
-        self._joints.stiffen(H, self._place, 0.0, 1.0, blocks)
+        self._joints.stiffen(H, self._index, 0.0, 1.0, blocks)
         return blocks, None

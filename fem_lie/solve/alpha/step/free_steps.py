@@ -58,11 +58,11 @@ def act(f: Array, constant: Array, H: Array, twist: Array, row: Array) -> None:
     d1, d2, d3 = load_row(H, 1), load_row(H, 2), load_row(H, 3)
     x, ω = load_row(H, 0), rotate(d1, d2, d3, load(twist, 3))
     u = rotate(d1, d2, d3, load(twist, 0))
-    follows = rotate(d1, d2, d3, load(f, 6))
+    follower = rotate(d1, d2, d3, load(f, 6))
     moment = plus(load(f, 3), rotate(d1, d2, d3, load(f, 9)))
-    changing = plus(minus(load(f, 0), load(constant, 0)), follows)
+    changing = plus(minus(load(f, 0), load(constant, 0)), follower)
     row[0] = dot(changing, u) + dot(moment, ω)
-    force = plus(load(f, 0), follows)
+    force = plus(load(f, 0), follower)
     store(row, 1, force)
     store(row, 4, plus(moment, cross(x, force)))
 
@@ -177,7 +177,7 @@ def observe(
     invariants: Array,
     potential: Array,
 ) -> None:
-    """Energies and momenta of all rows.
+    """Energies and momenta of all stored states.
 
     Inertia ``blocks`` (n, 4, 4), constant loads without history.
     """

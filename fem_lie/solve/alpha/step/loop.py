@@ -24,7 +24,7 @@ from fem_lie._jit.fixed_arrays import (
     unpacking,
 )
 from fem_lie._jit.records import Records, record_type
-from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.joints.equations.joint_arrays import PackedJoints
 from fem_lie.joints.equations.terms import unwrap_both
 from fem_lie.lie.polar import PlainSurroundings, convect_axes
 from fem_lie.linear.factors import PlainSolution, solve_by_call

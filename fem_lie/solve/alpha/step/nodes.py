@@ -60,7 +60,7 @@ class State(NamedTuple):
     """Start of a step, and its end with index 1.
 
     Attributes:
-        H: Frames of all rows, (rows, 4, 3).
+        H: Frames of all nodes, ground and prescribed motions, (rows, 4, 3).
         H1: Those of the end.
         motion: :class:`Motion`, shape (8, n, 6); one array, because a compiled function takes the
             longer to call the more there are.
@@ -134,7 +134,7 @@ class State(NamedTuple):
         """Let an accepted step end otherwise.
 
         Args:
-            frames: Of all rows, shape (rows, 4, 3).
+            frames: Of nodes, ground and prescribed motions, shape (r, 4, 3).
             twists: In the nodes' axes, shape (n, 6).
             rates: Rates of the twists that belong to the end as it is and to the other one, by
                 whose difference accelerations change, each of shape (n, 6).

@@ -113,7 +113,7 @@ def span_one(H: Array, step: Array, delta: Array, mean: Array, end: Array, middl
 
 
 @compiled
-def follow(A: Array, master: Indices, offset: Array, out: Array) -> None:
+def set_attached_nodes(A: Array, master: Indices, offset: Array, out: Array) -> None:
     """Coordinates (x, d₁, d₂, d₃) of all nodes from those of their masters, or increments.
 
     The map is linear. Shapes (≥ n, 4, 3), (N,), (N, 4, 3), (N, 4, 3).

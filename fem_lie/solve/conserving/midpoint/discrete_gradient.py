@@ -44,7 +44,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined, uncounted
 from fem_lie._jit.stack import blocks_at, stack
-from fem_lie.forms.cells import CellTable
+from fem_lie.forms.cells import CellArrays
 from fem_lie.forms.fixed_arrays import as_frames, as_sixes
 from fem_lie.solve.conserving.midpoint.mean_forces import (
     Ends,
@@ -124,7 +124,7 @@ def round_off(F: Array, reach: float) -> float:
 
 @uncounted
 def add_elastic(
-    cells: CellTable,
+    cells: CellArrays,
     ends: Ends,
     path: Path,
     energies: Energies,

@@ -24,7 +24,7 @@ from fem_lie._state import Stateful, attributes
 from fem_lie.forms.abilities import Ends
 from fem_lie.forms.term import Term
 from fem_lie.lie.tuples import cross, scaled
-from fem_lie.solve.conserving.midpoint.cayley import follow
+from fem_lie.solve.conserving.midpoint.cayley import set_attached_nodes
 
 
 @compiled
@@ -146,7 +146,7 @@ class EndForces(Stateful):
             if self._trivial:
                 own[:] = given[: len(own)]
             else:
-                follow(given, self._master, self._offset, own)
+                set_attached_nodes(given, self._master, self._offset, own)
         work = self._add_all(out)
         self._transfer_to_masters(ends.mean, out)
         self._correct_work(work, leak, out, ends.mean)

@@ -36,8 +36,8 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.vector_cells.cell_table import (
-    CellTable,
+from fem_lie.solve.conserving.vector_cells.cell_arrays import (
+    VectorCells,
     gather,
     has_position,
     largest_cell,
@@ -82,7 +82,7 @@ class AttachmentSpan(NamedTuple):
         per_length: ``M s/|s|²``, (e, 2, 3).
     """
 
-    cells: CellTable
+    cells: VectorCells
     turns: Flags
     start: Array
     middle: Array
@@ -169,7 +169,7 @@ def _turn(before: Array, after: Array, mean: Array, delta: Array) -> Vector:
 
 @inlined
 def _deform(
-    cells: CellTable, g: int, H: Array, rest: Array, step: Array, work: Work, out: Array
+    cells: VectorCells, g: int, H: Array, rest: Array, step: Array, work: Work, out: Array
 ) -> None:
     """``M s/|s|²`` of one attachment into its entries of ``out``, zero at round-off."""
     r, d, begin = work.r, work.d, cells.first[g]

@@ -28,7 +28,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie._state import Stateful
 from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, WORK
-from fem_lie.joints.equations.table import PackedJoints, joint_table, views
+from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays, views
 from fem_lie.joints.equations.terms import spring_energy
 from fem_lie.lie.tuples import (
     add_wrench,
@@ -197,8 +197,8 @@ def _add_pairs(
 
 @compiled
 def _spring_energy(joints: PackedJoints, H: Array) -> float:
-    table = joint_table(joints)
-    return spring_energy(H, table) if len(table.springs) > 0 else 0.0
+    arrays = joint_arrays(joints)
+    return spring_energy(H, arrays) if len(arrays.springs) > 0 else 0.0
 
 
 class OtherConstraints(Stateful):
@@ -220,11 +220,11 @@ class OtherConstraints(Stateful):
 
     def add_forces(self, model: Model, state: State, this: Step, h: float) -> None:
         """Add forces to ``this.outer``; compute increments of constraints, and balances."""
-        along, own, change = Span(*this.rows), self._own, this.change
-        rows = along.mean, along.delta
+        along, own, change = Span(*this.coordinates), self._own, this.change
+        coordinates = along.mean, along.delta
         driven = model.driven
         _add_pairs(
-            rows, self._joints, state.multipliers, driven, h, change, this.outer, this.losses
+            coordinates, self._joints, state.multipliers, driven, h, change, this.outer, this.losses
         )
         middle, end = (self._equations.constraints(H) for H in (along.middle, along.end))
         gains = end.values - self._start

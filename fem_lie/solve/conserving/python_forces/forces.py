@@ -135,15 +135,15 @@ class PythonForces:
 
     def look_ahead(self) -> None:
         """Determine whether contacts act at the predicted end of the step."""
-        run, along = self._run, Span(*self._run.this.rows)
-        rows = along.delta, along.mean, along.end, along.middle
-        span_from_python(self._kinds, run.s.H, run.this.step, rows)
+        run, along = self._run, Span(*self._run.this.coordinates)
+        coordinates = along.delta, along.mean, along.end, along.middle
+        span_from_python(self._kinds, run.s.H, run.this.step, coordinates)
         self._find_contact_forces()
         self.touch(self.pushes)
 
     def _find_contact_forces(self) -> None:
         assert self.contacts is not None
-        s, along = self._run.s, Span(*self._run.this.rows)
+        s, along = self._run.s, Span(*self._run.this.coordinates)
         # cells themselves correct the energy that round-off has added
         leak = 0.0 if len(s.W) else float(s.filter_state.leak)
         ends = Ends(s.H, along.end, along.mean, along.delta)
@@ -179,7 +179,7 @@ class PythonForces:
 
     def _add_forces(self) -> None:
         run = self._run
-        s, this, along = run.s, run.this, Span(*run.this.rows)
+        s, this, along = run.s, run.this, Span(*run.this.coordinates)
         if self.joints is not None:
             self.joints.add_forces(run.model, s, this, run.size)
         for viscosity in self._viscous:

@@ -10,7 +10,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, WORK
-from fem_lie.joints.equations.table import PackedJoints, joint_table, views
+from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays, views
 from fem_lie.joints.equations.terms import spring_energy, unwrap, violations
 from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.solve.conserving.python_forces.attachments import (
@@ -22,7 +22,7 @@ from fem_lie.solve.conserving.python_forces.attachments import (
 )
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.step.records import Model, Span, State, Step
-from fem_lie.solve.conserving.vector_cells.cell_table import CellTable
+from fem_lie.solve.conserving.vector_cells.cell_arrays import VectorCells
 from fem_lie.solve.conserving.vector_cells.force_changes import weigh_cells
 from fem_lie.system.equations import Equations
 
@@ -111,18 +111,18 @@ def _add_forces(
 
 @compiled
 def _unwrap(joints: PackedJoints, frames: Array) -> None:
-    unwrap(frames, joint_table(joints))
+    unwrap(frames, joint_arrays(joints))
 
 
 @compiled
 def _violations(joints: PackedJoints, frames: Array, out: Array) -> None:
-    violations(frames, joint_table(joints), out)
+    violations(frames, joint_arrays(joints), out)
 
 
 @compiled
 def _spring_energy(joints: PackedJoints, frames: Array) -> float:
-    table = joint_table(joints)
-    return spring_energy(frames, table) if len(table.springs) > 0 else 0.0
+    arrays = joint_arrays(joints)
+    return spring_energy(frames, arrays) if len(arrays.springs) > 0 else 0.0
 
 
 class Joints:
@@ -148,7 +148,7 @@ class Joints:
         frames = equations.start.frames
         fixed = frames[n:]
         first = np.searchsorted(attachments.of, np.arange(attachments.count + 1))
-        cells = CellTable(
+        cells = VectorCells(
             np.zeros((attachments.count, 2, 4), dtype=np.int64),
             first,
             attachments.nodes,
@@ -182,7 +182,7 @@ class Joints:
 
     def add_forces(self, model: Model, state: State, this: Step, h: float) -> None:
         """Add forces to ``this.outer``; compute increments of constraints, and balances."""
-        span, rows, along, n = self._span, self._rows, Span(*this.rows), self._n
+        span, rows, along, n = self._span, self._rows, Span(*this.coordinates), self._n
         span.middle[:], span.J[:] = self._attachments.locate(along.middle)
         if span.turns.any():
             span.end[:] = self._attachments.locate(along.end)[0]

@@ -11,7 +11,7 @@ from fem_lie._jit import inlined, linked, uncounted
 from fem_lie._jit.records import Record
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
-from fem_lie.joints.equations.table import joint_table
+from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.joints.equations.terms import unwrap
 from fem_lie.lie.node_types import inertia
 from fem_lie.lie.node_types.forces import wrench
@@ -64,7 +64,7 @@ def accept(packed: Indices, starts: Indices, steps: Indices) -> None:
         state.account,
     )
     step, V1, F1, losses, scheme = this.step, this.V1, this.F1, this.losses, model.scheme
-    end, _, middle, delta = span_of(this.rows)
+    end, _, middle, delta = span_of(this.coordinates)
     n, (h, χ, μ) = step.shape[0], scheme
     share = 0.5 * (1.0 + χ * filter_state.active)
     given = model.kinds, model.arms, middle, step, solution_of(this.r).residual
@@ -75,14 +75,16 @@ def accept(packed: Indices, starts: Indices, steps: Indices) -> None:
         filter_state.active = 1.0
         remember(filter_state, μ)
         _learn(μ, V, V1, state.w)
-        for place in range(F1.shape[0]):
+        for row in range(F1.shape[0]):
             for k in range(6):
-                old = state.w_F[place, k]
-                state.w_F[place, k] = old + μ * (F1[place, k] - state.F[place, k] - old)
-        _learn_of_rows(μ, this.cell_forces, state.cell_forces)
+                old = state.w_F[row, k]
+                state.w_F[row, k] = old + μ * (F1[row, k] - state.F[row, k] - old)
+        _learn_of_vector_cells(μ, this.cell_forces, state.cell_forces)
         for a in range(state.within.shape[0]):
             state.within[a] += μ * (this.within[STRESS, a] - state.within[a])
-    work = _work_of_loads(model.kinds, model.loads, model.conservative, this.rows, step, losses)
+    work = _work_of_loads(
+        model.kinds, model.loads, model.conservative, this.coordinates, step, losses
+    )
     work += _work_on_products(model, this)
     balance[WORK] += losses[WORK] + work
     balance[DAMPING] += losses[DAMPING]
@@ -94,8 +96,8 @@ def accept(packed: Indices, starts: Indices, steps: Indices) -> None:
     for i in range(n, H.shape[0]):
         for k in range(4):
             store_row(H[i], k, load_row(end[i], k))
-    unwrap(H, joint_table(model.joints))
-    unwrap(H, joint_table(model.probes))
+    unwrap(H, joint_arrays(model.joints))
+    unwrap(H, joint_arrays(model.probes))
     for i in range(V.shape[0]):
         for k in range(4):
             store_row(V[i], k, load_row(V1[i], k))
@@ -104,9 +106,9 @@ def accept(packed: Indices, starts: Indices, steps: Indices) -> None:
     filter_state.energy = max(filter_state.energy, 0.5 * _product(V, momenta) + np.sum(this.W1))
     _set_massless_rates(model.light, H, step, h, V)
     _keep_trend(model.kinds, H, V, h, step, state)
-    for place in range(F1.shape[0]):
+    for row in range(F1.shape[0]):
         for k in range(6):
-            state.F[place, k] = F1[place, k]
+            state.F[row, k] = F1[row, k]
     for e in range(account.shape[0]):
         state.W[e] = this.W1[e]
         account[e] += this.work[e]
@@ -139,7 +141,7 @@ def _set_massless_rates(light: Array, H: Array, step: Array, h: float, V: Array)
 def _go_along_edges(packed: Indices, starts: Indices, steps: Indices) -> None:
     """Rotate frames onto their edges, together with vectors along their axes."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
-    edges, master, before = model.masters.edges, model.masters.master, span_of(this.rows).end
+    edges, master, before = model.masters.edges, model.masters.master, span_of(this.coordinates).end
     for k in range(edges.shape[0]):
         i = master[edges[k, 0]]
         after = state.H[i]
@@ -173,7 +175,7 @@ def _product(V: Array, p: Array) -> float:
 
 
 @inlined
-def _learn_of_rows(μ: float, found: Array, cell_forces: Array) -> None:
+def _learn_of_vector_cells(μ: float, found: Array, cell_forces: Array) -> None:
     """Forces at the end, and their filter, ``w += μ (ΔF − w)``.
 
     (3, cell nodes, 2, 3), (2, cell nodes, 2, 3).
@@ -238,7 +240,7 @@ def _work_of_loads(
     kinds: Indices,
     loads: Loads,
     constant: Array,
-    rows: Array,
+    coordinates: Array,
     step: Array,
     losses: Array,
 ) -> float:
@@ -248,12 +250,12 @@ def _work_of_loads(
         kinds: Types of the nodes, (n,).
         loads: Loads at the midpoint of the step.
         constant: Those with a potential, (n, 4, 3).
-        rows: :class:`~fem_lie.solve.conserving.step.records.Span`.
+        coordinates: :class:`~fem_lie.solve.conserving.step.records.Span`.
         step: Increments, (n, 6).
         losses: Work, forces and moments, updated.
     """
     dead, moment, following = loads
-    _, mean, middle, delta = span_of(rows)
+    _, mean, middle, delta = span_of(coordinates)
     work = 0.0
     for i in range(step.shape[0]):
         for k in range(4):

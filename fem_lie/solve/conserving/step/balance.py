@@ -64,7 +64,7 @@ def residual(packed: Indices, starts: Indices, steps: Indices, reevaluate: bool)
     held, scheme, losses, forces = model.held, model.scheme, this.losses, this.forces
     kinds, addresses = model.kinds, model.addresses
     n, χ = this.step.shape[0], scheme.dissipation * state.filter_state[0].active
-    along, r = span_of(this.rows), solution_of(this.r).residual
+    along, r = span_of(this.coordinates), solution_of(this.r).residual
     span_all(kinds, state.H, this.step, (along.delta, along.mean, along.end, along.middle))
     if this.products.shape[0] > 0:
         _span_products(packed, starts, steps)
@@ -104,7 +104,7 @@ def residual(packed: Indices, starts: Indices, steps: Indices, reevaluate: bool)
 def _span_products(packed: Indices, starts: Indices, steps: Indices) -> None:
     """Modal coordinates and products of reduced-order bodies, and increments with inertia."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
-    along, moved = span_of(this.rows), this.moved
+    along, moved = span_of(this.coordinates), this.moved
     for i in range(this.step.shape[0]):
         for k in range(4):
             store_row(moved[i], k, load_row(along.delta[i], k))
@@ -175,7 +175,7 @@ def _add_momenta(packed: Indices, starts: Indices, steps: Indices) -> None:
     mass, damping, dead, scheme = model.inertia, model.damping, model.loads.dead, model.scheme
     h = scheme.h
     V, V1, losses, forces, q = state.V, this.V1, this.losses, this.forces, this.q
-    _, mean, _, delta = span_of(this.rows)
+    _, mean, _, delta = span_of(this.coordinates)
     n, moved, dissipates = (
         forces.shape[0],
         this.moved,
@@ -192,7 +192,7 @@ def _add_momenta(packed: Indices, starts: Indices, steps: Indices) -> None:
                 for j in range(3):
                     q[0, i, k, j] = delta[i, k, j] / h
         inertia.multiply(damping.indptr, damping.indices, damping.blocks, q[0], q[1])
-        _on_rows(model.kinds, mean, q[1], forces)
+        _add_local_forces(model.kinds, mean, q[1], forces)
         power = 0.0
         for i in range(n):
             for k in range(4):
@@ -212,7 +212,7 @@ def _add_momenta(packed: Indices, starts: Indices, steps: Indices) -> None:
         for k in range(4):
             for j in range(3):
                 q[1, i, k, j] -= dead[i, k, j]
-    _on_rows(model.kinds, mean, q[1], forces)
+    _add_local_forces(model.kinds, mean, q[1], forces)
     if this.products.shape[0] > 0:
         nodes, motion = (state.H, state.rest), (mean, delta)
         own = this.step, this.within, this.products
@@ -220,7 +220,7 @@ def _add_momenta(packed: Indices, starts: Indices, steps: Indices) -> None:
 
 
 @uncounted
-def _on_rows(kinds: Indices, mean: Array, f: Array, forces: Array) -> None:
+def _add_local_forces(kinds: Indices, mean: Array, f: Array, forces: Array) -> None:
     """Add forces on nodal coordinates (n, 4, 3) to forces along increments (n, 6)."""
     for i in range(forces.shape[0]):
         add_along_increments(kinds[i], mean[i], f[i], forces[i])

@@ -13,7 +13,7 @@ from fem_lie._jit.records import Record
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.bodies.balances import BY_LOADS, DAMPING, NUMERICAL, WORK
 from fem_lie.forms import cells as elements
-from fem_lie.forms.cells import CellTable
+from fem_lie.forms.cells import CellArrays
 from fem_lie.lie.tuples import (
     add_wrench,
     cross,
@@ -29,7 +29,7 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 from fem_lie.solve.conserving.midpoint.any_node import pull_edges, turn_edges
-from fem_lie.solve.conserving.midpoint.cayley import follow
+from fem_lie.solve.conserving.midpoint.cayley import set_attached_nodes
 from fem_lie.solve.conserving.midpoint.discrete_gradient import Energies, Filtered, add_elastic
 from fem_lie.solve.conserving.midpoint.mean_forces import Ends, Path
 from fem_lie.solve.conserving.midpoint.reduced_bodies import add_elastic as add_of_bodies
@@ -37,7 +37,7 @@ from fem_lie.solve.conserving.step.packing import model_of, state_of, step_of
 from fem_lie.solve.conserving.step.records import Masters, Segments, Step, span_of
 from fem_lie.solve.conserving.vector_cells.cells import Energies as RowEnergies
 from fem_lie.solve.conserving.vector_cells.cells import Nodes
-from fem_lie.solve.conserving.vector_cells.cells import add_elastic as add_of_rows
+from fem_lie.solve.conserving.vector_cells.cells import add_elastic as add_of_vector_cells
 from fem_lie.solve.conserving.vector_cells.force_changes import CellForces, add_changes
 from fem_lie.solve.conserving.vector_cells.position_cells import add_position_cells
 
@@ -75,8 +75,8 @@ def add_from_nodes(packed: Indices, starts: Indices, steps: Indices, reevaluate:
         _repayment(state.filter_state[0]),
         state.filter_state[0].squares + state.filter_state[0].row_squares,
     )
-    rows, bodies = model.rows.sees.shape[0], step_of(steps).products.shape[0]
-    if rows + bodies == 0:
+    vector_cells, bodies = model.vector_cells.sees.shape[0], step_of(steps).products.shape[0]
+    if vector_cells + bodies == 0:
         _add_from_frames(packed, starts, steps, reevaluate, known)
         return
     changes = step_of(steps).changes
@@ -87,8 +87,8 @@ def add_from_nodes(packed: Indices, starts: Indices, steps: Indices, reevaluate:
             for k in range(6):
                 changes[0, i, k] = changes[1, i, k] = 0.0
     _add_from_frames(packed, starts, steps, reevaluate, known)
-    if rows > 0:
-        _add_from_rows(packed, starts, steps, known)
+    if vector_cells > 0:
+        _add_from_vector_cells(packed, starts, steps, known)
     if bodies > 0:
         _add_from_bodies(packed, starts, steps)
 
@@ -97,7 +97,7 @@ def add_from_nodes(packed: Indices, starts: Indices, steps: Indices, reevaluate:
 def _add_from_bodies(packed: Indices, starts: Indices, steps: Indices) -> None:
     """Add elastic forces of reduced-order bodies."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
-    along, first = span_of(this.rows), state.W.shape[0] - model.bodies[0][0]
+    along, first = span_of(this.coordinates), state.W.shape[0] - model.bodies[0][0]
     nodes, motion = (state.H, state.rest), (along.mean, along.delta)
     energies, out = (this.W1[first:], this.work[first:]), (this.forces, this.changes)
     own, works = (this.within, state.within), vector_at(stack(2), 2)
@@ -108,7 +108,7 @@ def _add_from_bodies(packed: Indices, starts: Indices, steps: Indices) -> None:
 
 
 @uncounted
-def _add_from_rows(
+def _add_from_vector_cells(
     packed: Indices, starts: Indices, steps: Indices, known: tuple[float, float]
 ) -> None:
     """Add the forces of cells of nodes other than frames.
@@ -122,7 +122,7 @@ def _add_from_rows(
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     cells, filter_state, M, count = (
-        model.rows,
+        model.vector_cells,
         state.filter_state[0],
         this.gains.shape[0],
         state.W.shape[0],
@@ -131,7 +131,7 @@ def _add_from_rows(
     factors = repay, squares / count, ULP * filter_state.energy / count
     nodes = Nodes(state.H, state.rest, this.step)
     energies = RowEnergies(state.W[M:], state.account[M:], this.W1[M:], this.work[M:])
-    found = add_of_rows(cells, nodes, energies, factors, this.forces)
+    found = add_of_vector_cells(cells, nodes, energies, factors, this.forces)
     found += add_position_cells(cells, nodes, energies, factors, this.forces)
     filter_state.row_squares, filter_state.row_repaid = found, repay * found
     if model.scheme.dissipation == 0.0:
@@ -157,25 +157,33 @@ def _add_from_frames(
     model, state, this = model_of(packed), state_of(starts), step_of(steps_of)
     master, offset, trivial, edges = model.masters
     H, step, forces = state.H, this.step, this.forces
-    rows, nodes, exact = span_of(this.rows), span_of(this.nodes), this.exact
+    coordinates, nodes, exact = span_of(this.coordinates), span_of(this.nodes), this.exact
     if model.cells.x.shape[0] == 0:  # rigid bodies only
         return
     for i in range(step.shape[0]):
         for k in range(4):
             for j in range(3):
-                exact[i, k, j] = rows.delta[i, k, j] + state.rest[i, k, j]
+                exact[i, k, j] = coordinates.delta[i, k, j] + state.rest[i, k, j]
     steps, on_all, further = this.steps, this.on_nodes, this.twists
     if trivial:
-        motion = Motion(H, rows.end, rows.mean, rows.middle, rows.delta, exact, steps)
+        motion = Motion(
+            H,
+            coordinates.end,
+            coordinates.mean,
+            coordinates.middle,
+            coordinates.delta,
+            exact,
+            steps,
+        )
     else:
         own = this.q[0]
         for i in range(step.shape[0]):
             for k in range(4):
                 store_row(own[i], k, load_row(exact[i], k))
-        follow(H, master, offset, this.start)
+        set_attached_nodes(H, master, offset, this.start)
         for k in range(4):
-            follow(this.rows[k], master, offset, this.nodes[k])
-        follow(own, master, offset, exact)
+            set_attached_nodes(this.coordinates[k], master, offset, this.nodes[k])
+        set_attached_nodes(own, master, offset, exact)
         motion = Motion(this.start, nodes.end, nodes.mean, nodes.middle, nodes.delta, exact, steps)
     for i in range(master.shape[0]):
         for k in range(3):
@@ -295,7 +303,7 @@ def add_filtered_forces(packed: Indices, starts: Indices, steps: Indices) -> Non
     filter_state, given, losses = state.filter_state[0], this.filtered, this.losses
     a = 0.5 * scheme.dissipation * filter_state.active * filter_state.elastic
     b = a * filter_state.gain
-    others = model.rows.sees.shape[0] + this.products.shape[0]
+    others = model.vector_cells.sees.shape[0] + this.products.shape[0]
     if model.cells.x.shape[0] > 0 or others > 0:
         losses[NUMERICAL] += a * filter_state.change_work - b * filter_state.filter_work
     if others > 0:
@@ -330,7 +338,7 @@ def _repayment(filter_state: Record) -> float:
 
 
 @uncounted
-def _add_viscous(cells: CellTable, middle: Array, twists: Array, F: Array, out: Array) -> float:
+def _add_viscous(cells: CellArrays, middle: Array, twists: Array, F: Array, out: Array) -> float:
     """Add viscous forces at the midpoint frames; returns their power."""
     first, nodes, power = cells.first, cells.nodes, 0.0
     elements.viscous_forces(cells, middle, twists, F)
@@ -369,7 +377,7 @@ def _add_pressure(pressure: Segments, motion: Motion, out: Array, losses: Array)
 def collect(masters: Masters, this: Step, given: Array, forces: Array) -> None:
     """Add forces and moments on all nodes, (N, 6), to those on their master nodes, (n, 6)."""
     master, _, _, edges = masters
-    all_means, mean = span_of(this.nodes).mean, span_of(this.rows).mean
+    all_means, mean = span_of(this.nodes).mean, span_of(this.coordinates).mean
     if edges.shape[0] > 0:
         pull_edges(edges, this.start, all_means, (master, mean), given, forces)
     for i in range(master.shape[0]):

@@ -18,9 +18,9 @@ from fem_lie._jit import compiled, inlined, linked, uncounted
 from fem_lie._jit.stack import blocks_at, stack, vector_at
 from fem_lie.forms.fixed_arrays import put
 from fem_lie.joints.equations import functions
+from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays
 from fem_lie.joints.equations.one_pair import term
 from fem_lie.joints.equations.relative_motion import relative_motion
-from fem_lie.joints.equations.table import PackedJoints, joint_table
 from fem_lie.joints.equations.terms import jacobian
 from fem_lie.lie.node_types.node_type import POSITION_GRADIENT, axes
 from fem_lie.lie.tuples import (
@@ -98,9 +98,9 @@ def add_joints(
     """Add the forces of all joints to ``out`` and set ``change``, the increments of constraints.
 
     Args:
-        mean: Means of (x, d₁, d₂, d₃) of all rows, ground and prescribed frames last.
+        mean: Means of (x, d₁, d₂, d₃) of all nodes, then of ground and prescribed frames.
         delta: Increments.
-        packed: See :class:`~fem_lie.joints.equations.table.JointTable`.
+        packed: See :class:`~fem_lie.joints.equations.joint_arrays.JointArrays`.
         multipliers: Lagrange multipliers, shape (m,).
         driven: Increments of the constraints' targets, shape (m,).
         h: Step size.
@@ -112,44 +112,50 @@ def add_joints(
     Returns:
         The work of prescribed frames and drives on the nodes, and the loss in dampers.
     """
-    table = joint_table(packed)
+    arrays = joint_arrays(packed)
     work, loss, m = 0.0, 0.0, multipliers.shape[0]
-    room, frames = vector_at(stack(51), 51), blocks_at(stack(72), 6, 4, 3)
-    p, z, dz, g, f = room[:12], room[12:24], room[24:36], room[36:48], room[48:]
+    workspace, frames = vector_at(stack(51), 51), blocks_at(stack(72), 6, 4, 3)
+    p, z, dz, g, f = (
+        workspace[:12],
+        workspace[12:24],
+        workspace[24:36],
+        workspace[36:48],
+        workspace[48:],
+    )
     both, moved, start = frames[:2], frames[2:4], frames[4:]
     for k in range(3):
         f[k] = 0.0
     for c in range(m):
         change[c] = -driven[c]
         work -= multipliers[c] * driven[c]
-    for j in range(table.nodes.shape[0]):
+    for j in range(arrays.nodes.shape[0]):
         for side in range(2):
-            _joint_frame(mean[table.nodes[j, side]], table.frames[j, side], both[side])
-            _joint_frame(delta[table.nodes[j, side]], table.frames[j, side], moved[side])
+            _joint_frame(mean[arrays.nodes[j, side]], arrays.frames[j, side], both[side])
+            _joint_frame(delta[arrays.nodes[j, side]], arrays.frames[j, side], moved[side])
         _increment(both[0], both[1], moved[0], moved[1], dz)
-        if table.curved[j] or table.rows[table.first[j]] >= m:
+        if arrays.curved[j] or arrays.rows[arrays.first[j]] >= m:
             for side in range(2):
                 for k in range(4):
                     for n in range(3):
                         start[side, k, n] = both[side, k, n] - 0.5 * moved[side, k, n]
             relative_motion(start[0], start[1], z)
-            functions.values(z, table.angle[j], table.turned[j], f)
+            functions.values(z, arrays.angle[j], arrays.turned[j], f)
         for k in range(12):
             p[k] = 0.0
-        for t in range(table.first[j], table.first[j + 1]):
+        for t in range(arrays.first[j], arrays.first[j + 1]):
             for k in range(12):
-                g[k] = table.selection[t, k]
-            if table.curved[j]:
-                functions.add_secants(z, dz, table.angle[j], table.functions[t], g)
-            gain, row = 0.0, table.rows[t]
+                g[k] = arrays.selection[t, k]
+            if arrays.curved[j]:
+                functions.add_secants(z, dz, arrays.angle[j], arrays.functions[t], g)
+            gain, row = 0.0, arrays.rows[t]
             for k in range(12):
                 gain += g[k] * dz[k]
             if row < m:
                 change[row] += gain
                 weight = multipliers[row]
             else:
-                stiffness, damping, rest = table.springs[row - m]
-                before = term(table, t, z, f)
+                stiffness, damping, rest = arrays.springs[row - m]
+                before = term(arrays, t, z, f)
                 weight = stiffness * (before + 0.5 * gain - rest) + damping * gain / h
                 loss += damping * gain * gain / h
             for k in range(12):
@@ -157,7 +163,7 @@ def add_joints(
         force, on_a, on_b = _forces(both[0], both[1], p)
         for side in range(2):
             f_side, moment = (force, on_b) if side == 1 else (scaled(-1.0, force), on_a)
-            node = table.nodes[j, side]
+            node = arrays.nodes[j, side]
             if node < out.shape[0]:
                 arm = minus(load_row(both[side], 0), load_row(mean[node], 0))
                 store(out[node], 0, plus(load(out[node], 0), f_side))
@@ -196,10 +202,10 @@ def border_at(
         out: Rows and columns, (2, incidences, 6), overwritten.
     """
     end, axes, middle = frames
-    table = joint_table(joints)
+    arrays = joint_arrays(joints)
     out[:] = 0.0
-    jacobian(end, table, out[0])
-    jacobian(middle, table, out[1])
+    jacobian(end, arrays, out[0])
+    jacobian(middle, arrays, out[1])
     for incidence in range(incidences.nodes.shape[0]):
         i, row = incidences.nodes[incidence], out[0, incidence]
         e, a = end[i], axes[i]
@@ -262,7 +268,7 @@ def compare(packed: Indices, starts: Indices, steps: Indices) -> None:
     """Differences of the current step from the matrix: constraint Jacobian, and rotations of Π."""
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
     along, change, incidences, scheme = (
-        span_of(this.rows),
+        span_of(this.coordinates),
         this.border,
         model.incidences,
         model.scheme,
@@ -296,7 +302,7 @@ def correct(packed: Indices, starts: Indices, steps: Indices) -> None:
     χ = model.scheme.dissipation * state.filter_state[0].active
     H, multipliers, held, scale = state.H, state.multipliers, model.held, model.scale
     kinds = model.kinds
-    step, middle, x = this.step, span_of(this.rows).middle, solution_of(this.r).x
+    step, middle, x = this.step, span_of(this.coordinates).middle, solution_of(this.r).x
     n = step.shape[0]
     for i in range(n):
         (d1, d2, d3), dx = axes(kinds[i], middle[i]), x[6 * i : 6 * i + 6]

@@ -49,7 +49,7 @@ from fem_lie.solve.conserving.step.series import (
     correction,
     growth,
 )
-from fem_lie.solve.conserving.vector_cells.cell_table import has_position
+from fem_lie.solve.conserving.vector_cells.cell_arrays import has_position
 from fem_lie.solve.convergence import ROUND_OFF
 from fem_lie.solve.refactorisation import is_due
 
@@ -250,8 +250,8 @@ def _round_off(packed: Indices, starts: Indices, steps: Indices, factors: PlainF
     kept, saved_multipliers, x = step.copy(), multipliers.copy(), solution.x.copy()
     n, sign = step.shape[0], 1.0
     for i in range(n):
-        place = load_row(H[i], 0)
-        far = max(1.0, measure[6 * i] * sqrt(dot(place, place)))
+        position = load_row(H[i], 0)
+        far = max(1.0, measure[6 * i] * sqrt(dot(position, position)))
         for k in range(6):
             step[i, k] += sign * _ULP * (far if k < 3 else 1.0) / measure[6 * i + k]
             sign = -sign

@@ -25,11 +25,11 @@ from fem_lie._jit.fixed_arrays import (
     one,
 )
 from fem_lie._jit.records import Records, record_type
-from fem_lie.forms.cells import CellTable
-from fem_lie.joints.equations.table import PackedJoints
+from fem_lie.forms.cells import CellArrays
+from fem_lie.joints.equations.joint_arrays import PackedJoints
 from fem_lie.lie.node_types.inertia import Inertia
 from fem_lie.solve.conserving.midpoint.reduced_bodies import PackedBodies
-from fem_lie.solve.conserving.vector_cells.cell_table import CellTable as RowCells
+from fem_lie.solve.conserving.vector_cells.cell_arrays import VectorCells
 from fem_lie.system.nodes.masses import Loads
 
 FORCES, LEARN, JOINTS, ERROR, TOUCHES, ADDRESSES = 0, 1, 2, 3, 4, 5
@@ -161,7 +161,7 @@ class Model(NamedTuple):
         ends: Positions of the incidences in the dense inverse.
         kinds: Types of the nodes, (n,).
         arms: Moment arm of both halves of each node, which converts its loads to forces, (n, 2).
-        rows: Cells of nodes other than frames.
+        vector_cells: Cells of nodes other than frames.
         of_frames: As ``measure`` for frames and constraints between frames only, else zero.
         addresses: Addresses of callbacks, zero without, and flags, see :data:`FORCES`, (5,).
         bodies: Reduced-order bodies.
@@ -169,7 +169,7 @@ class Model(NamedTuple):
             3, 3), or (0, 3, 3) if there are none.
     """
 
-    cells: CellTable
+    cells: CellArrays
     joints: PackedJoints
     inertia: Inertia
     damping: Inertia
@@ -189,7 +189,7 @@ class Model(NamedTuple):
     ends: IncidencePositions
     kinds: Integers1
     arms: Numbers2
-    rows: RowCells
+    vector_cells: VectorCells
     of_frames: Numbers1
     addresses: Integers1
     bodies: PackedBodies
@@ -200,7 +200,7 @@ class State(NamedTuple):
     """Start of a step.
 
     Attributes:
-        H: Frames of all rows, ground and prescribed motions last, (n + 1 + p, 4, 3).
+        H: Frames of all nodes, ground and prescribed motions, (n + 1 + p, 4, 3).
         rest: Digits of ``H`` beyond double precision, (n, 4, 3).
         V: Velocities of (x, d₁, d₂, d₃), and of products, (n + p, 4, 3).
         multipliers: Lagrange multipliers, (m,).
@@ -277,7 +277,7 @@ class Step(NamedTuple):
 
     Attributes:
         step: Spatial translation and rotation of the nodes, (n, 6).
-        rows: :class:`Span` of all rows, (4, rows, 4, 3).
+        coordinates: :class:`Span` of all nodes, ground and prescribed frames, (4, r, 4, 3).
         V1: Velocities at the end, (n + p, 4, 3).
         F1: Forces of the cells at the end, (cell nodes, 6).
         W1: Energies of the cells at the end, (M,).
@@ -311,14 +311,14 @@ class Step(NamedTuple):
         changes: Forces on nodes of these changes and of their filter state, (2, n, 6).
         outer: Forces of Python callbacks, along increments, (n, 6).
         moved: Increments of all coordinates with inertia, (n + p, 4, 3); without products the same
-            array as in ``rows``.
+            array as in ``coordinates``.
         products: Means of the products, (p, 4, 3).
         within: Modal coordinates over the step, see
             :data:`~fem_lie.solve.conserving.midpoint.reduced_bodies.START`, (3, coordinates).
     """
 
     step: Sixes
-    rows: ManyFrames
+    coordinates: ManyFrames
     V1: Frames
     F1: Sixes
     W1: Numbers1
@@ -385,9 +385,9 @@ class Solution(NamedTuple):
 
 
 @inlined
-def span_of(rows: Array) -> Span:
-    """Unpack ``rows`` (4, k, 4, 3)."""
-    return Span(rows[0], rows[1], rows[2], rows[3])
+def span_of(coordinates: Array) -> Span:
+    """Unpack ``coordinates`` (4, k, 4, 3)."""
+    return Span(coordinates[0], coordinates[1], coordinates[2], coordinates[3])
 
 
 @inlined

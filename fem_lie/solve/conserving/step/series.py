@@ -127,8 +127,13 @@ def _all_terms(
     """
     _, x, _, rest, _ = solution_of(r)
     (before, allowed), count = enough, ends.inverse.shape[0]
-    room = matrix_at(stack(4 * DENSE), 4, DENSE)
-    sizes, y, d, total = room[0, :count], room[1, :count], room[2, :count], room[3, :count]
+    workspace = matrix_at(stack(4 * DENSE), 4, DENSE)
+    sizes, y, d, total = (
+        workspace[0, :count],
+        workspace[1, :count],
+        workspace[2, :count],
+        workspace[3, :count],
+    )
     for a in range(count):
         sizes[a], y[a], total[a] = measure[ends.unknowns[a]], x[ends.unknowns[a]], 0.0
     terms, falls = 0, 1.0
@@ -202,8 +207,8 @@ def growth(
     _, _, work, rest, term = solution_of(r)
     count = ends.inverse.shape[0]
     if count > 0:
-        room = matrix_at(stack(3 * DENSE), 3, DENSE)
-        sizes, given, d = room[0, :count], room[1, :count], room[2, :count]
+        workspace = matrix_at(stack(3 * DENSE), 3, DENSE)
+        sizes, given, d = workspace[0, :count], workspace[1, :count], workspace[2, :count]
         for a in range(count):
             sizes[a], given[a] = measure[ends.unknowns[a]], probe[ends.unknowns[a]]
         _push(incidences, ends, scale, change, given, d)

@@ -53,10 +53,10 @@ from fem_lie.solve.conserving.midpoint.mean_forces import (
     solve_symmetric,
     unshrunk,
 )
-from fem_lie.solve.conserving.vector_cells.cell_table import (
+from fem_lie.solve.conserving.vector_cells.cell_arrays import (
     NOTHING,
     POSITIONS,
-    CellTable,
+    VectorCells,
     are_positions,
     energy_of,
     forces_of,
@@ -124,7 +124,7 @@ class Work(NamedTuple):
         d: Increments, later without the rigid part.
         f: Forces.
         other: Vectors at which kernels are evaluated.
-        rows: Nodes, (k, 4, 3).
+        coordinates: Nodes, (k, 4, 3).
         A: Metric of rotations, (3, 3).
     """
 
@@ -132,7 +132,7 @@ class Work(NamedTuple):
     d: Array
     f: Array
     other: Array
-    rows: Array
+    coordinates: Array
     A: Array
 
 
@@ -147,12 +147,12 @@ def workspace_for(most: int) -> Work:
 @inlined
 def part_of(work: Work, count: int) -> Work:
     """The part of a workspace for ``count`` nodes."""
-    r, d, f, other, rows, A = work
-    return Work(r[:count], d[:count], f[:count], other[:count], rows[:count], A)
+    r, d, f, other, coordinates, A = work
+    return Work(r[:count], d[:count], f[:count], other[:count], coordinates[:count], A)
 
 
 @uncounted
-def take_centre(cells: CellTable, e: int, halves: Array) -> Vector:
+def take_centre(cells: VectorCells, e: int, halves: Array) -> Vector:
     """Subtract the mean position from vectors (k, 2, 3); returns it."""
     begin, count, centre = cells.first[e], 0, (0.0, 0.0, 0.0)
     for a in range(halves.shape[0]):
@@ -187,7 +187,7 @@ def solve_thin(A: Array, b: Vector) -> Vector:
 
 
 @uncounted
-def rotation_of(cells: CellTable, e: int, work: Work) -> Vector:
+def rotation_of(cells: VectorCells, e: int, work: Work) -> Vector:
     """Best fit of a rotation to the increments ``d`` of the means ``r``, as a Cayley vector."""
     r, d, A, begin = work.r, work.d, work.A, cells.first[e]
     A[:] = 0.0
@@ -201,13 +201,13 @@ def rotation_of(cells: CellTable, e: int, work: Work) -> Vector:
 
 
 @uncounted
-def _mean_forces(cells: CellTable, e: int, H: Array, ω: Vector, work: Work) -> None:
+def _mean_forces(cells: VectorCells, e: int, H: Array, ω: Vector, work: Work) -> None:
     """``C f(C⁻¹ r̄)`` into ``work.f``."""
     r, f, other = work.r, work.f, work.other
     for a in range(r.shape[0]):
         for k in range(2):
             store_row(other[a], k, unshrunk(ω, load_row(r[a], k)))
-    forces_of(cells, e, H, other, work.rows, f)
+    forces_of(cells, e, H, other, work.coordinates, f)
     for a in range(r.shape[0]):
         for k in range(2):
             store_row(f[a], k, shrunk(ω, load_row(f[a], k)))
@@ -228,7 +228,7 @@ class Nodes(NamedTuple):
 
 
 @inlined_uncounted
-def set_out(cells: CellTable, e: int, nodes: Nodes, work: Work) -> None:
+def set_out(cells: VectorCells, e: int, nodes: Nodes, work: Work) -> None:
     """Means ``r`` from the first node, increments ``d``, and vectors at the end of a cell."""
     r, d, other, begin = work.r, work.d, work.other, cells.first[e]
     mine = cells.nodes[begin : cells.first[e + 1]]
@@ -247,7 +247,7 @@ def set_out(cells: CellTable, e: int, nodes: Nodes, work: Work) -> None:
 
 @compiled
 def add_elastic(
-    cells: CellTable,
+    cells: VectorCells,
     nodes: Nodes,
     energies: Energies,
     factors: tuple[float, float, float],
@@ -272,7 +272,7 @@ def add_elastic(
 
 @uncounted
 def _add_all(
-    cells: CellTable,
+    cells: VectorCells,
     nodes: Nodes,
     energies: Energies,
     factors: tuple[float, float, float],
@@ -286,9 +286,9 @@ def _add_all(
             continue
         begin, count = cells.first[e], cells.first[e + 1] - cells.first[e]
         r, d, f = workspace.r[:count], workspace.d[:count], workspace.f[:count]
-        work = Work(r, d, f, workspace.other[:count], workspace.rows[:count], workspace.A)
+        work = Work(r, d, f, workspace.other[:count], workspace.coordinates[:count], workspace.A)
         set_out(cells, e, nodes, work)
-        energies.end[e] = energy_of(cells, e, nodes.H, work.other, work.rows)
+        energies.end[e] = energy_of(cells, e, nodes.H, work.other, work.coordinates)
         take_centre(cells, e, r)
         ω = (0.0, 0.0, 0.0)
         if cells.sees[e] < POSITIONS:
@@ -320,11 +320,11 @@ def _add_all(
 
 
 @compiled
-def energies_at(cells: CellTable, H: Array, rest: Array, W: Array) -> None:
+def energies_at(cells: VectorCells, H: Array, rest: Array, W: Array) -> None:
     """Energies ``W`` (M,) of all cells at nodes ``H``."""
     workspace = workspace_for(largest_cell(cells.first))
     for e in range(W.shape[0]):
         here = slice(cells.first[e], cells.first[e + 1])
         work = part_of(workspace, cells.first[e + 1] - cells.first[e])
         gather(cells.kinds[here], cells.nodes[here], H, rest, work.other)
-        W[e] = energy_of(cells, e, H, work.other, work.rows)
+        W[e] = energy_of(cells, e, H, work.other, work.coordinates)

@@ -35,11 +35,11 @@ from fem_lie.lie.tuples import (
 from fem_lie.solve.conserving.midpoint.cayley import half, turned
 from fem_lie.solve.conserving.midpoint.discrete_gradient import ROUND_OFF
 from fem_lie.solve.conserving.midpoint.mean_forces import shrunk
-from fem_lie.solve.conserving.vector_cells.cell_table import (
+from fem_lie.solve.conserving.vector_cells.cell_arrays import (
     DIRECTIONS,
     NOTHING,
     POSITIONS,
-    CellTable,
+    VectorCells,
     energy_of,
     forces_of,
     gather,
@@ -69,7 +69,7 @@ number; and the allowed difference, as a multiple of the round-off of a well-con
 
 
 @compiled
-def measure_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> None:
+def measure_cells(cells: VectorCells, lengths: Flags, H: Array, rest: Array) -> None:
     """Set the metric, invariance and energy error of all cells at nodes ``H``.
 
     Args:
@@ -90,7 +90,7 @@ def measure_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> No
 
 
 @compiled
-def weigh_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> None:
+def weigh_cells(cells: VectorCells, lengths: Flags, H: Array, rest: Array) -> None:
     """Set the metric only, see :func:`measure_cells`."""
     workspace = workspace_for(largest_cell(cells.first))
     for e in range(cells.first.shape[0] - 1):
@@ -102,31 +102,31 @@ def weigh_cells(cells: CellTable, lengths: Flags, H: Array, rest: Array) -> None
 
 
 @inlined
-def _weigh(cells: CellTable, lengths: Flags, e: int, r: Array) -> None:
+def _weigh(cells: VectorCells, lengths: Flags, e: int, r: Array) -> None:
     """Metric: 1 for positions.
 
     A gradient of the usual size counts like a position at usual distance.
     """
-    begin, far, long, places, slopes = cells.first[e], 0.0, 0.0, 0, 0
+    begin, far, long, positions, slopes = cells.first[e], 0.0, 0.0, 0, 0
     for a in range(r.shape[0]):
         for k in range(2):
             arm = load_row(r[a], k)
             if k == 0 and has_position(cells.kinds[begin + a]):
-                far, places = far + dot(arm, arm), places + 1
+                far, positions = far + dot(arm, arm), positions + 1
             elif dot(arm, arm) > 0.0 and not lengths[cells.nodes[begin + a], k]:
                 long, slopes = long + dot(arm, arm), slopes + 1
-    share, mixed = far / places * slopes / long if slopes > 0 else 0.0, _MIXED
+    share, mixed = far / positions * slopes / long if slopes > 0 else 0.0, _MIXED
     if far == 0.0:  # at one position there is no length, and gradients determine the rotation
         share, mixed = 1.0, 0.0
     for a in range(r.shape[0]):
         i = cells.nodes[begin + a]
         for k in range(2):
-            place = k == 0 and has_position(cells.kinds[begin + a])
-            cells.weights[begin + a, k] = 1.0 if place else mixed if lengths[i, k] else share
+            is_position = k == 0 and has_position(cells.kinds[begin + a])
+            cells.weights[begin + a, k] = 1.0 if is_position else mixed if lengths[i, k] else share
 
 
 @inlined
-def _shake(cells: CellTable, e: int, r: Array, part: float, phase: float, out: Array) -> None:
+def _shake(cells: VectorCells, e: int, r: Array, part: float, phase: float, out: Array) -> None:
     """Set ``out`` to vectors ``r`` displaced by ``part`` of the cell's size, each differently.
 
     ``out`` may be ``r``.
@@ -145,20 +145,20 @@ def _shake(cells: CellTable, e: int, r: Array, part: float, phase: float, out: A
 
 
 @inlined
-def _cancelled(cells: CellTable, e: int, H: Array, work: Work) -> float:
+def _cancelled(cells: VectorCells, e: int, H: Array, work: Work) -> float:
     """Error of the energy of a cell beyond the round-off of its positions.
 
     Over a displacement of 1e-9 of the cell's size the mean of the forces at both ends does the work
     of the energy change, to 1e-27 of a stiffness: the difference between them is round-off.
     """
     r, f, here, error, usual = work.r, work.f, work.other, 0.0, 0.0
-    forces_of(cells, e, H, r, work.rows, f)
+    forces_of(cells, e, H, r, work.coordinates, f)
     here[:] = r
-    W = energy_of(cells, e, H, here, work.rows)
+    W = energy_of(cells, e, H, here, work.coordinates)
     for sample in range(_SAMPLES):
         _shake(cells, e, r, _NEXT, 7.0 * sample, here)
-        forces_of(cells, e, H, here, work.rows, work.d)
-        change, done = energy_of(cells, e, H, here, work.rows) - W, 0.0
+        forces_of(cells, e, H, here, work.coordinates, work.d)
+        change, done = energy_of(cells, e, H, here, work.coordinates) - W, 0.0
         for a in range(r.shape[0]):
             for k in range(2):
                 push, arm = load_row(work.d[a], k), load_row(here[a], k)
@@ -170,11 +170,11 @@ def _cancelled(cells: CellTable, e: int, H: Array, work: Work) -> float:
 
 
 @inlined
-def _seen(cells: CellTable, e: int, H: Array, work: Work) -> int:
+def _seen(cells: VectorCells, e: int, H: Array, work: Work) -> int:
     """Invariance of a cell: whether its forces, slightly deformed, have a resultant or a moment."""
     r, f, begin = work.r, work.f, cells.first[e]
     _shake(cells, e, r, _FEEL, 0.0, r)
-    forces_of(cells, e, H, r, work.rows, f)
+    forces_of(cells, e, H, r, work.coordinates, f)
     force, moment, sizes, moments = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0
     for a in range(r.shape[0]):
         for k in range(2):
@@ -207,7 +207,7 @@ class CellForces(NamedTuple):
 
 
 @inlined
-def _balance(cells: CellTable, e: int, work: Work) -> None:
+def _balance(cells: VectorCells, e: int, work: Work) -> None:
     """Remove resultant and moment about the mean from ``work.f``, as invariance demands."""
     r, f, begin = work.r, work.f, cells.first[e]
     if cells.sees[e] < POSITIONS:
@@ -225,7 +225,7 @@ def _balance(cells: CellTable, e: int, work: Work) -> None:
 
 
 @inlined
-def _add(cells: CellTable, e: int, ω: Vector, given: Array, work: Work, out: Array) -> float:
+def _add(cells: VectorCells, e: int, ω: Vector, given: Array, work: Work, out: Array) -> float:
     """Add forces (k, 2, 3), rotated to the end, to those on all nodes; returns their work."""
     begin, back, made = cells.first[e], scaled(-1.0, half(ω)), 0.0
     for a in range(given.shape[0]):
@@ -243,7 +243,7 @@ def _add(cells: CellTable, e: int, ω: Vector, given: Array, work: Work, out: Ar
 
 @compiled
 def add_changes(
-    cells: CellTable, nodes: Nodes, cell_forces: CellForces, out: Array
+    cells: VectorCells, nodes: Nodes, cell_forces: CellForces, out: Array
 ) -> tuple[float, float]:
     """Add changes of elastic forces to ``out[0]`` and their filter state to ``out[1]``.
 
@@ -262,7 +262,7 @@ def add_changes(
         begin, end = cells.first[e], cells.first[e + 1]
         work = part_of(workspace, end - begin)
         set_out(cells, e, nodes, work)
-        forces_of(cells, e, nodes.H, work.other, work.rows, cell_forces.end[begin:end])
+        forces_of(cells, e, nodes.H, work.other, work.coordinates, cell_forces.end[begin:end])
         take_centre(cells, e, work.r)
         ω = (0.0, 0.0, 0.0)
         if cells.sees[e] < POSITIONS:
@@ -284,11 +284,11 @@ def add_changes(
 
 
 @compiled
-def forces_at(cells: CellTable, H: Array, rest: Array, out: Array) -> None:
+def forces_at(cells: VectorCells, H: Array, rest: Array, out: Array) -> None:
     """Forces (cell nodes, 2, 3) of all cells at nodes ``H``."""
     workspace = workspace_for(largest_cell(cells.first))
     for e in range(cells.sees.shape[0]):
         here = slice(cells.first[e], cells.first[e + 1])
         work = part_of(workspace, cells.first[e + 1] - cells.first[e])
         gather(cells.kinds[here], cells.nodes[here], H, rest, work.other)
-        forces_of(cells, e, H, work.other, work.rows, out[here])
+        forces_of(cells, e, H, work.other, work.coordinates, out[here])

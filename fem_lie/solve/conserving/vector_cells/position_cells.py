@@ -28,12 +28,12 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 from fem_lie.solve.conserving.midpoint.mean_forces import add_resistance, shrunk, unshrunk
-from fem_lie.solve.conserving.vector_cells.cell_table import (
+from fem_lie.solve.conserving.vector_cells.cell_arrays import (
     ENERGY,
     FORCES,
     NOTHING,
     POSITIONS,
-    CellTable,
+    VectorCells,
     are_positions,
     largest_cell,
     workspace_size,
@@ -49,21 +49,23 @@ from fem_lie.solve.conserving.vector_cells.cells import (
 
 
 @inlined_uncounted
-def _ask(cells: CellTable, e: int, which: int, places: Array, count: int, found: Pointer) -> None:
+def _ask(
+    cells: VectorCells, e: int, which: int, positions: Array, count: int, found: Pointer
+) -> None:
     """Add the energy, or forces (k, 6), of a cell at positions (k, 2, 3), along global axes."""
     calls = cells.calls[e, which]
     w = coefficients(calls[1], calls[4], calls[5], stack(workspace_size(calls)))
-    rows = blocks_at(w, count, 4, 3)
+    coordinates = blocks_at(w, count, 4, 3)
     for a in range(count):
-        store_row(rows[a], 0, load_row(places[a], 0))
-        store_row(rows[a], 1, (1.0, 0.0, 0.0))
-        store_row(rows[a], 2, (0.0, 1.0, 0.0))
-        store_row(rows[a], 3, (0.0, 0.0, 1.0))
+        store_row(coordinates[a], 0, load_row(positions[a], 0))
+        store_row(coordinates[a], 1, (1.0, 0.0, 0.0))
+        store_row(coordinates[a], 2, (0.0, 1.0, 0.0))
+        store_row(coordinates[a], 3, (0.0, 0.0, 1.0))
     call_kernel(calls[0], found, w, pointer(calls[2]), pointer(calls[3]))
 
 
 @inlined_uncounted
-def _set_out(cells: CellTable, e: int, nodes: Nodes, count: int, work: Work) -> None:
+def _set_out(cells: VectorCells, e: int, nodes: Nodes, count: int, work: Work) -> None:
     """Means ``r`` and increments ``d`` relative to their centres, and positions at the end."""
     H, rest, step = nodes
     begin, first = cells.first[e], cells.nodes[cells.first[e]]
@@ -106,7 +108,7 @@ def _turn(work: Work, count: int) -> Vector:
 
 @compiled
 def add_position_cells(
-    cells: CellTable,
+    cells: VectorCells,
     nodes: Nodes,
     energies: Energies,
     factors: tuple[float, float, float],
@@ -129,7 +131,7 @@ def add_position_cells(
 
 @uncounted
 def _add_all(
-    cells: CellTable,
+    cells: VectorCells,
     nodes: Nodes,
     energies: Energies,
     factors: tuple[float, float, float],
@@ -138,22 +140,22 @@ def _add_all(
 ) -> float:
     """The same with a workspace for a cell."""
     size = 6 * work.r.shape[0]
-    place = stack(size)
-    found, squares = vector_at(place, size), 0.0
+    buffer = stack(size)
+    found, squares = vector_at(buffer, size), 0.0
     for e in range(cells.sees.shape[0]):
         begin, count = cells.first[e], cells.first[e + 1] - cells.first[e]
         if not are_positions(cells, e):
             continue
         _set_out(cells, e, nodes, count, work)
         found[0] = 0.0
-        _ask(cells, e, ENERGY, work.other, count, place)
+        _ask(cells, e, ENERGY, work.other, count, buffer)
         energies.end[e] = found[0]
         ω = _turn(work, count) if cells.sees[e] == NOTHING else (0.0, 0.0, 0.0)
         for a in range(count):
             store_row(work.other[a], 0, unshrunk(ω, load_row(work.r[a], 0)))
         for k in range(6 * count):
             found[k] = 0.0
-        _ask(cells, e, FORCES, work.other, count, place)
+        _ask(cells, e, FORCES, work.other, count, buffer)
         made = square = round_off_level = ρ2 = 0.0
         for a in range(count):
             arm, push = load_row(work.r[a], 0), shrunk(ω, load(found, 6 * a))

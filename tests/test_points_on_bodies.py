@@ -1,4 +1,4 @@
-"""Places on rigid bodies: what is held, loaded or looked at there is as if there were a node."""
+"""Positions on rigid bodies: what is held, loaded or looked at there is as if there were a node."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def stone(name: str = "stone") -> fl.RigidBody:
 
 
 def plate() -> fl.RigidBody:
-    """A massless body, all but, with its centre at the place."""
+    """A massless body, all but, with its centre at the position."""
     return fl.RigidBody(1e-9, (1e-11,) * 3, PLACE, TURN, name="plate")
 
 
@@ -44,24 +44,24 @@ def test_a_load_beside_the_centre_is_one_on_a_body_that_is_linked_there(scheme, 
     assert np.abs(found[0][-1] - CENTRE).max() > 0.01
 
 
-def test_results_know_the_place():
+def test_results_know_the_position():
     scene, body = fl.Scene(), stone()
     scene.add(body)
     body.add_velocity(omega=(0.3, 1.0, -0.6), about=(0, 0, 0))
-    place = body.point(PLACE)
+    position = body.point(PLACE)
     result = fl.GeneralisedAlpha(radius=1.0).run(scene, duration=0.2, step=1e-3)
-    np.testing.assert_allclose(result.position(place)[0], PLACE, atol=1e-15)
-    away = np.linalg.norm(result.position(place) - result.position(body.point("centre")), axis=1)
+    np.testing.assert_allclose(result.position(position)[0], PLACE, atol=1e-15)
+    away = np.linalg.norm(result.position(position) - result.position(body.point("centre")), axis=1)
     np.testing.assert_allclose(away, np.linalg.norm(PLACE - CENTRE), rtol=1e-14)
-    np.testing.assert_array_equal(result.rotation(place), result.rotation(body.point("centre")))
-    velocity = np.einsum("tij,tj->ti", result.rotation(place), result.velocity(place)[:, :3])
-    middle = (result.position(place)[2:] - result.position(place)[:-2]) / 2e-3
+    np.testing.assert_array_equal(result.rotation(position), result.rotation(body.point("centre")))
+    velocity = np.einsum("tij,tj->ti", result.rotation(position), result.velocity(position)[:, :3])
+    middle = (result.position(position)[2:] - result.position(position)[:-2]) / 2e-3
     np.testing.assert_allclose(velocity[1:-1], middle, atol=1e-6)
 
 
 @pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES.keys())
 def test_joints_there_are_joints_of_the_body(scheme):
-    """A body that hangs on a place, by the place and by where that is."""
+    """A body that hangs on a position, by the position and by where that is."""
     found = []
     for at in (None, PLACE):
         scene, body = fl.Scene(gravity=(0, 0, -9.81)), stone()
@@ -70,7 +70,7 @@ def test_joints_there_are_joints_of_the_body(scheme):
         scene.add(fl.joints.Spherical(fl.ground(), point, at=at, name="hook"))
         result = scheme.run(scene, duration=0.2, step=5e-3)
         found.append((result.frames, result.joint_force("hook")))
-    # the place in the body's axes is rounded once more
+    # the position in the body's axes is rounded once more
     np.testing.assert_allclose(found[0][0], found[1][0], atol=1e-12)
     np.testing.assert_allclose(found[0][1], found[1][1], atol=1e-9)
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted
-from fem_lie.contact.friction import over_steps
-from fem_lie.contact.friction.anchors import (
+from fem_lie.contact.laws import friction_over_steps as over_steps
+from fem_lie.contact.laws.anchors import (
     Anchors,
     CoulombLaw,
     Traction,
@@ -22,12 +22,18 @@ from fem_lie.contact.friction.anchors import (
     tractions,
     unpacked,
 )
-from fem_lie.contact.sides.gauss_points import ContactPoints, set_slide, slides
-from fem_lie.contact.sides.kinematics import SLOTS, add_turning, bends, gap, position, store_motion
+from fem_lie.contact.laws.derivatives import (
+    add_turning,
+    column,
+    derivatives,
+    set_derivatives,
+    store_motion,
+)
+from fem_lie.contact.sides.kinematics import SLOTS, contact_point
+from fem_lie.contact.sides.table import ContactPoints
 from fem_lie.contact.sides.two_sides import Sides, Stations
 from fem_lie.forms.abilities import Done, Ends
-from fem_lie.lie.motions import local_components
-from fem_lie.lie.tuples import Vector, combined, dot, load, load_row, minus, scaled
+from fem_lie.lie.tuples import Vector, combined, dot, load, load_row, scaled
 
 
 @inlined_uncounted
@@ -46,6 +52,7 @@ def _change(
 @compiled
 def add_traction_tangents(
     H: Array,
+    types: Indices,
     at: ContactPoints,
     anchors: Anchors,
     which: Indices,
@@ -59,33 +66,28 @@ def add_traction_tangents(
     where tractions depend on the end of the step and all else on its midpoint, so that their
     derivative has a factor of two. It is empty, (0, 7), for forces at frames.
     """
-    over_step = given.shape[0] > 0
-    nodes, rows = np.empty(SLOTS, dtype=np.int64), np.zeros((SLOTS, 6))
-    D, G = np.zeros((SLOTS, 2, 3, 6)), np.zeros((SLOTS, SLOTS, 6, 6))
+    over_step, by = given.shape[0] > 0, derivatives()
     A, T = np.zeros((SLOTS, 3, 6)), np.zeros((SLOTS, 3, 6))
-    row = np.empty(6)
     for e in range(at.pairs.shape[0]):
-        i, j = at.pairs[e]
         q, weight = which[e], at.weight[e]
-        g, n, _ = gap(H, at.a, at.b, i, j, at.flat)
+        point = contact_point(H, at.a, at.b, at.pairs[e, 0], at.pairs[e, 1], at.kind)
+        g, n = point.gap, point.normal
         if over_step and q >= 0:
             g, n = given[e, 0], load(given[e], 1)
         if g >= 0.0 or q < 0:
             continue
-        bends(H, at.a, at.b, i, j, at.flat, nodes, rows, D, G)
+        scale, nodes = set_derivatives(H, types, at, e, point, by), by.nodes
         if _others(nodes, anchors.nodes[q]):
             continue
-        if not at.flat and not over_step:
-            _follow(H, at, e, n, nodes, D, row)
         u = load(given[e], 4) if over_step else stretch_of(H, anchors, q)
         t, fraction = traction(law, g, n, u), 2.0 * weight if over_step else weight
         for s in range(SLOTS):
             if nodes[s] >= 0:
-                c = load_row(anchors.arms[q], s)
-                store_motion(H[nodes[s]], 1.0, anchors.weights[q, s], c, A[s])
+                c, node = load_row(anchors.arms[q], s), nodes[s]
+                store_motion(types[node], H[node], 1.0, anchors.weights[q, s], c, A[s])
                 for p in range(6):
-                    δu, δn = _column(A[s], p), _column(D[s, 1], p)
-                    δτ = _change(law, t, n, u, δu, δn, rows[s, p])
+                    δu, δn = column(A[s], p), scaled(1.0 / scale, column(by.N[s], p))
+                    δτ = _change(law, t, n, u, δu, δn, by.rows[s, p])
                     T[s, 0, p], T[s, 1, p], T[s, 2, p] = δτ
         block = at.first[e]
         for s in range(SLOTS):
@@ -94,38 +96,13 @@ def add_traction_tangents(
                     continue
                 for p in range(6):
                     for r in range(6):
-                        total = dot(_column(A[s], p), _column(T[o], r))
+                        total = dot(column(A[s], p), column(T[o], r))
                         blocks[block, p, r] += fraction * total
                 if s == o:
-                    f = local_components(H[nodes[s]], scaled(weight, t.τ))
-                    c = load_row(anchors.arms[q], s)
-                    add_turning(f, anchors.weights[q, s], c, blocks[block])
+                    f, w = scaled(weight, t.τ), anchors.weights[q, s]
+                    c, node = load_row(anchors.arms[q], s), nodes[s]
+                    add_turning(types[node], H[node], f, w, c, blocks[block])
                 block += 1
-
-
-@inlined_uncounted
-def _follow(
-    H: Array, at: ContactPoints, e: int, n: Vector, nodes: Indices, D: Array, row: Array
-) -> None:
-    """Variation of normals as second contact points slide along: ``δn −= Q' δσ/|Δ|``."""
-    i, j = at.pairs[e]
-    separation = minus(position(H, at.a, i), position(H, at.b, j))
-    distance = np.sqrt(dot(separation, separation))
-    for k in range(2):
-        if not slides(at.sliding, e, k):
-            continue
-        t = at.sliding.slopes[e, k]
-        for s in range(SLOTS):
-            if nodes[s] >= 0:
-                set_slide(H, at.sliding, e, k, s, nodes[s], n, distance, D[s, 0], row)
-                for r in range(3):
-                    for p in range(6):
-                        D[s, 1, r, p] -= t[r] * row[p] / at.sliding.bends[e, k]
-
-
-@inlined_uncounted
-def _column(D: Array, p: int) -> Vector:
-    return D[0, p], D[1, p], D[2, p]
 
 
 @inlined_uncounted
@@ -140,15 +117,16 @@ def _others(nodes: Indices, own: Indices) -> bool:
 class Friction:
     """Tangential springs that slip, between anchors on both sides."""
 
-    def __init__(self, sides: Sides, law: CoulombLaw, H: Array) -> None:
+    def __init__(self, sides: Sides, law: CoulombLaw, types: Indices, H: Array) -> None:
         """Set anchors for all pairs that are near each other.
 
         Args:
             sides: Both sides of the contact.
             law: Constants of the law; per length for lines.
+            types: Types of all nodes, shape (n,).
             H: Initial frames.
         """
-        self._sides, self._law = sides, law
+        self._sides, self._law, self._types = sides, law, types
         self._anchors = empty_anchors(0)
         self._ahead: tuple[Indices, Array] | None = None
         self.accept(H)
@@ -163,7 +141,7 @@ class Friction:
     def add_forces(self, H: Array, out: Array, *, grounded: bool = False) -> None:
         """Add all friction forces, or those of pairs with ground, to ``out`` (≥ nodes, 6)."""
         stations, which, τ = self._tractions(H)
-        add_tractions(H, stations.at, self._anchors, which, τ, grounded, out)
+        add_tractions(H, self._types, stations.at, self._anchors, which, τ, grounded, out)
 
     def energy(self, H: Array) -> float:
         """Energy stored in the tangential springs."""
@@ -176,7 +154,8 @@ class Friction:
         stations = self._sides.stations(H)
         which = found(self._anchors.keys, stations.keys)
         none = np.empty((0, 7))
-        add_traction_tangents(H, stations.at, self._anchors, which, self._law, none, blocks)
+        given = H, self._types, stations.at, self._anchors, which, self._law, none
+        add_traction_tangents(*given, blocks)
 
     def accept(self, H: Array) -> None:
         """Set new anchors at frames ``H``, with springs that keep their present elongation."""
@@ -203,7 +182,8 @@ class Friction:
     def add_tangent_over_step(self, ends: Ends, at: ContactPoints, H: Array, blocks: Array) -> None:
         """Add twice the derivative of the tractions of a step in midpoint frames ``H``."""
         arms, which, measured, _ = self._over_step(ends, at)
-        add_traction_tangents(H, at, arms, which, self._law, measured, blocks)
+        given = H, self._types, at, arms, which, self._law, measured
+        add_traction_tangents(*given, blocks)
 
     def _over_step(self, ends: Ends, at: ContactPoints) -> tuple[Anchors, Indices, Array, Array]:
         m = len(at.pairs)

@@ -17,11 +17,10 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted
-from fem_lie.contact.friction.anchors import Anchors, CoulombLaw, stretch_of, traction
-from fem_lie.contact.sides.gauss_points import ContactPoints
-from fem_lie.contact.sides.kinematics import SLOTS, gap
+from fem_lie.contact.laws.anchors import Anchors, CoulombLaw, stretch_of, traction
+from fem_lie.contact.sides.kinematics import SLOTS, contact_point
 from fem_lie.contact.sides.surfaces import MOST_NODES
-from fem_lie.contact.sides.table import GROUND
+from fem_lie.contact.sides.table import GROUND, ContactPoints
 from fem_lie.forms.abilities import Ends
 from fem_lie.lie.motions import global_components
 from fem_lie.lie.tuples import (
@@ -83,7 +82,7 @@ def set_over_step(
         mean, spring, slip = stretch_of(ends.mean, anchors, q), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         i, j = at.pairs[e]
         # an open contact has no spring: round-off of its anchors would act as a force
-        if gap(ends.start, at.a, at.b, i, j, at.flat)[0] < 0.0:
+        if contact_point(ends.start, at.a, at.b, i, j, at.kind).gap < 0.0:
             spring = stretch_of(ends.start, anchors, q)
         for s in range(SLOTS):
             node, w = anchors.nodes[q, s], anchors.weights[q, s]
@@ -96,7 +95,7 @@ def set_over_step(
             store_row(arms.arms[e], s, c)
             slip = plus(slip, scaled(w, load_row(ends.delta[node], 0)))
             slip = plus(slip, global_components(ends.delta[node], c))
-        g, n, _ = gap(ends.end, at.a, at.b, i, j, at.flat)
+        g, n, _, _ = contact_point(ends.end, at.a, at.b, i, j, at.kind)
         u = plus(spring, slip)
         found[e, 0] = g
         for k in range(3):

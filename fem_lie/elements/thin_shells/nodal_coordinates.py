@@ -60,7 +60,7 @@ def _hangs(code: int, k: int) -> bool:
 
 
 @inlined
-def _places(code: int, k: int, m: int) -> tuple[int, int, int, float]:
+def _edge_vectors(code: int, k: int, m: int) -> tuple[int, int, int, float]:
     """Hermite vectors at the regular and the hanging corner, derivative along the edge; side.
 
     Along the edge the derivatives of positions are gradients (``m`` 0), and those of gradients
@@ -78,7 +78,7 @@ def fill_hanging(code: int, q: Array) -> None:
     for k in range(2):
         if _hangs(code, k):
             for m in range(2):
-                own, end, slope, side = _places(code, k, m)
+                own, end, slope, side = _edge_vectors(code, k, m)
                 for j in range(q.shape[1]):
                     a, da, b, db = q[own, j], q[own + slope, j], q[end, j], q[end + slope, j]
                     # derivatives are in the parameters of the quarter, half those of the edge
@@ -92,7 +92,7 @@ def pull_hanging(code: int, f: Array) -> None:
     for k in range(2):
         if _hangs(code, k):
             for m in range(2):
-                own, end, slope, side = _places(code, k, m)
+                own, end, slope, side = _edge_vectors(code, k, m)
                 for j in range(f.shape[1]):
                     g, dg = f[end, j], f[end + slope, j]
                     f[own, j] += 0.5 * g - 0.75 * side * dg
@@ -179,9 +179,9 @@ def pull_symmetric(H: Array, sizes: Array, K: Array, out: Array) -> None:
     It is read where ``j ≥ i``, and overwritten.
     """
     R, half = np.empty((3, 3, VECTORS)), np.empty((3, VECTORS))
-    node, place, scale = np.empty(VECTORS, np.int64), np.empty(VECTORS, np.int64), np.empty(VECTORS)
+    node, first, scale = np.empty(VECTORS, np.int64), np.empty(VECTORS, np.int64), np.empty(VECTORS)
     for a in range(VECTORS):
-        node[a], place[a], scale[a] = node_of(a), 3 * half_of(a), scale_of(a, sizes)
+        node[a], first[a], scale[a] = node_of(a), 3 * half_of(a), scale_of(a, sizes)
         for k, axis in enumerate(axes(_kind(node[a]), H[node[a]])):
             for j in range(3):
                 R[k, j, a] = scale[a] * axis[j]
@@ -207,4 +207,4 @@ def pull_symmetric(H: Array, sizes: Array, K: Array, out: Array) -> None:
                     c = VECTORS * n + b
                     plane = x * K[a, c] + y * K[VECTORS + a, c]
                     entry = plane + z * K[2 * VECTORS + a, c]
-                    out[node[a], place[a] + k, node[b], place[b] + n] += entry
+                    out[node[a], first[a] + k, node[b], first[b] + n] += entry

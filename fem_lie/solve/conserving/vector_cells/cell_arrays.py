@@ -40,7 +40,7 @@ NOTHING, DIRECTIONS, POSITIONS = 0, 1, 2
 """Invariance of the energy of a cell: under rigid motions, only under translations, or neither."""
 
 
-class CellTable(NamedTuple):
+class VectorCells(NamedTuple):
     """All cells of a scene.
 
     Attributes:
@@ -72,7 +72,7 @@ def has_position(kind: int) -> bool:
 
 
 @inlined_uncounted
-def are_positions(cells: CellTable, e: int) -> bool:
+def are_positions(cells: VectorCells, e: int) -> bool:
     """Whether all nodes of a cell are position nodes."""
     alone = True
     for a in range(cells.first[e], cells.first[e + 1]):
@@ -131,45 +131,47 @@ def workspace_size(calls: Indices) -> int:
 
 
 @inlined_uncounted
-def _call(cells: CellTable, e: int, which: int, rows: Array, place: Pointer) -> None:
+def _call(cells: VectorCells, e: int, which: int, coordinates: Array, buffer: Pointer) -> None:
     calls = cells.calls[e, which]
     w = coefficients(calls[1], calls[4], calls[5], stack(workspace_size(calls)))
-    packed, at = vector_at(w, 12 * rows.shape[0]), 0
-    for a in range(rows.shape[0]):
+    packed, at = vector_at(w, 12 * coordinates.shape[0]), 0
+    for a in range(coordinates.shape[0]):
         for k in range(4):
             for j in range(3):
-                packed[at] = rows[a, k, j]
+                packed[at] = coordinates[a, k, j]
                 at += 1
-    call_kernel(calls[0], place, w, pointer(calls[2]), pointer(calls[3]))
+    call_kernel(calls[0], buffer, w, pointer(calls[2]), pointer(calls[3]))
 
 
 @uncounted
-def energy_of(cells: CellTable, e: int, H: Array, halves: Array, rows: Array) -> float:
-    """Energy of a cell with these vectors (k, 2, 3); ``rows`` (k, 4, 3) is workspace."""
+def energy_of(cells: VectorCells, e: int, H: Array, halves: Array, coordinates: Array) -> float:
+    """Energy of a cell with these vectors (k, 2, 3); ``coordinates`` (k, 4, 3) is workspace."""
     begin = cells.first[e]
-    for a in range(rows.shape[0]):
-        write_node(cells.kinds[begin + a], H[cells.nodes[begin + a]], halves[a], rows[a])
-    place = stack(1)
-    out = vector_at(place, 1)
+    for a in range(coordinates.shape[0]):
+        write_node(cells.kinds[begin + a], H[cells.nodes[begin + a]], halves[a], coordinates[a])
+    buffer = stack(1)
+    out = vector_at(buffer, 1)
     out[0] = 0.0
-    _call(cells, e, ENERGY, rows, place)
+    _call(cells, e, ENERGY, coordinates, buffer)
     return float(out[0])
 
 
 @uncounted
-def forces_of(cells: CellTable, e: int, H: Array, halves: Array, rows: Array, out: Array) -> None:
-    """Forces (k, 2, 3) on a cell with these vectors (k, 2, 3); ``rows`` is workspace."""
-    begin, count = cells.first[e], rows.shape[0]
+def forces_of(
+    cells: VectorCells, e: int, H: Array, halves: Array, coordinates: Array, out: Array
+) -> None:
+    """Forces (k, 2, 3) on a cell with these vectors (k, 2, 3); ``coordinates`` is workspace."""
+    begin, count = cells.first[e], coordinates.shape[0]
     for a in range(count):
-        write_node(cells.kinds[begin + a], H[cells.nodes[begin + a]], halves[a], rows[a])
-    place = stack(6 * count)
-    found = vector_at(place, 6 * count)
+        write_node(cells.kinds[begin + a], H[cells.nodes[begin + a]], halves[a], coordinates[a])
+    buffer = stack(6 * count)
+    found = vector_at(buffer, 6 * count)
     found[:] = 0.0
-    _call(cells, e, FORCES, rows, place)
+    _call(cells, e, FORCES, coordinates, buffer)
     out[:] = 0.0
     for a in range(count):
         kind = cells.kinds[begin + a]
-        d1, d2, d3 = axes(kind, rows[a])
+        d1, d2, d3 = axes(kind, coordinates[a])
         for k in range(vector_count(kind)):
             store_row(out[a], k, rotate(d1, d2, d3, load(found, 6 * a + 3 * k)))
 
@@ -184,18 +186,18 @@ def spread(kind: int, halves: Array, out: Array) -> None:
 
 
 @inlined
-def gathered(kind: int, rows: Array, out: Array) -> None:
+def gathered(kind: int, coordinates: Array, out: Array) -> None:
     """Inverse of :func:`spread`; missing vectors are zero."""
     at = first_vector(kind)
     out[:] = 0.0
     for k in range(vector_count(kind)):
-        store(out, 3 * k, load_row(rows, at + k))
+        store(out, 3 * k, load_row(coordinates, at + k))
 
 
 @compiled
-def largest_cell(first_places: Indices) -> int:
+def largest_cell(first_nodes: Indices) -> int:
     """Number of nodes of the largest cell, at least one."""
     most = 1
-    for e in range(first_places.shape[0] - 1):
-        most = max(most, first_places[e + 1] - first_places[e])
+    for e in range(first_nodes.shape[0] - 1):
+        most = max(most, first_nodes[e + 1] - first_nodes[e])
     return most

@@ -1,4 +1,4 @@
-"""Joints at places within elements of beams: as at nodes, in statics, in time and about states."""
+"""Joints at points within elements of beams: as at nodes, in statics, in time and about states."""
 
 import numpy as np
 import pytest
@@ -18,25 +18,25 @@ every_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMEN
 
 
 def beam_of(element, cells: int) -> tuple[fl.Beam, fl.extend.Point]:
-    """With the place within an element."""
+    """With the position within an element."""
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=cells, formulation=element)
     return beam, beam.point((PLACE, 0, 0))
 
 
 def meshed(element, cells: int) -> tuple[fl.Beam, fl.extend.Point]:
-    """With a node at the place."""
+    """With a node at the position."""
     both = [round(cells * PLACE), round(cells * (1.0 - PLACE))]
     points = [(0, 0, 0), (PLACE, 0, 0), (1, 0, 0)]
     beam = fl.Beam.polyline(points, SECTION, cells=both, formulation=element)
     return beam, beam.point("corner 1")
 
 
-def propped(beam: fl.Beam, place: fl.extend.Point) -> tuple[np.ndarray, np.ndarray]:
-    """Where the end of a clamped beam goes that is held at the place, and the force there."""
+def propped(beam: fl.Beam, point_at: fl.extend.Point) -> tuple[np.ndarray, np.ndarray]:
+    """Where the end of a clamped beam goes that is held at the position, and the force there."""
     scene = fl.Scene()
     scene.add(beam)
     scene.add(fl.Clamp(beam.point("start")))
-    prop = scene.add(fl.joints.Spherical(fl.ground(), place))
+    prop = scene.add(fl.joints.Spherical(fl.ground(), point_at))
     scene.add(fl.PointLoad(beam.point("end"), (0, 0.03, -0.4)))
     result = fl.statics(scene)
     return result.position(beam.point("end"))[-1], result.joint_force(prop)[-1]
@@ -49,7 +49,7 @@ def test_statics_converge_to_a_mesh_with_a_node_there(element):
     for cells in (4, 16):
         end, held = propped(*beam_of(element, cells))
         off.append(np.linalg.norm(end - wanted))
-    # of second order at the least, but where in its element the place is differs
+    # of second order at the least, but where in its element the position is differs
     assert off[1] < off[0] / 8.0
     assert off[1] < 2e-4
     np.testing.assert_allclose(held, force, atol=0.02 * np.linalg.norm(force))
@@ -58,11 +58,11 @@ def test_statics_converge_to_a_mesh_with_a_node_there(element):
 @every_element
 def test_a_weight_hangs_where_it_is_fixed(element):
     scene = fl.Scene(gravity=(0, 0, -10))
-    beam, place = beam_of(element, 2)
+    beam, point_at = beam_of(element, 2)
     scene.add(beam)
     scene.add(fl.Clamp(beam.point("start")))
-    weight = scene.add(fl.RigidBody(0.03, (1e-5,) * 3, place.position))
-    hook = scene.add(fl.joints.Fixed(place, weight.point("centre")))
+    weight = scene.add(fl.RigidBody(0.03, (1e-5,) * 3, point_at.position))
+    hook = scene.add(fl.joints.Fixed(point_at, weight.point("centre")))
     result = fl.statics(scene)
     assert result.position(beam.point("end"))[-1, 2] < -0.05
     axes = result.rotation(weight.point("centre"))[-1] @ hook.frame()[1:].T
@@ -71,13 +71,13 @@ def test_a_weight_hangs_where_it_is_fixed(element):
 
 @pytest.mark.parametrize("following", [False, True], ids=["fixed", "following"])
 @every_element
-def test_loads_at_a_place_are_those_at_a_node_there(element, following):
+def test_loads_at_a_position_are_those_at_a_node_there(element, following):
     ends = []
-    for beam, place in (beam_of(element, 4), beam_of(element, 16), meshed(element, 40)):
+    for beam, point_at in (beam_of(element, 4), beam_of(element, 16), meshed(element, 40)):
         scene = fl.Scene()
         scene.add(beam)
         scene.add(fl.Clamp(beam.point("start")))
-        scene.add(fl.PointLoad(place, (0.1, 0.2, -0.5), (0.02, 0, 0.03), following=following))
+        scene.add(fl.PointLoad(point_at, (0.1, 0.2, -0.5), (0.02, 0, 0.03), following=following))
         result = fl.statics(scene)
         ends.append(result.position(beam.point("end"))[-1])
     coarse, fine = (np.linalg.norm(end - ends[-1]) for end in ends[:-1])
@@ -87,11 +87,11 @@ def test_loads_at_a_place_are_those_at_a_node_there(element, following):
 
 
 @every_element
-def test_a_load_at_a_place_does_the_work_that_is_accounted_for(element):
-    beam, place = beam_of(element, 3)
+def test_a_load_within_an_element_does_the_work_in_the_balance(element):
+    beam, point_at = beam_of(element, 3)
     scene = fl.Scene()
     scene.add(beam)
-    scene.add(fl.PointLoad(place, (0, 0.01, -0.03), (0.002, 0, 0.001)))
+    scene.add(fl.PointLoad(point_at, (0, 0.01, -0.03), (0.002, 0, 0.001)))
     scene.add(fl.PointLoad(beam.point((0.8, 0, 0)), (0, 0, 0.03), following=True, history=np.cos))
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
     result = scheme.run(scene, duration=0.3, step=2e-3)
@@ -101,14 +101,14 @@ def test_a_load_at_a_place_does_the_work_that_is_accounted_for(element):
     np.testing.assert_allclose(result.momentum, impulse, atol=2e-3 * np.abs(impulse).max())
 
 
-def pendulum(beam, place, *, sprung: bool = False, scheme=None, step=1e-3, duration=0.1):
-    """A beam that swings about the place, with a spring and damper there if it is sprung."""
+def pendulum(beam, point_at, *, sprung: bool = False, scheme=None, step=1e-3, duration=0.1):
+    """A beam that swings about the position, with a spring and damper there if it is sprung."""
     scene = fl.Scene(gravity=(0, 0, -9.81))
     scene.add(beam)
-    hinge = scene.add(fl.joints.Revolute(fl.ground(), place, axis=(0, 1, 0), name="hinge"))
+    hinge = scene.add(fl.joints.Revolute(fl.ground(), point_at, axis=(0, 1, 0), name="hinge"))
     if sprung:
         scene.add(fl.joints.Spring(hinge.angle, stiffness=0.5, damping=0.05))
-        reach = scene.add(fl.joints.Distance(place, beam.point("end"), at=(PLACE, 0, 0.1)))
+        reach = scene.add(fl.joints.Distance(point_at, beam.point("end"), at=(PLACE, 0, 0.1)))
         scene.add(fl.joints.Spring(reach.length, stiffness=3.0))
     scheme = scheme or fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10)
     return scheme.run(scene, duration=duration, step=step)
@@ -150,15 +150,15 @@ def test_second_order_in_time_of_motion_and_force():
     ids=lambda options: next(iter(options)),
 )
 def test_the_motion_is_the_same_by_any_matrix_and_on_any_group(options):
-    beam, place = beam_of(None, 3)
-    wanted = pendulum(beam, place, sprung=True, duration=0.03).position("beam 1.end")
+    beam, point_at = beam_of(None, 3)
+    wanted = pendulum(beam, point_at, sprung=True, duration=0.03).position("beam 1.end")
     options = dict(options)
     group = options.pop("group", None)
     scheme = fl.GeneralisedAlpha(radius=0.9, tolerance=1e-10, **options)
-    beam, place = beam_of(None, 3)
+    beam, point_at = beam_of(None, 3)
     if group is not None:
         beam.set_group(group)
-    result = pendulum(beam, place, sprung=True, scheme=scheme, duration=0.03)
+    result = pendulum(beam, point_at, sprung=True, scheme=scheme, duration=0.03)
     # stabilised and on another group it is another scheme of second order
     bound = 1e-9 if {"policy", "matrix_frame"} & set(options) else 1e-4
     np.testing.assert_allclose(result.position("beam 1.end"), wanted, atol=bound)
@@ -195,10 +195,10 @@ def test_what_turns_with_all_does_not_change():
 @every_element
 def test_vibrations_are_those_of_a_mesh_with_a_node_there(element):
     found = []
-    for beam, place in (beam_of(element, 8), beam_of(element, 32), meshed(element, 48)):
+    for beam, point_at in (beam_of(element, 8), beam_of(element, 32), meshed(element, 48)):
         scene = fl.Scene()
         scene.add(beam)
-        scene.add(fl.joints.Revolute(fl.ground(), place, axis=(0, 1, 0)))
+        scene.add(fl.joints.Revolute(fl.ground(), point_at, axis=(0, 1, 0)))
         scene.add(fl.Clamp(beam.point("start")))
         found.append(fl.vibrations(scene, 4).frequencies)
     coarse, fine = (np.abs(frequencies / found[-1] - 1.0).max() for frequencies in found[:-1])
@@ -207,18 +207,18 @@ def test_vibrations_are_those_of_a_mesh_with_a_node_there(element):
     assert fine < coarse / 2.0
 
 
-def test_a_place_that_is_moved_and_one_that_is_driven():
-    """A beam is turned about its place; another hangs on its end by a coordinate that grows."""
+def test_a_position_that_is_moved_and_one_that_is_driven():
+    """A beam is turned about its position; another hangs on its end by a coordinate that grows."""
     scene = fl.Scene()
-    beam, place = beam_of(None, 3)
+    beam, point_at = beam_of(None, 3)
     scene.add(beam)
-    start = place.frame
+    start = point_at.frame
 
     def turned(time: float) -> np.ndarray:
         angle = np.array([0, 0, 0, 0, 0, 0.5 * time**3])
         return lie.se3_compose(start, lie.se3_exp(angle))
 
-    motion = scene.add(fl.PrescribedMotion(place, turned))
+    motion = scene.add(fl.PrescribedMotion(point_at, turned))
     other = scene.add(fl.Beam.straight((1, -0.3, 0), (1, 0.5, 0), SECTION, cells=2))
     hinge = scene.add(fl.joints.Revolute(beam.point("end"), other.point((1, 0, 0))))
     scene.add(fl.joints.Drive(hinge.angle, lambda t: 0.4 * t**3))
@@ -230,13 +230,13 @@ def test_a_place_that_is_moved_and_one_that_is_driven():
     assert np.abs(result.reaction(motion)[-1, 5]) > 1e-4
 
 
-def test_checkpoints_know_where_places_are(tmp_path):
-    def swinging(place: float) -> fl.Scene:
+def test_checkpoints_know_where_positions_are(tmp_path):
+    def swinging(point_at: float) -> fl.Scene:
         scene = fl.Scene(gravity=(0, 0, -9.81))
         beam = scene.add(beam_of(None, 2)[0])
         scene.add(
             fl.joints.Revolute(
-                fl.ground(), beam.point((place, 0, 0)), at=(0.3, 0, 0), axis=(0, 1, 0)
+                fl.ground(), beam.point((point_at, 0, 0)), at=(0.3, 0, 0), axis=(0, 1, 0)
             )
         )
         return scene
@@ -250,14 +250,14 @@ def test_checkpoints_know_where_places_are(tmp_path):
 
 
 @pytest.mark.parametrize("following", [False, True])
-def test_conserving_schemes_book_loads_on_places(following):
+def test_conserving_schemes_account_for_loads_on_position_nodes(following):
     """Their work and impulses, to round-off."""
     scene = fl.Scene()
-    beam, place = beam_of(None, 2)
+    beam, point_at = beam_of(None, 2)
     scene.add(beam)
     beam.add_velocity(omega=(1.0, 2.0, 3.0), about=(0, 0, 0))
     load = {"force": (0, 0, 1), "moment": (0.1, 0, 0.2), "following": following}
-    scene.add(fl.PointLoad(place, **load))
+    scene.add(fl.PointLoad(point_at, **load))
     result = fl.EnergyMomentum().run(scene, duration=0.05, step=1e-3)
     assert abs(result.balance[-1, 0]) > 1e-6
     assert max(result.balance_error, result.momentum_error) <= 1e-12
@@ -325,10 +325,12 @@ def test_what_a_point_cannot_be(wrong, message):
 
 
 @every_element
-def test_results_know_where_places_are_and_how_they_move(element):
-    beam, place = beam_of(element, 2)
-    result = pendulum(beam, place, duration=0.02)
-    np.testing.assert_allclose(result.position(place), np.tile(place.position, (21, 1)), atol=1e-12)
+def test_results_know_where_positions_are_and_how_they_move(element):
+    beam, point_at = beam_of(element, 2)
+    result = pendulum(beam, point_at, duration=0.02)
+    np.testing.assert_allclose(
+        result.position(point_at), np.tile(point_at.position, (21, 1)), atol=1e-12
+    )
     other = beam.point((0.8, 0, 0))
     ahead = np.diff(result.position(other), axis=0) / 1e-3
     moves = np.einsum("tij,tj->ti", result.rotation(other), result.velocity(other)[:, :3])

@@ -19,15 +19,19 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted
-from fem_lie.contact.sides.gauss_points import ContactPoints
-from fem_lie.contact.sides.kinematics import SLOTS, gap, position
+from fem_lie.contact.sides.kinematics import (
+    SLOTS,
+    add_pulled_back,
+    contact_point,
+    position,
+    touched,
+)
 from fem_lie.contact.sides.surfaces import MOST_NODES
-from fem_lie.contact.sides.table import GROUND, UNUSED, Side
+from fem_lie.contact.sides.table import GROUND, UNUSED, ContactPoints, Side
 from fem_lie.lie.motions import global_components, local_components
 from fem_lie.lie.tuples import (
     Vector,
     combined,
-    cross,
     dot,
     load_row,
     minus,
@@ -174,10 +178,9 @@ def set_anchors(
     """
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
-        _, n, P = gap(H, at.a, at.b, i, j, at.flat)
-        off = scaled(-at.a.radii[i], n)
-        _anchor(H, a, i, plus(off, minus(P, position(H, a, i))), 1.0, out, e)
-        short = minus(plus(P, off), load_row(springs, e))
+        X = touched(at.a, i, contact_point(H, at.a, at.b, i, j, at.kind))
+        _anchor(H, a, i, minus(X, position(H, a, i)), 1.0, out, e)
+        short = minus(X, load_row(springs, e))
         _anchor(H, b, j, minus(short, position(H, b, j)), -1.0, out, e)
 
 
@@ -229,7 +232,7 @@ def tractions(
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
         store_row(out, e, (0.0, 0.0, 0.0))
-        g, n, _ = gap(H, at.a, at.b, i, j, at.flat)
+        g, n, _, _ = contact_point(H, at.a, at.b, i, j, at.kind)
         if g < 0.0 and which[e] >= 0:
             store_row(out, e, traction(law, g, n, stretch_of(H, anchors, which[e])).τ)
 
@@ -237,6 +240,7 @@ def tractions(
 @compiled
 def add_tractions(
     H: Array,
+    types: Indices,
     at: ContactPoints,
     anchors: Anchors,
     which: Indices,
@@ -255,8 +259,5 @@ def add_tractions(
             node = anchors.nodes[q, s]
             if node < 0:
                 continue
-            f = local_components(H[node], t)
-            moment = cross(load_row(anchors.arms[q], s), f)
-            for k in range(3):
-                out[node, k] += anchors.weights[q, s] * f[k]
-                out[node, 3 + k] += moment[k]
+            w, c = anchors.weights[q, s], load_row(anchors.arms[q], s)
+            add_pulled_back(types[node], H[node], w, c, t, out[node])

@@ -1,6 +1,6 @@
 """Packed arrays of all joints of a scene, for compiled loops: twelve arrays passed as two.
 
-The time to call a compiled function from Python grows with the number of its arrays. The table is
+The time to call a compiled function from Python grows with the number of its arrays. They are
 therefore packed into one array of numbers and one of integers, with the sizes at the head; the
 twelve arrays are views of these.
 """
@@ -16,10 +16,10 @@ from fem_lie._jit import inlined
 from fem_lie._jit.fixed_arrays import Integers1, Numbers1
 
 PackedJoints: TypeAlias = tuple[Numbers1, Integers1]
-"""Numbers and integers of a :class:`JointTable`, each as one array."""
+"""Numbers and integers of a :class:`JointArrays`, each as one array."""
 
 
-class JointTable(NamedTuple):
+class JointArrays(NamedTuple):
     """Pairs of frames of all joints of a scene: ``j`` pairs with ``t`` terms and ``m`` constraints.
 
     Attributes:
@@ -52,12 +52,12 @@ class JointTable(NamedTuple):
     springs: Array
 
 
-def pack(table: JointTable) -> PackedJoints:
-    """Pack a table into two arrays; :func:`views` is the inverse."""
-    j, t, m, k = len(table.nodes), len(table.rows), len(table.targets), len(table.springs)
-    shapes = (table.frames, table.selection, table.functions, table.angle)
-    numbers = (*shapes, table.turned, table.targets, table.springs)
-    integers = (table.nodes, table.first, table.rows, table.incidences, table.curved)
+def pack(arrays: JointArrays) -> PackedJoints:
+    """Pack the arrays into two; :func:`views` is the inverse."""
+    j, t, m, k = len(arrays.nodes), len(arrays.rows), len(arrays.targets), len(arrays.springs)
+    shapes = (arrays.frames, arrays.selection, arrays.functions, arrays.angle)
+    numbers = (*shapes, arrays.turned, arrays.targets, arrays.springs)
+    integers = (arrays.nodes, arrays.first, arrays.rows, arrays.incidences, arrays.curved)
     sizes = np.array([j, t, m, k], dtype=np.int64)
     return (
         np.concatenate([array.ravel() for array in numbers]),
@@ -65,8 +65,8 @@ def pack(table: JointTable) -> PackedJoints:
     )
 
 
-def views(packed: PackedJoints) -> JointTable:
-    """Table of views of the packed arrays."""
+def views(packed: PackedJoints) -> JointArrays:
+    """Views of the packed arrays."""
     x, i = packed
     j, t, m, k = i[0], i[1], i[2], i[3]
     selection, functions = 24 * j, 24 * j + 12 * t
@@ -78,7 +78,7 @@ def views(packed: PackedJoints) -> JointTable:
     rows = first + j + 1
     incidences = rows + t
     curved = incidences + 2 * t
-    return JointTable(
+    return JointArrays(
         i[4:first].reshape(j, 2),
         x[:selection].reshape(j, 2, 4, 3),
         i[first:rows],
@@ -94,5 +94,5 @@ def views(packed: PackedJoints) -> JointTable:
     )
 
 
-joint_table = inlined(views)
+joint_arrays = inlined(views)
 """:func:`views` in compiled code."""

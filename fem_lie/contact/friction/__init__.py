@@ -1,1 +1,0 @@
-"""Coulomb friction of penalty contacts: return mapping, friction springs, forces and tangents."""
