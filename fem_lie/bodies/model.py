@@ -245,7 +245,8 @@ class BodyModel:
         Sums over its cells are a part of those over all cells. Data for drawing are left out.
 
         Args:
-            cells: Indices of the cells, ascending, shape (s,).
+            cells: Indices of the cells, ascending, shape (s,): all or none of those at nodes that
+                are attached to each other.
             holds: Rotations of nodes of the whole body that joints, motions and moments act on.
 
         Returns:
@@ -256,8 +257,7 @@ class BodyModel:
         """
         if self.divisible_cells is None:
             raise ValueError(f"{self.label} cannot be divided between cells")
-        own = self.divisible_cells[cells]
-        nodes: Indices = np.unique([own, self.masters[own]])
+        nodes: Indices = np.unique(self.divisible_cells[cells])
         return self._on_nodes(nodes), nodes
 
     def _on_nodes(self: AnyModel, nodes: Indices) -> AnyModel:

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from fem_lie import _compat
 from fem_lie._arrays import (
     Array,
+    Flags,
     Indices,
     find_name,
     instance,
@@ -167,9 +168,8 @@ class VolumeMesh(Summarised):
         at[nodes] = np.arange(len(nodes))
 
         def within(dim: int, members: Indices) -> Indices:
-            first, corners = _first_cells(self.mesh, dim, members)
-            own = corners[np.isin(first, cells)] if dim == 2 else corners
-            inside = at[own][(at[own] >= 0).all(axis=1)]
+            own, corners = _around(self.mesh, dim, members, cells)
+            inside = at[corners[own]]
             return entities_at(mesh, dim, inside) if len(inside) else inside.ravel()
 
         part = copy(self)
@@ -226,16 +226,25 @@ def entities_at(mesh: dolfinx.mesh.Mesh, dim: int, corners: Indices) -> Indices:
     return np.unique(found)
 
 
-def _first_cells(mesh: dolfinx.mesh.Mesh, dim: int, members: Indices) -> tuple[Indices, Indices]:
-    """Lowest cell at each entity (e,), and the geometry nodes of its vertices (e, v)."""
+def _around(
+    mesh: dolfinx.mesh.Mesh, dim: int, members: Indices, cells: Indices
+) -> tuple[Flags, Indices]:
+    """Whether entities belong to some cells (e,), and the geometry nodes of their vertices (e, v).
+
+    A facet belongs to its cell of the lower number, an edge or vertex to all of its cells.
+    """
     mesh.topology.create_entities(dim)
     for other in (0, 3):
         mesh.topology.create_connectivity(dim, other)
     to_cells, to_vertices = (mesh.topology.connectivity(dim, other) for other in (3, 0))
     count = mesh.topology.index_map(dim).size_local
-    first = np.minimum.reduceat(to_cells.array, to_cells.offsets[:count])
+    starts = to_cells.offsets[:count]
+    if dim == 2:
+        own = np.isin(np.minimum.reduceat(to_cells.array, starts), cells)
+    else:
+        own = np.logical_or.reduceat(np.isin(to_cells.array, cells), starts)
     corners = geometry_of_vertices(mesh)[to_vertices.array.reshape(count, -1)]
-    return first[members].astype(np.int64), corners[members]
+    return own[members], corners[members]
 
 
 def entities_on(mesh: dolfinx.mesh.Mesh, dim: int, nodes: Indices) -> Indices:

@@ -107,7 +107,7 @@ def part_of(scene: Scene, comm: MPI.Intracomm) -> ScenePart:
     Raises:
         ValueError: The scene cannot be divided into so many parts.
     """
-    found = partition(scene, comm.size)
+    found = partition(scene, comm)
     bodies, nodes = _bodies(scene, found, comm.rank)
     restricted = Restricted(bodies)
     part = copy(scene)

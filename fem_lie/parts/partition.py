@@ -3,13 +3,15 @@
 Bodies are divided between cells where their model says how. A body stays in one piece if it cannot
 be divided, or if a contact, a connection or a load needs the whole of it. The nodes of an item stay
 within one part, with all cells at them, so that constraints and springs are of one part and parts
-meet within bodies only.
+meet within bodies only. So do nodes that are attached to each other, as along a fold of a shell.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
+
+from mpi4py import MPI
 
 import numpy as np
 
@@ -51,12 +53,12 @@ def shared_load(item: object) -> bool:
     return isinstance(item, Load) and item.divisible
 
 
-def partition(scene: Scene, parts: int) -> Partition:
-    """Divide a scene.
+def partition(scene: Scene, comm: MPI.Intracomm) -> Partition:
+    """Divide a scene, a part for each rank; all ranks together.
 
     Args:
-        scene: The scene.
-        parts: Number of parts.
+        scene: The scene, the same on all ranks.
+        comm: Communicator of the ranks.
 
     Raises:
         ValueError: It cannot be divided into so many.
@@ -65,7 +67,7 @@ def partition(scene: Scene, parts: int) -> Partition:
     starts = np.cumsum([0, *counts])
     first = {body: int(start) for body, start in zip(scene.bodies, starts, strict=False)}
     whole = set(_undivided(scene))
-    cells = _Collected()
+    cells, attached = _Collected(), _Collected()
     ranges: dict[Body, slice] = {}
     for body in scene.bodies:
         model, begun = body.model, cells.count
@@ -74,14 +76,15 @@ def partition(scene: Scene, parts: int) -> Partition:
         else:
             own = model.divisible_cells
             assert own is not None
-            cells.add(first[body] + np.hstack([own, model.masters[own]]))
+            cells.add(first[body] + own)
+            follow = np.flatnonzero(model.masters != np.arange(len(model.masters)))
+            attached.add(first[body] + np.column_stack([model.masters[follow], follow]))
         ranges[body] = slice(begun, cells.count)
     held, items = _Collected(), items_of(scene)
     for item in items:
         held.add([] if shared_load(item) else [list(_nodes(item, first))])
     free = np.concatenate([~(b.model.held | b.model.missing_unknowns) for b in scene.bodies])
-    none = Links(np.empty(0, np.int64), np.empty(0, np.int64), 0)
-    found = divided(cells.links, held.links, none, free.sum(axis=1), parts)
+    found = _of_first(comm, cells.links, held.links, attached.links, free.sum(axis=1))
     owners = np.full(len(items), -1)
     owners[[k for k, item in enumerate(items) if not shared_load(item)]] = found.constraints
     return Partition(
@@ -91,6 +94,27 @@ def partition(scene: Scene, parts: int) -> Partition:
         owners,
         found,
     )
+
+
+def _of_first(
+    comm: MPI.Intracomm, cells: Links, held: Links, others: Links, free: Indices
+) -> Division:
+    """Division by the first rank, as SCOTCH may divide differently at each call.
+
+    Raises:
+        ValueError: On all ranks, if it is impossible.
+    """
+    found: Division | ValueError | None = None
+    if comm.rank == 0:
+        try:
+            found = divided(cells, held, others, free, comm.size)
+        except ValueError as error:
+            found = error
+    given = comm.bcast(found)
+    if isinstance(given, ValueError):
+        raise given
+    division: Division = given
+    return division
 
 
 class _Collected:

@@ -140,7 +140,7 @@ class SectionedModel(BodyModel):
             holds: Rotations of nodes of the whole body that joints, motions and moments act on.
         """
         own = self.elements[cells]
-        nodes: Indices = np.unique([own, self.masters[own]])
+        nodes: Indices = np.unique(own)
         part = self._on_nodes(nodes)
         part.elements = np.searchsorted(nodes, own)
         for name in self._of_elements:

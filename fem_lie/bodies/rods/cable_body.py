@@ -215,7 +215,9 @@ class CableModel(LineModel):
             holds: Rotations of nodes of the whole body that joints, motions and moments act on.
         """
         if self.inner_springs is None:
-            return super().restricted(cells, holds)
+            part, nodes = super().restricted(cells, holds)
+            part.own = len(cells)
+            return part, nodes
         held = np.flatnonzero(np.isin(self.successive.edges[:, 0], cells))
         after = np.setdiff1d(self.successive.edges[held, 1], cells)
         every = np.concatenate([cells, after])

@@ -1,0 +1,162 @@
+"""Scenes divided among ranks, for test_divided.py: ``mpirun -n 2 divided_scenes.py OUT``."""
+
+import faulthandler
+import sys
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import numpy as np
+
+import fem_lie as fl
+
+STEEL = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
+ROUND = fl.Section.circle(2e-3, STEEL)
+
+
+def divide():
+    """However small a scene is, it is divided among all ranks."""
+    for kind in "statics", "dynamics":
+        PETSc.Options(f"fem_lie_{kind}_")["divided_from"] = 0
+
+
+def cantilever():
+    """A clamped beam with distributed and concentrated loads."""
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.rectangle(0.02, 0.03, STEEL), cells=9)
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(beam)
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 500.0)))
+    scene.add(fl.LineLoad(beam, force=(0, 30.0, 0)))
+    return scene, [beam.point("end"), beam.point(4)]
+
+
+def sheet():
+    """A curved strip with all loads of shells."""
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, 0.4 * b, 0.1 * a * a), (5, 3))
+    shell = fl.Shell(mesh, fl.ShellSection.layer(0.01, STEEL))
+    shell.clamp("a=0")
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(shell)
+    scene.add(fl.PointLoad(shell.point("11"), force=(0.0, 300.0, 2e3)))
+    scene.add(fl.AreaLoad(shell, (0, 0, -200.0)))
+    scene.add(fl.loads.SurfacePressure(shell, 100.0))
+    scene.add(fl.loads.EdgeLoad(shell, "b=1", force=(0, 50.0, 0)))
+    return scene, [shell.point("11"), shell.point("10")]
+
+
+def channel():
+    """A folded shell, whose fold has a node of each side."""
+    mesh = fl.mesh.parametric_surface(
+        lambda a, b: (a, 0.2 * min(b, 0.5), 0.2 * max(0.0, b - 0.5)), (4, 4)
+    )
+    shell = fl.Shell(mesh, fl.ShellSection.layer(0.005, STEEL))
+    shell.clamp("a=0")
+    scene = fl.Scene()
+    scene.add(shell)
+    scene.add(fl.AreaLoad(shell, (0, 0, -500.0)))
+    return scene, [shell.point("10"), shell.point("11")]
+
+
+def block():
+    """A solid under pressure and traction."""
+    rubber = fl.sections.NeoHooke(E=1e6, nu=0.3, density=1e3)
+    brick = fl.Solid.brick((1, 1, 2), rubber, cells=(2, 2, 3), degree=2)
+    brick.clamp("c=0")
+    scene = fl.Scene()
+    scene.add(brick)
+    scene.add(fl.loads.FacePressure(brick, "c=1", -2e4))
+    scene.add(fl.loads.FaceLoad(brick, "c=1", (1e4, 0, 0)))
+    return scene, [brick.point("111"), brick.point("011")]
+
+
+def pendulum():
+    """A flexible double pendulum with a rigid body and a spring at its end."""
+    bar = fl.Section.rectangle(0.02, 0.02, fl.Material(E=5e8, nu=0.3, density=7800.0))
+    upper = fl.Beam.straight((0, 0, 0), (1, 0, 0), bar, cells=4)
+    lower = fl.Beam.straight((1, 0, 0), (2, 0, 0), bar, cells=4)
+    ball = fl.RigidBody(0.5, 1e-3 * np.eye(3), (2, 0, 0))
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    for body in upper, lower, ball:
+        scene.add(body)
+    scene.add(fl.joints.Revolute(fl.ground(), upper.point("start"), axis=(0, 1, 0)))
+    knee = scene.add(fl.joints.Revolute(upper.point("end"), lower.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.Spring(knee.angle, stiffness=2.0, damping=0.1))
+    scene.add(fl.joints.Spherical(lower.point("end"), ball.point("centre")))
+    return scene, [upper.point(2), lower.point("end"), ball.point("centre")]
+
+
+def net():
+    """Cables that bend and cross, thrown across."""
+    points = [(0.1 * i, 0.1 * j, 0.002 * i * j) for j in range(4) for i in range(4)]
+    lines = [[4 * j + i for i in range(4)] for j in range(4)]
+    net = fl.Net(points, [*lines, *np.transpose(lines).tolist()], ROUND)
+    net.pin(net.point(0), net.point(15))
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(net)
+    return scene, [net.point(3), net.point(9)]
+
+
+def cable():
+    """A hanging cable with bending stiffness, clamped at one end."""
+    line = fl.Cable.straight((0, 0, 0), (1, 0, 0), ROUND, cells=12)
+    line.clamp(line.point("start"))
+    line.pin(line.point("end"))
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(line)
+    scene.add(fl.LineLoad(line, force=(0, 1.0, 0)))
+    return scene, [line.point(5)]
+
+
+REST = {"cantilever": cantilever, "sheet": sheet, "channel": channel, "block": block}
+"""Scenes in equilibrium."""
+
+MOTIONS = REST | {"pendulum": pendulum, "net": net, "cable": cable}
+
+
+def statics(build):
+    """Displacements, reactions, negative pivots and iterations."""
+    scene, points = build()
+    found = fl.statics(scene)
+    return {
+        **{f"displacement {k}": found.displacement(point) for k, point in enumerate(points)},
+        "reactions": found.reactions.sum(axis=1),
+        "negative pivots": found.negative_pivots,
+        "iterations": found.iterations,
+    }
+
+
+def motion(build):
+    """Positions, velocities, forces, coordinates, energies and impulses."""
+    scene, points = build()
+    found = fl.GeneralisedAlpha().run(scene, duration=0.02, step=2e-3, progress=False)
+    return {
+        **{f"position {k}": found.position(point) for k, point in enumerate(points)},
+        **{f"velocity {k}": found.velocity(point) for k, point in enumerate(points)},
+        "joint forces": found.joint_forces,
+        "joint coordinates": found.joint_coordinates,
+        "reactions": found.reactions.sum(axis=1),
+        "energies": np.array([found.kinetic, found.elastic, found.potential]),
+        "impulses": found.impulses,
+        "iterations": found.iterations,
+        "mass": np.array(found.info.mass),
+    }
+
+
+def results():
+    """All results by the names of their scenes and quantities."""
+    found = {}
+    for name, build in REST.items():
+        found |= {f"{name} at rest, {what}": value for what, value in statics(build).items()}
+    for name, build in MOTIONS.items():
+        found |= {f"{name} in motion, {what}": value for what, value in motion(build).items()}
+    return found
+
+
+if __name__ == "__main__":
+    # a rank that fails leaves the others waiting for it
+    faulthandler.dump_traceback_later(500, exit=True)
+    divide()
+    found = results()
+    if MPI.COMM_WORLD.rank == 0:
+        np.savez(sys.argv[1], **found)
