@@ -107,7 +107,7 @@ def _mean_normal(
 
 
 @inlined_uncounted
-def _add_force(
+def add_force(
     mean: Array,
     types: Indices,
     side: Side,
@@ -164,9 +164,9 @@ def _add(
             continue
         F = scaled(fraction * at.weight[e] * k * secant.σ, n)
         i, j = at.pairs[e]
-        _add_force(ends.mean, types, at.a, i, (False, P), F, out, ground)
+        add_force(ends.mean, types, at.a, i, (False, P), F, out, ground)
         foot = at.kind != ROUND, P
-        _add_force(ends.mean, types, at.b, j, foot, scaled(-1.0, F), out, ground)
+        add_force(ends.mean, types, at.b, j, foot, scaled(-1.0, F), out, ground)
 
 
 @compiled

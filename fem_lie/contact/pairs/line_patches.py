@@ -26,8 +26,8 @@ from fem_lie.contact.sides.gauss_points import (
     strands_of,
 )
 from fem_lie.contact.sides.passage import Passage
-from fem_lie.contact.sides.patch_contacts import FOUND, Workspace, add_contacts_of, far
-from fem_lie.contact.sides.patches import NET, ROWS, Patches, is_triangle, nearest_on, set_nets
+from fem_lie.contact.sides.patch_contacts import Workspace, add_contacts_of, far, workspace_for
+from fem_lie.contact.sides.patches import Patches, is_triangle, nearest_on, set_nets
 from fem_lie.contact.sides.surfaces import Piece
 from fem_lie.contact.sides.table import ContactPoints, Nodes, Samples, Side, empty_side, least
 from fem_lie.contact.sides.two_sides import Stations
@@ -224,8 +224,7 @@ def set_line_contacts(
     Returns:
         The number of contact points, which is the size of ``out`` if that is too small.
     """
-    space = np.empty((ROWS, NET)), np.empty((4, 3)), np.empty((near.shape[0], FOUND))
-    parts = np.empty((_STEPS, 2))
+    space, parts = workspace_for(near.shape[0]), np.empty((_STEPS, 2))
     return _set_contacts(H, a, b, near, blocks, space, parts, out, fixed, keys)
 
 

@@ -53,4 +53,5 @@ class RopeRingPair(ContactPair):
 
     def term(self, nodes: Nodes) -> RingForces:
         """Contact forces of the rings."""
-        return RingForces(self.a, self.b, self.penalty.coulomb, nodes)
+        types, H = self.node_types(nodes), self.initial_frames(nodes)
+        return RingForces(self.a, self.b, self.penalty.coulomb, nodes, types, H)

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import inlined_uncounted, uncounted
+from fem_lie._jit import inlined, inlined_uncounted, uncounted
 from fem_lie.contact.sides.curves import (
     at,
     bend,
@@ -29,7 +29,17 @@ from fem_lie.contact.sides.curves import (
     stationary,
     weights,
 )
-from fem_lie.lie.tuples import Vector, combined, dot, load_row, minus, plus, scaled, store_row
+from fem_lie.contact.sides.kinematics import position
+from fem_lie.contact.sides.surfaces import MOST_NODES
+from fem_lie.contact.sides.table import (
+    ROUND,
+    UNUSED,
+    ContactPoints,
+    Level,
+    Side,
+    Sliding,
+)
+from fem_lie.lie.tuples import Vector, combined, dot, minus, plus, scaled, store_row
 
 _TURNS = 60
 """Largest number of iterations; each at least halves the interval."""
@@ -49,8 +59,9 @@ class Ropes(NamedTuple):
             segment, shape (m, 4, 2, 4).
         starts: Undeformed length before each segment, and in total, shape (m + 1,).
         rings: Nodes of the rings, −1: ground, shape (r,).
-        factors: Weights of their coordinate vectors; positions on ground, shape (r, 4).
-        kinds: Types of all nodes of the bodies, by number.
+        factors: Weights of their coordinate vectors, ``(w, c)``; one and the position on ground;
+            shape (r, 4).
+        types: Types of all nodes of the bodies, by number.
     """
 
     slots: Indices
@@ -58,7 +69,41 @@ class Ropes(NamedTuple):
     starts: Array
     rings: Indices
     factors: Array
-    kinds: Indices
+    types: Indices
+
+
+class RingPoint(NamedTuple):
+    """A ring, and a point of the rope.
+
+    Attributes:
+        at: Pair of the ring and the point of the rope, which slides along it.
+        along: ``P'``, as a point of a side.
+        C: Workspace for a segment of the rope, shape (4, 3).
+    """
+
+    at: ContactPoints
+    along: Side
+    C: Array
+
+
+@inlined
+def _one_point() -> Side:
+    """Uninitialised side of one point."""
+    k, empty = MOST_NODES, Level(0, np.empty((0, 0)))
+    nodes, owners = np.full((1, k), UNUSED), np.zeros(1, np.int64)
+    arms, normals = np.zeros((1, k, 3)), np.zeros((1, 3))
+    return Side(nodes, np.zeros((1, k)), arms, np.zeros(1), normals, owners, empty)
+
+
+@inlined
+def ring_point() -> RingPoint:
+    """Space for a ring."""
+    k, pairs, first = MOST_NODES, np.zeros((1, 2), np.int64), np.zeros(1, np.int64)
+    sliding = Sliding(
+        np.zeros((1, 2, 3)), np.ones((1, 2)), np.zeros((1, 2, k)), np.zeros((1, 2, k, 3))
+    )
+    at = ContactPoints(_one_point(), _one_point(), ROUND, pairs, np.ones(1), first, sliding)
+    return RingPoint(at, _one_point(), np.empty((4, 3)))
 
 
 @inlined_uncounted
@@ -72,19 +117,6 @@ def set_curve(H: Array, ropes: Ropes, p: int, C: Array) -> None:
                 w = ropes.controls[p, a, row, q]
                 for j in range(3):
                     C[q, j] += w * H[node, row, j]
-
-
-@inlined_uncounted
-def ring(H: Array, ropes: Ropes, k: int) -> Vector:
-    """Position of a ring."""
-    node, f = ropes.rings[k], ropes.factors[k]
-    if node < 0:
-        return f[1], f[2], f[3]
-    x = (0.0, 0.0, 0.0)
-    for row in range(4):
-        if f[row] != 0.0:
-            x = plus(x, scaled(f[row], load_row(H[node], row)))
-    return x
 
 
 @inlined_uncounted
@@ -137,9 +169,7 @@ def _moved(H: Array, ropes: Ropes, σ: float, to: float, C: Array) -> Vector:
         own = between(C, part_of(ropes, p, σ), part_of(ropes, p, knot))
         set_curve(H, ropes, q, C)
         return plus(own, between(C, part_of(ropes, q, knot), part_of(ropes, q, to)))
-    own = at(C, part_of(ropes, p, σ))
-    set_curve(H, ropes, q, C)
-    return minus(own, at(C, part_of(ropes, q, to)))
+    return minus(position_at(H, ropes, σ, C), position_at(H, ropes, to, C))
 
 
 @inlined_uncounted
@@ -190,78 +220,45 @@ def position_between(
 
 
 @inlined_uncounted
-def _set_factors(ropes: Ropes, k: int, σ: float, out: tuple[Indices, Array, Array]) -> int:
-    """Weights of coordinate vectors in ``Δ`` and ``P'``; the last slot is the ring.
-
-    Args:
-        ropes: The rope.
-        k: The ring.
-        σ: Position on the rope.
-        out: Nodes (5,), weights and their derivatives, (5, 4) each; overwritten.
-
-    Returns:
-        The segment.
-    """
-    nodes, W, by_place = out
-    p = piece_of(ropes, σ)
-    s, length = part_of(ropes, p, σ), ropes.starts[p + 1] - ropes.starts[p]
-    W[:] = 0.0
-    by_place[:] = 0.0
-    w, by_s = weights(s), slopes(s)
-    for a in range(4):
-        nodes[a] = ropes.slots[p, a]
-        for row in range(2):
-            c = ropes.controls[p, a, row]
-            W[a, row] = c[0] * w[0] + c[1] * w[1] + c[2] * w[2] + c[3] * w[3]
-            by = c[0] * by_s[0] + c[1] * by_s[1] + c[2] * by_s[2] + c[3] * by_s[3]
-            by_place[a, row] = by / length
-    nodes[4] = ropes.rings[k]
-    for row in range(4 if nodes[4] >= 0 else 0):
-        W[4, row] = -ropes.factors[k, row]
-    return p
-
-
-@inlined_uncounted
-def store_position(H: Array, ropes: Ropes, σ: float, C: Array, out: Array) -> None:
-    """``P``, ``P'`` and ``P''`` at a position, shape (3, 3)."""
+def position_at(H: Array, ropes: Ropes, σ: float, C: Array) -> Vector:
+    """Position of the rope at ``σ``; ``C`` (4, 3) is overwritten."""
     p = piece_of(ropes, σ)
     set_curve(H, ropes, p, C)
-    s, length = part_of(ropes, p, σ), ropes.starts[p + 1] - ropes.starts[p]
-    store_row(out, 0, at(C, s))
-    store_row(out, 1, scaled(1.0 / length, slope(C, s)))
-    store_row(out, 2, scaled(1.0 / (length * length), bend(C, s)))
+    return at(C, part_of(ropes, p, σ))
 
 
 @inlined_uncounted
-def set_pair(
-    H: Array,
-    ropes: Ropes,
-    k: int,
-    σ: float,
-    G: tuple[Indices, Array, Array],
-    workspace: tuple[Array, Array],
-    m: Array,
-) -> tuple[Vector, float]:
-    """Weights of coordinate vectors at a position, and ``m`` on these vectors, (5, 4, 3).
+def set_ring(ropes: Ropes, k: int, out: RingPoint) -> None:
+    """Set the ring."""
+    ring, f = out.at.a, ropes.factors[k]
+    ring.nodes[0, 0], ring.weights[0, 0] = ropes.rings[k], f[0]
+    store_row(ring.arms[0], 0, (f[1], f[2], f[3]))
 
-    Args:
-        H: Nodal coordinates.
-        ropes: The rope.
-        k: The ring.
-        σ: Position on the rope.
-        G: See :func:`_set_factors`; overwritten.
-        workspace: Shapes (4, 3) and (3, 3); overwritten.
-        m: Overwritten.
 
-    Returns:
-        ``Δ`` and ``s``.
-    """
-    nodes, W, by_place = G
-    C, at = workspace
-    store_position(H, ropes, σ, C, at)
-    _set_factors(ropes, k, σ, G)
-    t, separation = load_row(at, 1), minus(load_row(at, 0), ring(H, ropes, k))
-    for a in range(5):
-        for row in range(4 if nodes[a] >= 0 else 0):
-            store_row(m[a], row, combined(by_place[a, row], separation, W[a, row], t))
-    return separation, dot(t, t) + dot(separation, load_row(at, 2))
+@uncounted
+def set_position(H: Array, ropes: Ropes, σ: float, out: RingPoint) -> float:
+    """Set the point of the rope at ``σ``; return ``s = P'·P' − Δ·P''``."""
+    at_ends = σ <= ropes.starts[0] or σ >= ropes.starts[-1]
+    p, along, C = piece_of(ropes, σ), out.along, out.C
+    ring, rope = out.at.a, out.at.b
+    set_curve(H, ropes, p, C)
+    s, length = part_of(ropes, p, σ), ropes.starts[p + 1] - ropes.starts[p]
+    w, by_s, sliding = weights(s), slopes(s), out.at.sliding
+    for a in range(MOST_NODES):
+        node = ropes.slots[p, a] if ropes.slots[p, a] >= 0 else UNUSED
+        rope.nodes[0, a], along.nodes[0, a] = node, node
+        x, d = ropes.controls[p, a, 0], ropes.controls[p, a, 1]
+        rope.weights[0, a], rope.arms[0, a, 0] = _product(x, w), _product(d, w)
+        along.weights[0, a] = sliding.weights[0, 0, a] = _product(x, by_s) / length
+        along.arms[0, a, 0] = sliding.arms[0, 0, a, 0] = _product(d, by_s) / length
+    t, separation = scaled(1.0 / length, slope(C, s)), minus(position(H, ring, 0), at(C, s))
+    store_row(sliding.slopes[0], 0, t)
+    bent = dot(t, t) - dot(separation, bend(C, s)) / (length * length)
+    # the closest point stays at an end
+    sliding.bends[0, 0] = np.inf if at_ends else bent
+    return bent
+
+
+@inlined_uncounted
+def _product(c: Array, w: tuple[float, float, float, float]) -> float:
+    return c[0] * w[0] + c[1] * w[1] + c[2] * w[2] + c[3] * w[3]

@@ -21,7 +21,6 @@ from fem_lie.forms.abilities import (
     StepForces,
 )
 from fem_lie.forms.term import Pairs
-from fem_lie.lie.node_types import NodeType
 
 _BEYOND = 2
 """Number of nodes in the sparsity pattern on either side of those that a position depends on."""
@@ -38,7 +37,15 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
     label = "rings on a rope"
     conserved = steady = friction = True
 
-    def __init__(self, rope: Rope, rings: Rings, law: CoulombLaw, nodes: Nodes) -> None:
+    def __init__(
+        self,
+        rope: Rope,
+        rings: Rings,
+        law: CoulombLaw,
+        nodes: Nodes,
+        types: Indices,
+        H: Array,
+    ) -> None:
         """Find the positions of the rings on the rope.
 
         Args:
@@ -46,13 +53,16 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
             rings: The rings.
             law: Constants of the contact law.
             nodes: Gives the numbers of the nodes of a body in the scene.
+            types: Types of all nodes, shape (n,).
+            H: Initial frames of all nodes, shape (n, 4, 3).
         """
-        self._law, self._ropes = law, _ropes_of(rope, rings, nodes)
+        self._law, self._ropes = law, _ropes_of(rope, rings, nodes, types)
         self._path = nodes(rope.body)[rope.path]
-        self._feet: Array = _first_feet(rope, rings, self._ropes, nodes)
-        count = len(self._feet)
+        count = len(rings.of)
+        self._feet: Array = np.empty(count)
+        kernels.set_feet(H, self._ropes, _near(rope, rings), self._feet)
         self._springs: Array = np.zeros(count)
-        self._found, self._over = np.zeros((2, count, kernels.COLUMNS))
+        self._found, self._over = kernels.held(count), kernels.held(count)
         self._ahead: Array | None = None
         self._grounded = bool((self._ropes.rings == GROUND).any())
         self._size = min(4 + 2 * _BEYOND, len(self._path))
@@ -139,23 +149,24 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
     @property
     def _stored(self) -> float:
         """Energy of the springs at the frames of the last evaluation."""
-        d, τ = self._found[:, kernels.DISTANCE], self._found[:, kernels.TRACTION]
+        d, τ = self._found.distances, self._found.tractions
         return 0.5 * self._law.k * float(d @ d) + 0.5 / self._law.holding * float(τ @ τ)
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """Add the contact forces to the residual."""
         self._forces(H, out)
-        self._look(self._found[:, kernels.PLACE])
+        self._look(self._found.positions)
 
     def tangent(self, H: Array, kept: Array) -> Array:
         """Tangent stiffness of each pair of nodes."""
         self._forces(H, np.zeros((len(H), 6)))
         return self._tangents(H, self._found, 1.0)
 
-    def _tangents(self, H: Array, found: Array, factor: float) -> Array:
+    def _tangents(self, H: Array, found: kernels.Held, factor: float) -> Array:
         windows = self._windows
         blocks = np.zeros((windows.size * windows.shape[1], 6, 6))
-        kernels.tangents(H, self._ropes, self._law, found, factor, windows, blocks)
+        given = H, self._ropes, self._law, found
+        kernels.tangents(*given, factor, windows, blocks)
         return blocks
 
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
@@ -168,8 +179,8 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         """Add the forces of a step whose work is the change of the stored energy."""
         given = ends, self._ropes, self._law, self._feet, self._springs
         stored, work = kernels.add_over_step(*given, self._over, out, ground)
-        self._look(self._over[:, kernels.PLACE])
-        τ, slip = self._over[:, kernels.TRACTION], self._over[:, kernels.SLIP]
+        self._look(self._over.positions)
+        τ, slip = self._over.tractions, self._over.slips
         holding = self._law.holding
         self._ahead = np.asarray(τ / holding)
         held, before = (
@@ -206,12 +217,12 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
     def accept(self, H: Array) -> None:
         """Accept frames; after a step, with the positions at which its forces have done work."""
         if self._ahead is not None:
-            self._feet, self._springs = self._over[:, kernels.END].copy(), self._ahead
+            self._feet, self._springs = self._over.ends.copy(), self._ahead
             self._ahead = None
             return
         self._forces(H, np.zeros((len(H), 6)))
-        self._springs = np.asarray(self._found[:, kernels.TRACTION] / self._law.holding)
-        self._feet = self._found[:, kernels.END].copy()
+        self._springs = np.asarray(self._found.tractions / self._law.holding)
+        self._feet = self._found.ends.copy()
 
     def update_stress(self, H: Array, h: Array) -> None:
         """Do nothing: positions change when frames are accepted."""
@@ -241,33 +252,17 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         X, positions = np.empty((2, count, 3))
         kernels.set_positions(H, self._ropes, self._feet, X, positions)
         pairs = np.stack([self._pieces(self._feet), np.arange(count)], axis=1)
-        return pairs, -self._found[:, kernels.DISTANCE], positions, self._law.k * (X - positions)
+        return pairs, -self._found.distances, positions, self._law.k * (X - positions)
 
 
-def _ropes_of(rope: Rope, rings: Rings, nodes: Nodes) -> Ropes:
+def _ropes_of(rope: Rope, rings: Rings, nodes: Nodes, types: Indices) -> Ropes:
     """Rope and rings as packed arrays."""
     slots, controls = rope.controls()
-    path = nodes(rope.body)[rope.path]
-    slots = np.where(slots < 0, -1, path[slots])
-    owners = np.array([number_of(p.body, p.node, nodes) for p in rings.of], dtype=np.int64)
-    bodies = dict.fromkeys([rope.body, *(p.body for p in rings.of if p.body is not None)])
-    kinds = np.zeros(1 + max(int(nodes(body).max()) for body in bodies), dtype=np.int64)
-    for body in bodies:
-        own = body.model.node_types
-        kinds[nodes(body)] = np.where(own == NodeType.FRAME, 0, own)
+    path, factors = nodes(rope.body)[rope.path], rings.factors()
     starts = np.concatenate([[0.0], np.cumsum(rope.lengths)])
-    return Ropes(slots, controls, starts, owners, rings.factors(), kinds)
-
-
-def _first_feet(rope: Rope, rings: Rings, ropes: Ropes, nodes: Nodes) -> Array:
-    """Initial positions on the rope, as undeformed length before them, shape (r,)."""
-    H = np.zeros((len(ropes.kinds), 4, 3))
-    for body in (rope.body, *(point.body for point in rings.of)):
-        if body is not None:
-            H[nodes(body)] = body.frames
-    found = np.empty(len(rings.of))
-    kernels.set_feet(H, ropes, _near(rope, rings), found)
-    return found
+    owners = np.array([number_of(p.body, p.node, nodes) for p in rings.of], dtype=np.int64)
+    factors[owners == GROUND, 0] = 1.0
+    return Ropes(np.where(slots < 0, -1, path[slots]), controls, starts, owners, factors, types)
 
 
 def _near(rope: Rope, rings: Rings) -> Array:

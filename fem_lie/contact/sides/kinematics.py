@@ -268,6 +268,18 @@ def add_pulled_back(node_type: int, H: Array, w: float, c: Vector, f: Vector, ou
         out[3 + k] += moment[k]
 
 
+@inlined_uncounted
+def add_to_nodes(H: Array, types: Indices, side: Side, i: int, f: Vector, out: Array) -> None:
+    """Add a force on point ``i`` of a side to the forces on its nodes, shape (n, 6)."""
+    for k in range(MOST_NODES):
+        node = side.nodes[i, k]
+        if node == UNUSED:
+            break
+        if node != GROUND:
+            c = load_row(side.arms[i], k)
+            add_pulled_back(types[node], H[node], side.weights[i, k], c, f, out[node])
+
+
 @compiled
 def count_blocks(a: Side, b: Side, pairs: Indices, rows: Indices, columns: Indices) -> int:
     """Number of pairs of nodes that pairs of points couple; stored as far as there is space."""

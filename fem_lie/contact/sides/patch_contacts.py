@@ -7,12 +7,12 @@ itself where it has folded back, and not in the neighbourhood of a point.
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie._jit import compiled, inlined, inlined_uncounted, uncounted
 from fem_lie.contact.sides.kinematics import position
 from fem_lie.contact.sides.patches import (
     BY_U,
@@ -37,12 +37,51 @@ from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store
 _EQUAL = 1.0 - 1e-12
 """Ratio of squared distances that count as equal, for the same point on two patches."""
 
-_SQUARE, _U, _V, _EDGE, _END, _TAKEN = range(6)
-FOUND = 6
-"""Columns of what is found of a point and a patch."""
+_LEFT, _TAKEN, _DROPPED = range(3)
+"""States of candidates: not yet looked at, a contact point, none."""
 
-Workspace: TypeAlias = tuple[Array, Array, Array]
-"""Arrays of shapes (9, 12), (4, 3) and (pairs, :data:`FOUND`)."""
+
+class Candidates(NamedTuple):
+    """Closest points of one point on the patches near it, each of shape (pairs,).
+
+    Attributes:
+        squares: Squared distance, infinite for patches that are far.
+        u: First parameter.
+        v: Second parameter.
+        edges: Edge that the point is on, or −1.
+        ends: End of the edge that the point is, 0 or 1, or −1.
+        states: Whether the point is a contact point, :data:`_LEFT` and others.
+    """
+
+    squares: Array
+    u: Array
+    v: Array
+    edges: Indices
+    ends: Indices
+    states: Indices
+
+
+class Workspace(NamedTuple):
+    """Workspace for contact points on patches.
+
+    Attributes:
+        W: Shape functions, shape (9, 12).
+        C: An edge, shape (4, 3).
+        found: Closest points on patches.
+    """
+
+    W: Array
+    C: Array
+    found: Candidates
+
+
+@inlined
+def workspace_for(count: int) -> Workspace:
+    """Workspace for points with at most ``count`` patches near them."""
+    edges, ends = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+    states = np.empty(count, dtype=np.int64)
+    found = Candidates(np.empty(count), np.empty(count), np.empty(count), edges, ends, states)
+    return Workspace(np.empty((ROWS, NET)), np.empty((4, 3)), found)
 
 
 @inlined_uncounted
@@ -79,9 +118,9 @@ def _has(b: Patches, j: int, corner: int) -> bool:
 
 
 @uncounted
-def _least(b: Patches, near: Indices, first: int, last: int, q: int, found: Array) -> bool:
+def _least(b: Patches, near: Indices, first: int, last: int, q: int, found: Candidates) -> bool:
     """Whether no neighbour of a patch has a closer point."""
-    edge, end, j = int(found[q, _EDGE]), int(found[q, _END]), near[first + q, 1]
+    edge, end, j = found.edges[q], found.ends[q], near[first + q, 1]
     if edge < 0:
         return True
     one, two = edge_ends(is_triangle(b, j), edge)
@@ -95,28 +134,27 @@ def _least(b: Patches, near: Indices, first: int, last: int, q: int, found: Arra
         k = near[first + other, 1]
         if _has(b, k, p) and _has(b, k, r):
             there += 1
-            if found[other, _SQUARE] < _EQUAL * found[q, _SQUARE]:
+            if found.squares[other] < _EQUAL * found.squares[q]:
                 return False
     return bool(there == wanted)
 
 
 @uncounted
-def _next(b: Patches, near: Indices, first: int, last: int, found: Array) -> int:
+def _next(b: Patches, near: Indices, first: int, last: int, found: Candidates) -> int:
     """The closest patch that is not taken and shares no corner with those taken, or −1."""
     while True:
         best = -1
         for q in range(last - first):
-            if found[q, _TAKEN] == 0.0 and found[q, _SQUARE] < np.inf:
-                if best < 0 or found[q, _SQUARE] < found[best, _SQUARE]:
+            if found.states[q] == _LEFT and found.squares[q] < np.inf:
+                if best < 0 or found.squares[q] < found.squares[best]:
                     best = q
         if best < 0:
             return best
         free = _least(b, near, first, last, best, found)
         for q in range(last - first):
-            if found[q, _TAKEN] == 1.0 and _shares(b, near[first + best, 1], near[first + q, 1]):
+            if found.states[q] == _TAKEN and _shares(b, near[first + best, 1], near[first + q, 1]):
                 free = False
-        # 1: taken, 2: left
-        found[best, _TAKEN] = 1.0 if free else 2.0
+        found.states[best] = _TAKEN if free else _DROPPED
         if free:
             return best
 
@@ -241,30 +279,29 @@ def add_contacts_of(
         reach *= 2.0
     for q in range(last - first):
         j = near[first + q, 1]
-        found[q, _SQUARE], found[q, _TAKEN] = np.inf, 0.0
+        found.squares[q], found.states[q] = np.inf, _LEFT
         if not far(b.nets[j], is_triangle(b, j), P, reach):
             at = nearest_on(is_triangle(b, j), b.straight, b.nets[j], P, W, C)
-            found[q, _SQUARE], found[q, _U], found[q, _V] = at.square, at.u, at.v
-            found[q, _EDGE], found[q, _END] = at.edge, at.end
+            found.squares[q], found.u[q], found.v[q] = at.square, at.u, at.v
+            found.edges[q], found.ends[q] = at.edge, at.end
     seen = (False, False)
     while True:
         q = _next(b, near, first, last, found)
-        if q < 0 or found[q, _SQUARE] >= reach * reach or count == out.weight.shape[0]:
+        if q < 0 or found.squares[q] >= reach * reach or count == out.weight.shape[0]:
             return count
         j = near[first + q, 1]
-        set_shapes(is_triangle(b, j), b.straight, found[q, _U], found[q, _V], W)
+        set_shapes(is_triangle(b, j), b.straight, found.u[q], found.v[q], W)
         if stations:
             face = _face_of(H, a, i, minus(P, combination(b.nets[j], W, VALUE)))
             if seen[face]:
                 continue
             seen = (True, seen[1]) if face == 0 else (seen[0], True)
             keys[count, 0], keys[count, 1] = key, face
-            _set_fixed(b, j, found[q, _U], found[q, _V], fixed, count)
+            _set_fixed(b, j, found.u[q], found.v[q], fixed, count)
         _reset(b, j, out.b, count)
         _set_position(b, j, W, VALUE, 1.0, out.b.weights[count], out.b.arms[count])
         out.b.radii[count], out.b.owners[count] = b.radii[j], b.nodes[j, 0]
-        edge, end = int(found[q, _EDGE]), int(found[q, _END])
-        _set_sliding(b, j, edge, end, P, W, out.sliding, count)
+        _set_sliding(b, j, found.edges[q], found.ends[q], P, W, out.sliding, count)
         out.pairs[count, 0], out.pairs[count, 1] = i, count
         out.weight[count], out.first[count] = measure, blocks[first + q]
         count += 1
@@ -319,5 +356,5 @@ def set_patch_contacts(
         keys: Identifiers of pairs with friction springs, overwritten, (≥ m, 2); none: (0, 2). Such
             pairs are within twice the radii, one for each face.
     """
-    space = np.empty((ROWS, NET)), np.empty((4, 3)), np.empty((near.shape[0], FOUND))
+    space = workspace_for(near.shape[0])
     return _set_patch_contacts(H, a, areas, b, near, blocks, space, out, fixed, keys)
