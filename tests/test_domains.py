@@ -2,6 +2,7 @@
 
 from petsc4py import PETSc
 
+import divided_scenes
 import numpy as np
 import parallel_domains
 import pytest
@@ -11,6 +12,7 @@ from ranks import on_ranks
 import fem_lie as fl
 from fem_lie.linear.domains.division import Links, divided
 from fem_lie.linear.domains.interface import Interface
+from fem_lie.parts.part_scene import connections_of, part_of
 
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
 BAR = fl.Section.rectangle(0.02, 0.03, STEEL)
@@ -224,3 +226,52 @@ def test_the_least_diagonal_is_a_part_of_the_largest(given):
     with pytest.raises(ValueError, match=r"given_interface_softest must be in \(0, 1\], got"):
         Interface(None, None, "given_", "bddc")
     options.delValue("softest")
+
+
+# --- scenes divided among ranks ---
+
+PARTS = 3
+
+
+class Ranks:
+    """Communicator of ranks that are asked one after the other."""
+
+    def __init__(self, rank, given):
+        self.rank, self.size, self._given = rank, PARTS, given
+
+    def bcast(self, value):
+        if self.rank == 0:
+            self._given.append(value)
+        return self._given[-1]
+
+
+def parts(scene):
+    given = []
+    return [part_of(scene, Ranks(rank, given)) for rank in range(PARTS)]
+
+
+@pytest.mark.parametrize("build", divided_scenes.MOTIONS.values(), ids=divided_scenes.MOTIONS)
+def test_parts_have_all_nodes_and_no_rank_has_all(build):
+    scene, _ = build()
+    found = parts(scene)
+    own = [np.unique(np.concatenate(list(part.nodes.values()))) for part in found]
+    count = sum(len(body.frames) for body in scene.bodies)
+    assert sorted(set(np.concatenate(own))) == list(range(count))
+    assert max(map(len, own)) < count
+    for rank, part in enumerate(found):
+        for other, shared in part.sharers.items():
+            np.testing.assert_array_equal(shared, found[other].sharers[rank])
+            assert np.isin(shared, own[rank]).all() and np.isin(shared, own[other]).all()
+
+
+@pytest.mark.parametrize("build", divided_scenes.MOTIONS.values(), ids=divided_scenes.MOTIONS)
+def test_each_connection_and_each_point_load_is_in_one_part(build):
+    scene, _ = build()
+    found = parts(scene)
+    numbers = np.concatenate([part.connections for part in found])
+    assert sorted(numbers) == list(range(len(connections_of(scene))))
+    at_points = [
+        sum(isinstance(load, fl.PointLoad) for load in one.loads)
+        for one in (scene, *(part.scene for part in found))
+    ]
+    assert at_points[0] == sum(at_points[1:])

@@ -124,11 +124,20 @@ class Equilibrium(Protocol):
     diameter: float
 
     def dot(self, a: Array, b: Array) -> float:
-        """Inner product of two arrays with a row for each node."""
+        """Inner product of two arrays with a row for each node.
+
+        Args:
+            a: First array, shape (n, k).
+            b: Second array, of the same shape.
+        """
         return plain_dot(a, b)
 
     def largest(self, values: Array) -> float:
-        """Largest magnitude of a vector."""
+        """Largest magnitude of a vector.
+
+        Args:
+            values: Components of the vector.
+        """
         return float(np.abs(values).max(initial=0.0))
 
     def forces(self) -> tuple[Array, Array]:
@@ -136,11 +145,19 @@ class Equilibrium(Protocol):
         ...
 
     def factorise(self, factor: float) -> None:
-        """Assemble and factorise the tangent stiffness at a load factor, with updated stress."""
+        """Assemble and factorise the tangent stiffness at a load factor, with updated stress.
+
+        Args:
+            factor: The load factor.
+        """
         ...
 
     def solve(self, b: Array) -> Array:
-        """Solve with the last tangent stiffness."""
+        """Solve with the last tangent stiffness.
+
+        Args:
+            b: Right-hand side.
+        """
         ...
 
     def negative_pivots(self) -> int:
@@ -148,7 +165,11 @@ class Equilibrium(Protocol):
         ...
 
     def move(self, dx: Array) -> None:
-        """Update the stress linearly by ``dx``, then the state."""
+        """Update the stress linearly by ``dx``, then the state.
+
+        Args:
+            dx: Increments of the free unknowns.
+        """
         ...
 
     def positions(self) -> Array:
@@ -156,15 +177,26 @@ class Equilibrium(Protocol):
         ...
 
     def translations(self, dx: Array) -> Array:
-        """Displacements of the nodes due to ``dx``, shape (n, 3), global components."""
+        """Displacements of the nodes due to ``dx``, shape (n, 3), global components.
+
+        Args:
+            dx: Increments of the free unknowns.
+        """
         ...
 
     def twists(self, dx: Array) -> Array:
-        """Twists of the nodes due to ``dx``, (n, 6), in their own axes, rotations × diameter."""
+        """Twists of the nodes due to ``dx``, (n, 6), in their own axes, rotations × diameter.
+
+        Args:
+            dx: Increments of the free unknowns.
+        """
         ...
 
     def check_rotations(self, factor: float) -> None:
         """Raise an error if the current state is not valid.
+
+        Args:
+            factor: Load factor of the state, for the message.
 
         Raises:
             FoldedElementError: An element rotates too far.
@@ -173,7 +205,11 @@ class Equilibrium(Protocol):
         ...
 
     def check_passage(self, before: Any) -> None:
-        """Raise ``PassedThroughError`` if surfaces passed through each other since a state."""
+        """Raise ``PassedThroughError`` if surfaces passed through each other since a state.
+
+        Args:
+            before: State at the start of the step, from :meth:`state`.
+        """
         ...
 
     def rotation_hint(self) -> str:
@@ -185,7 +221,11 @@ class Equilibrium(Protocol):
         ...
 
     def restore(self, state: Any) -> None:
-        """Restore a copied state."""
+        """Restore a copied state.
+
+        Args:
+            state: State that :meth:`state` returned.
+        """
         ...
 
 
