@@ -1,5 +1,8 @@
-"""Thin shells and reduced-order bodies with derived forces, to compare with the hand-written ones.
+"""Elements with derived forces, to compare with the hand-written ones.
 
+- **Corners of discrete rods** by the general kernel of small energies. The axes of an edge are
+  derived vectors: those of the frame of its first node, rotated by the smallest rotation. Strains
+  are a function of the nine scalar products of the axes of both edges.
 - **Thin shells** by the general kernel of small energies. All strains of a cell, assumed ones and
   those at quadrature points, are those of a single point, whose stiffness couples them: the kernel
   has no strains sampled at other points.
@@ -18,6 +21,8 @@ import numpy as np
 import fem_lie as fl
 from fem_lie.bodies.reduced.assembly import ReducedAssembly, _cell, _kind
 from fem_lie.bodies.thin_shells.assembly import ThinShellAssembly
+from fem_lie.elements.rods.bends import Springs
+from fem_lie.elements.rods.corners import Corners
 from fem_lie.elements.thin_shells.bicubic import unloaded
 from fem_lie.elements.thin_shells.nodal_coordinates import COORDINATES, CORNERS
 from fem_lie.extend import CELL_SIGNATURE, CellFunctions, NodeType, callback, cell, compiled, tuples
@@ -125,6 +130,81 @@ def thin_shell(body: Any) -> ElementAssembly:
     return ElementAssembly(ELEMENT, FUNCTIONS, body.connectivity, data, len(body.frames))
 
 
+@compiled
+def _rotated_axis(inputs: tuple[Any, ...]) -> Any:
+    """Axis of a frame, rotated by the smallest rotation from its first axis to an edge."""
+    edge, first, axis = inputs[:3], inputs[3:6], inputs[6:]
+    t = tuples.scaled(1.0 / math.sqrt(tuples.dot(edge, edge)), edge)
+    turn = tuples.cross(first, t)
+    once = tuples.cross(turn, axis)
+    twice = tuples.scaled(1.0 / (1.0 + tuples.dot(first, t)), tuples.cross(turn, once))
+    return tuples.plus(axis, tuples.plus(once, twice))
+
+
+@compiled
+def _twist_and_curvature(Q: tuple[Any, ...], parameters: tuple[float, ...]) -> Any:
+    """Twist and both curvatures from the products of the axes of two edges, row by row."""
+    X = 1.0 + Q[0]
+    twist = 2.0 * math.atan((Q[7] - Q[5]) / (X + Q[4] + Q[8]))
+    return twist, (Q[2] - Q[6]) / X, (Q[3] - Q[1]) / X
+
+
+CORNER = fl.extend.element(
+    [NodeType.FRAME] * 3,
+    [(8 + i, 11 + j) for i in range(3) for j in range(3)],
+    vectors=8,
+    strains=3,
+    strain=_twist_and_curvature,
+    derive=_rotated_axis,
+    inputs=[(4 * side, 4 * side + 1, 4 * side + k) for side in range(2) for k in (1, 2, 3)],
+)
+
+
+@callback(CELL_SIGNATURE)
+def energy_of_corner(A: Any, w: Any, h: Any) -> None:
+    """Energy of a spring between two edges."""
+    cell.add_energy(CORNER, A, w)
+
+
+@callback(CELL_SIGNATURE)
+def forces_of_corner(A: Any, w: Any, h: Any) -> None:
+    """Forces of a spring between two edges."""
+    cell.add_forces(CORNER, A, w)
+
+
+@callback(CELL_SIGNATURE)
+def tangent_of_corner(A: Any, w: Any, h: Any) -> None:
+    """Tangent stiffness of a spring between two edges."""
+    cell.add_tangent_at_stress(CORNER, A, w)
+
+
+class DerivedCorners(Springs):
+    """Springs between the edges of discrete rods, whose forces and tangent are derived."""
+
+    label = "discrete rods, derived"
+
+    def __init__(self, corners: Corners, count: int) -> None:
+        b = len(corners.nodes)
+        own, start = corners.frames.astype(float), np.where(corners.frames[:, 1], 2, 1)
+        T, every = np.zeros((b, 8, 3, 4)), np.arange(b)
+        for first, end, node, at_node in ((0, 1, 0, own[:, 0]), (4, 2, start, own[:, 1])):
+            T[:, first, end, 0] = 1.0
+            T[every, first, node, 0] -= 1.0
+            T[every, first, node, 1] = at_node
+            for k in (1, 2, 3):
+                T[every, first + k, node, k] = 1.0
+        parameters = np.hstack([corners.natural, corners.stiffness.reshape(b, 9)])
+        tables = T.reshape(b, 1, 8, 12)
+        values = fl.extend.cell_data(CORNER, tables, parameters[:, np.newaxis])
+        kernels = energy_of_corner, forces_of_corner, tangent_of_corner
+        super().__init__(kernels, values, corners, count)
+
+
+def corners_of(body: Any) -> DerivedCorners:
+    """Springs between the edges of the model of a discrete rod."""
+    return DerivedCorners(body.assemble([body]).further_terms[0].springs, len(body.frames))
+
+
 _STEP = 1e-30
 
 
@@ -178,4 +258,8 @@ def reduced_body(body: Any) -> DerivedReduced:
     return DerivedReduced([body])
 
 
-TERMS = {"thin shell": thin_shell, "reduced body": reduced_body}
+TERMS = {
+    "corners of a discrete rod": corners_of,
+    "thin shell": thin_shell,
+    "reduced body": reduced_body,
+}

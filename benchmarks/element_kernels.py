@@ -11,10 +11,10 @@ Elements that both checkouts have as hand-written kernels have factors of one.
 
 With ``--derived`` forces of this checkout that are written by hand, beside an energy in UFL, are
 those that FFCx derives from it, the cable is that of the general kernel of
-``docs/how_to/gradient_element.py``, and thin shells and reduced-order bodies are those of
-``benchmarks/derived_kernels.py``. With ``--cold`` the columns are instead the processor time in
-seconds of building the term and of its first forces, energy and tangent, in new processes whose
-caches of machine code are empty.
+``docs/how_to/gradient_element.py``, and corners of discrete rods, thin shells and reduced-order
+bodies are those of ``benchmarks/derived_kernels.py``. With ``--cold`` the columns are instead the
+processor time in seconds of building the term and of its first forces, energy and tangent, in new
+processes whose caches of machine code are empty.
 """
 
 from __future__ import annotations

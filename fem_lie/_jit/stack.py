@@ -1,4 +1,4 @@
-"""HistoryVariables in the stack frame of compiled code."""
+"""Memory in the stack frame of compiled code."""
 
 from __future__ import annotations
 

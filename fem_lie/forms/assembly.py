@@ -184,7 +184,7 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
 
     @property
     def tables(self) -> tuple[FormArrays, FormArrays] | None:
-        """Tables of forces and of energy, see :func:`~fem_lie.forms.cell_forms.add_cells`."""
+        """Tables of forces and of energy, see :func:`~fem_lie.forms.cell_forms.add_forces`."""
         return self._residual.table, self._energy.table
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:

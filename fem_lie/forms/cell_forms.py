@@ -16,7 +16,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined, uncounted
 from fem_lie._jit.stack import stack, vector_at
-from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
+from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer, shift
 
 KERNEL, CELLS, NODES, FIRST, W, WIDTH, C, X, EXTENT, GATHERED = range(10)
 """Columns of a row of :class:`FormArrays`.
@@ -111,54 +111,98 @@ def coefficients(at: int, width: int, gathered: int, workspace: Pointer) -> Poin
 
 
 @inlined
-def _add_cell(
-    H: Array, row: Indices, nodes: Indices, e: int, workspace: Pointer, buffer: Pointer
-) -> int:
-    """Evaluate the kernel of a form for its cell ``e``; return the index of the cell's first node.
+def address_of(H: Array) -> Pointer:
+    """Address of contiguous nodal frames; ``TypeError`` for others."""
+    if not H.flags.c_contiguous:
+        raise TypeError("nodal frames must be a contiguous array")
+    return pointer(H.ctypes.data)
 
-    The frames of its nodes are written to the head of its coefficients.
+
+@inlined
+def evaluate(
+    H: Pointer, row: Indices, nodes: Indices, e: int, workspace: Pointer, buffer: Pointer
+) -> int:
+    """Evaluate the kernel of a form for its cell ``e``.
+
+    Args:
+        H: Frames of the nodes, contiguous.
+        row: Row of the table.
+        nodes: Nodes of all cells.
+        e: Index of the cell.
+        workspace: Of :func:`workspace_size`, for coefficients.
+        buffer: Result, added to.
+
+    Returns:
+        Index of the cell's first node in ``nodes``.
     """
     count, width = row[NODES], row[WIDTH]
     first = row[FIRST] + count * e
     w = coefficients(row[W] + 8 * width * e, width, row[GATHERED], workspace)
-    packed, k = vector_at(w, 12 * count), 0
-    for i in range(first, first + count):
-        for a in range(4):
-            for j in range(3):
-                packed[k] = H[nodes[i], a, j]
-                k += 1
+    for i in range(count):
+        own = vector_at(shift(H, 12 * nodes[first + i]), 12)
+        packed = vector_at(shift(w, 12 * i), 12)
+        for k in range(12):
+            packed[k] = own[k]
     x = pointer(row[X] + 8 * row[EXTENT] * e)
     call_kernel(row[KERNEL], buffer, w, pointer(row[C]), x)
     return first
 
 
-@uncounted
-def add_cells(H: Array, arrays: tuple[Indices, Indices], unknowns: int, out: Array) -> None:
-    """Sum all forms over their cells at nodal frames ``H``.
-
-    Args:
-        H: Frames of the nodes, shape (≥ count, 4, 3).
-        arrays: See :class:`FormArrays`.
-        unknowns: Unknowns per node; 0 for a scalar.
-        out: Added to, shape (≥ count · unknowns,) or (1,).
-    """
-    rows, nodes = arrays
+@inlined
+def most_nodes(rows: Indices) -> int:
+    """Largest number of nodes of a cell, at least one."""
     most = 1
     for f in range(rows.shape[0]):
-        most = max(most, rows[f, NODES] * unknowns)
-    buffer, workspace = stack(most), stack(workspace_size(rows))
+        most = max(most, rows[f, NODES])
+    return most
+
+
+@inlined
+def cell_forces(
+    H: Pointer, row: Indices, nodes: Indices, e: int, workspace: Pointer, buffer: Pointer
+) -> int:
+    """:func:`evaluate` for forces, six numbers per node, which overwrite ``buffer``."""
+    values = vector_at(buffer, 6 * row[NODES])
+    for k in range(values.shape[0]):
+        values[k] = 0.0
+    return evaluate(H, row, nodes, e, workspace, buffer)
+
+
+@uncounted
+def add_forces(H: Array, arrays: tuple[Indices, Indices], out: Array) -> None:
+    """Add the forces of all cells of all forms at nodal frames ``H``.
+
+    Args:
+        H: Frames of the nodes, contiguous, shape (≥ count, 4, 3).
+        arrays: See :class:`FormArrays`.
+        out: Six numbers of each node, added to, shape (≥ 6 count,).
+    """
+    rows, nodes = arrays
+    most = 6 * most_nodes(rows)
+    buffer, workspace, frames = stack(most), stack(workspace_size(rows)), address_of(H)
     values = vector_at(buffer, most)
     for f in range(rows.shape[0]):
         count = rows[f, NODES]
         for e in range(rows[f, CELLS]):
-            for k in range(most):
-                values[k] = 0.0
-            first = _add_cell(H, rows[f], nodes, e, workspace, buffer)
-            if unknowns == 0:
-                out[0] += values[0]
+            first = cell_forces(frames, rows[f], nodes, e, workspace, buffer)
             for i in range(count):
-                for k in range(unknowns):
-                    out[unknowns * nodes[first + i] + k] += values[unknowns * i + k]
+                at = 6 * nodes[first + i]
+                for k in range(6):
+                    out[at + k] += values[6 * i + k]
+
+
+@uncounted
+def energy_of(H: Array, arrays: tuple[Indices, Indices]) -> float:
+    """Sum of all forms with scalar kernels over their cells; see :func:`add_forces`."""
+    rows, nodes = arrays
+    buffer, workspace, frames = stack(1), stack(workspace_size(rows)), address_of(H)
+    value, total = vector_at(buffer, 1), 0.0
+    for f in range(rows.shape[0]):
+        for e in range(rows[f, CELLS]):
+            value[0] = 0.0
+            evaluate(frames, rows[f], nodes, e, workspace, buffer)
+            total += value[0]
+    return total
 
 
 @compiled
@@ -174,7 +218,7 @@ def add_blocks(
     """Sum the matrices of all forms over their cells at nodal frames ``H``.
 
     Args:
-        H: Frames of the nodes, shape (≥ count, 4, 3).
+        H: Frames of the nodes, contiguous, shape (≥ count, 4, 3).
         arrays: See :class:`FormArrays`.
         pair_of: Index of each pair of nodes of each cell of each form among all pairs.
         index: Index of each pair's block in ``out``.
@@ -183,10 +227,9 @@ def add_blocks(
         out: Blocks of pairs of nodes, added to, shape (nnz, unknowns, unknowns).
     """
     rows, nodes = arrays
-    most = 1
-    for f in range(rows.shape[0]):
-        most = max(most, rows[f, NODES] * unknowns)
+    most = unknowns * most_nodes(rows)
     buffer, workspace, pair = stack(most * most), stack(workspace_size(rows)), 0
+    frames = address_of(H)
     for f in range(rows.shape[0]):
         count = rows[f, NODES]
         values = numba.carray(buffer, (count, unknowns, count, unknowns))
@@ -196,7 +239,7 @@ def add_blocks(
                     for j in range(count):
                         for b in range(used):
                             values[i, a, j, b] = 0.0
-            _add_cell(H, rows[f], nodes, e, workspace, buffer)
+            evaluate(frames, rows[f], nodes, e, workspace, buffer)
             for i in range(count):
                 for j in range(count):
                     block = out[index[pair_of[pair]]]

@@ -20,7 +20,7 @@ from dolfinx import fem
 from fem_lie import _compat
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.abilities import LinearisedStress
-from fem_lie.forms.cell_forms import FormArrays, add_blocks, add_cells, of_cells
+from fem_lie.forms.cell_forms import FormArrays, add_blocks, add_forces, energy_of, of_cells
 from fem_lie.forms.term import Pairs, Term
 
 
@@ -54,7 +54,7 @@ class CellSum:
     Attributes:
         cells: Nodes of each cell, shape (m, k).
         values: Data of each cell, at a fixed address, shape (m, any).
-        arrays: Table for :func:`~fem_lie.forms.cell_forms.add_cells`.
+        arrays: Table for :func:`~fem_lie.forms.cell_forms.add_forces`.
         used: Number of unknowns of a node with matrix entries, the first ones.
         own_only: Whether matrices are summed over the cells of :meth:`choose` only.
     """
@@ -100,7 +100,7 @@ class CellSum:
 
     def add_vector(self, H: Array, out: Array) -> None:
         """Add forces at nodal coordinates ``H``, six per node, shape (6 count,)."""
-        add_cells(H, self._plain, 6, out)
+        add_forces(H, self._plain, out)
 
     def add_matrix(self, H: Array, pattern: Pattern, index: Indices, out: Array) -> None:
         """Add matrices at coordinates ``H`` to blocks (any, u, u), at ``index`` of the pairs."""
@@ -134,9 +134,7 @@ class CellSum:
 
     def scalar(self, H: Array) -> float:
         """Sum of a scalar kernel."""
-        value = np.zeros(1)
-        add_cells(H, self._plain, 0, value)
-        return float(value[0])
+        return float(energy_of(H, self._plain))
 
 
 class CellTerm(Term):

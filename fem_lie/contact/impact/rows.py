@@ -71,10 +71,10 @@ def set_centres(H: Array, touch: Touch, c: int, out: Array) -> None:
 
 
 @uncounted
-def find_crossed(touch: Touch, polyhedra: Polyhedra, before: Array, H: Array) -> int:
-    """A pair whose contact was missed between two frames, or −1.
+def find_jump(touch: Touch, before: Array, H: Array) -> int:
+    """A pair of points whose contact was missed between two frames, or −1.
 
-    See :func:`~fem_lie.contact.sides.passage.jumps`, and :func:`.first_passed` for polyhedra.
+    See :func:`~fem_lie.contact.sides.passage.jumps`.
     """
     for c in range(touch.pairs.shape[0]):
         i, j = touch.pairs[c]
@@ -84,9 +84,16 @@ def find_crossed(touch: Touch, polyhedra: Polyhedra, before: Array, H: Array) ->
         E = minus(position(H, touch.a, i), position(H, touch.b, j))
         if jumps(D, E, touch.a.radii[i] + touch.b.radii[j]):
             return c
-    if polyhedra.pairs.shape[0] > 0:
-        return first_passed(before, H, polyhedra, touch.pairs, touch.a)
     return -1
+
+
+@uncounted
+def find_crossed(touch: Touch, polyhedra: Polyhedra, before: Array, H: Array) -> int:
+    """:func:`find_jump`, and :func:`.first_passed` for polyhedra."""
+    found = find_jump(touch, before, H)
+    if found < 0 and polyhedra.pairs.shape[0] > 0:
+        return first_passed(before, H, polyhedra, touch.pairs, touch.a)
+    return found
 
 
 @inlined_uncounted

@@ -22,7 +22,13 @@ from fem_lie.contact.impact.records import (
     Work,
     work_of,
 )
-from fem_lie.contact.impact.rows import find_crossed, point_of, set_centres, set_gaps
+from fem_lie.contact.impact.rows import (
+    find_crossed,
+    find_jump,
+    point_of,
+    set_centres,
+    set_gaps,
+)
 from fem_lie.contact.impact.sweeps import Dense, Past
 from fem_lie.contact.laws.law import Impact
 from fem_lie.contact.sides.kinematics import touched
@@ -258,6 +264,11 @@ class Touching:
         parts = shown[:, :PAIR], self._keys[of, np.newaxis], positions, shown[:, PAIR + 1 :]
         return np.concatenate(parts, axis=1)
 
+    @property
+    def has_manifolds(self) -> bool:
+        """Whether there are polyhedra; their many arrays take time to pass to compiled code."""
+        return len(self.polyhedra.pairs) > 0
+
     def passed(self, start: Array, end: Array) -> tuple[int, Passage] | None:
         """A pair whose contact was missed in a step, and its motion; ``None``: there is none.
 
@@ -265,7 +276,10 @@ class Touching:
             start: Frames at the start of the step.
             end: Frames at the end of the step.
         """
-        pair = find_crossed(self.touch, self.polyhedra, start, end)
+        if self.has_manifolds:
+            pair = find_crossed(self.touch, self.polyhedra, start, end)
+        else:
+            pair = find_jump(self.touch, start, end)
         return None if pair < 0 else (pair, self.way(pair, start, end))
 
     def way(self, pair: int, start: Array, end: Array) -> Passage:

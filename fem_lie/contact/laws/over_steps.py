@@ -15,6 +15,7 @@ moment arms of the mean configuration has zero resultant and zero moment, and do
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -148,6 +149,12 @@ def add_force(
         store(out[node], 3, plus(load(out[node], 3), turning))
 
 
+@inlined_uncounted
+def _store(secant: Secant, out: Array, e: int) -> None:
+    out[SLOPE, e], out[BY_GAP, e] = secant.σ, secant.by_gap
+    out[START, e], out[END, e], out[CHANGE, e] = secant.start, secant.end, secant.change
+
+
 @uncounted
 def _add(
     ends: Ends,
@@ -155,11 +162,13 @@ def _add(
     at: ContactPoints,
     k: float,
     fraction: float,
+    found: Array,
     out: Array,
     ground: Array,
 ) -> None:
     for e in range(at.pairs.shape[0]):
         secant, n, P = _between(ends, at, e)
+        _store(secant, found, e)
         if secant.σ == 0.0:
             continue
         F = scaled(fraction * at.weight[e] * k * secant.σ, n)
@@ -176,10 +185,11 @@ def add_secants(
     at: ContactPoints,
     k: float,
     fraction: float,
+    found: Array,
     out: Array,
     ground: Array,
 ) -> None:
-    """Add a fraction of the contact forces of the step to the residual.
+    """Add a fraction of the contact forces of the step to the residual, and set the secants.
 
     Args:
         ends: Both ends of the step.
@@ -187,10 +197,11 @@ def add_secants(
         at: Contact points.
         k: Stiffness.
         fraction: Fraction of the forces.
+        found: Secants as of :func:`secants`, overwritten.
         out: Forces and moments about the mean positions of all nodes, global components, (N, 6).
         ground: Force and moment about the origin on ground, (6,).
     """
-    _add(ends, types, at, k, fraction, out, ground)
+    _add(ends, types, at, k, fraction, found, out, ground)
 
 
 @compiled
@@ -198,12 +209,19 @@ def secants(ends: Ends, at: ContactPoints, out: Array) -> None:
     """Secants of all pairs for unit stiffness, in the order of :class:`Secant`, shape (5, m)."""
     for e in range(at.pairs.shape[0]):
         secant, _, _ = _between(ends, at, e)
-        out[SLOPE, e], out[BY_GAP, e] = secant.σ, secant.by_gap
-        out[START, e], out[END, e], out[CHANGE, e] = secant.start, secant.end, secant.change
+        _store(secant, out, e)
 
 
-def mixed(ends: Ends, both: list[ContactPoints]) -> list[tuple[ContactPoints, Array, float]]:
-    """Contact points of the forces of a step, their secants (5, m) and fractions.
+def all_secants(ends: Ends, both: Sequence[ContactPoints]) -> list[Array]:
+    """:func:`secants` of each set of contact points."""
+    found: list[Array] = [np.empty((5, len(at.pairs))) for at in both]
+    for at, out in zip(both, found, strict=True):
+        secants(ends, at, out)
+    return found
+
+
+def fractions(ends: Ends, both: Sequence[ContactPoints]) -> tuple[float, ...]:
+    """Fractions of the forces of a step at the contact points of its start and of its end.
 
     Along curves and patches the closest points at the end differ from the material points that were
     closest at the start, so a secant at fixed material points underestimates the overlap at one
@@ -215,15 +233,13 @@ def mixed(ends: Ends, both: list[ContactPoints]) -> list[tuple[ContactPoints, Ar
         ends: Both ends of the step.
         both: Contact points at the start, and at the end if these are other material points.
     """
-    found = [(at, np.empty((5, len(at.pairs)))) for at in both]
-    for at, out in found:
-        secants(ends, at, out)
-    if len(found) == 1:
-        return [(*found[0], 1.0)]
+    if len(both) == 1:
+        return (1.0,)
+    found = zip(both, all_secants(ends, both), strict=True)
     (U0, lower_end), (lower_start, U1) = (
         (float(out[START] @ at.weight), float(out[END] @ at.weight)) for at, out in found
     )
     by_start, by_end = U0 - lower_start, U1 - lower_end
     known = by_start + by_end > _KNOWN * (U0 + U1)
     fraction = min(1.0, max(0.0, by_start / (by_start + by_end))) if known else 0.5
-    return [(*found[0], fraction), (*found[1], 1.0 - fraction)]
+    return fraction, 1.0 - fraction

@@ -11,7 +11,14 @@ from fem_lie._jit import uncounted
 from fem_lie.contact.laws.energy import EnergyWatch, PenaltyConstants, damping
 from fem_lie.contact.laws.friction import Friction
 from fem_lie.contact.laws.law import ContactTerm, Penalty
-from fem_lie.contact.laws.over_steps import CHANGE, END, SLOPE, add_secants, mixed
+from fem_lie.contact.laws.over_steps import (
+    CHANGE,
+    END,
+    SLOPE,
+    add_secants,
+    all_secants,
+    fractions,
+)
 from fem_lie.contact.laws.tangents import normal_rows, speed_of, tangents
 from fem_lie.contact.sides.kinematics import (
     SLOTS,
@@ -320,11 +327,11 @@ class PenaltyForces(
     def add_over_step(self, ends: Ends, out: Array, ground: Array) -> Done:
         """Add the forces of a step whose work is the change of the stored energy."""
         k, work = self._law.k, 0.0
-        parts = mixed(ends, self._sides.meet_ends(ends.start, ends.end, known=False))
-        for at, secants, fraction in parts:
-            add_secants(ends, self._types, at, k, fraction, out, ground)
+        both = self._sides.meet_ends(ends.start, ends.end, known=False)
+        for at, fraction in zip(both, fractions(ends, both), strict=True):
+            secants = np.empty((5, len(at.pairs)))
+            add_secants(ends, self._types, at, k, fraction, secants, out, ground)
             work += fraction * float((secants[SLOPE] * secants[CHANGE]) @ at.weight)
-        at, secants, _ = parts[-1]
         done = Done(k * float(secants[END] @ at.weight), k * work, 0.0)
         if self._friction is None:
             return done
@@ -336,9 +343,9 @@ class PenaltyForces(
         none, still = np.empty((0, 6, 6)), np.zeros((len(H), 6))
         blocks = np.zeros((len(self._sides.near.blocks[0]), 6, 6))
         # the list of pairs must be the one that the sparsity pattern was made from
-        for at, secants, fraction in mixed(
-            ends, self._sides.meet_ends(ends.start, ends.end, known=True)
-        ):
+        both = self._sides.meet_ends(ends.start, ends.end, known=True)
+        found = zip(both, all_secants(ends, both), fractions(ends, both), strict=True)
+        for at, secants, fraction in found:
             given = H, still, self._types, at, self._law, False, fraction * secants
             tangents(*given, blocks, none)
             if self._friction is not None:

@@ -88,16 +88,13 @@ def find_vectors(E: Cells, data: CellData, p: int, z: Array) -> None:
     """Set the linear and constant vectors at a point, the first of ``z`` (all, 3)."""
     T, q = data.tables[p], data.numbers
     for v in range(E.vectors):
-        x = y = w = 0.0
+        x, y, w = load_row(data.offsets[p], v) if E.offsets > 0 else (0.0, 0.0, 0.0)
         for r in range(E.starts.shape[0]):
             t, at = T[v, r], E.starts[r]
             x += t * q[at]
             y += t * q[at + 1]
             w += t * q[at + 2]
         store(z[v], 0, (x, y, w))
-    for v in range(E.offsets):
-        for j in range(3):
-            z[v, j] += data.offsets[p, v, j]
     for c in range(E.constants):
         store(z[E.vectors + c], 0, load_row(data.constants[p], c))
 

@@ -12,7 +12,6 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit.fixed_arrays import FixedArrays
-from fem_lie._jit.records import block_of
 from fem_lie._state import ChangingArrays, attributes, put_back, saved
 from fem_lie.bodies.balances import WORK
 from fem_lie.forms.cells import Cells, evaluate
@@ -163,7 +162,6 @@ class RunState(DividedIntegration[History]):
         self._packed = Packed(self.model, self.s, self.this)
         self.progress = corrections.PROGRESS()
         self._progress_at = FixedArrays((self.progress,)).table
-        self._progress_record = block_of(self.progress)[0]
         self.counts, self.unpredicted = np.zeros(2, dtype=np.int64), 0
         self._factors: Factors | None = None
         self._kept = -1  # last step whose row the compiled loop has filled in

@@ -22,7 +22,7 @@ from fem_lie.linear.factors import PlainFactors
 from fem_lie.solve.conserving.midpoint.any_node import twists
 from fem_lie.solve.conserving.midpoint.end_forces import at_end, rates_at_end
 from fem_lie.solve.conserving.run_state import RunState
-from fem_lie.solve.conserving.step import corrections, joints, loop
+from fem_lie.solve.conserving.step import loop
 from fem_lie.solve.conserving.step.corrections import progress_of
 from fem_lie.solve.conserving.step.packing import model_of, state_of
 from fem_lie.solve.recording.result_row import close_row, fill_by_both
@@ -297,14 +297,8 @@ class Steps(RunState):
 
     def _begin(self) -> None:
         """Predict the next step, before its matrix is assembled."""
-        progress, packed = self.progress, self._packed
-        progress.iteration, progress.asked = 1, 0
-        progress.stalls = progress.growths = 0
-        motion = joints.packed_begin(packed.model, packed.state, packed.step)
-        progress.motion = max(motion, progress.motion)
-        progress.previous = progress.least = np.inf
-        corrections.forget(self._progress_record)
-        progress.felt = 0.0
+        packed = self._packed
+        loop.predict(packed.model, packed.state, packed.step, self._progress_at)
 
     def _go(self, last: int, rule: tuple[int, float], *, always: bool = False) -> int:
         """Make steps up to ``last``."""

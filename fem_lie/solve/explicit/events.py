@@ -8,15 +8,21 @@ from __future__ import annotations
 
 from typing import NamedTuple, TypeAlias
 
-import numba
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie._jit.stack import stack
-from fem_lie.forms.cell_forms import CELLS, FIRST, NODES
+from fem_lie._jit.stack import stack, vector_at
+from fem_lie.forms.cell_forms import (
+    CELLS,
+    FIRST,
+    NODES,
+    address_of,
+    cell_forces,
+    most_nodes,
+    workspace_size,
+)
 from fem_lie.lie.tuples import combined, load, load_row, rotate, store_row
-from fem_lie.solve.explicit.loop import cell_forces, workspace_for
 
 
 class Flight(NamedTuple):
@@ -121,9 +127,9 @@ def run(flight: PlainFlight, queue: PlainQueue, end: float) -> int:
     """Make all steps of cells that are due before a time; returns their number."""
     H = flight[0]
     rows, nodes, form, steps, made, heap = queue
-    width, most = workspace_for(rows)
-    data, buffer = stack(width), stack(most)
-    forces = numba.carray(buffer, (most,))
+    most = 6 * most_nodes(rows)
+    workspace, buffer = stack(workspace_size(rows)), stack(most)
+    forces = vector_at(buffer, most)
     before = np.zeros(rows.shape[0] + 1, dtype=np.int64)
     for f in range(rows.shape[0]):
         before[f + 1] = before[f] + rows[f, CELLS]
@@ -139,7 +145,7 @@ def run(flight: PlainFlight, queue: PlainQueue, end: float) -> int:
         first = row[FIRST] + row[NODES] * cell
         for i in range(first, first + row[NODES]):
             _fly(flight, nodes[i], time)
-        cell_forces(H, row, nodes, cell, data, buffer)
+        cell_forces(address_of(H), row, nodes, cell, workspace, buffer)
         # the first impulse is half a step: forces represent the time around them
         size = steps[e] if made[e] > 0 else 0.5 * steps[e]
         for i in range(row[NODES]):
@@ -163,13 +169,13 @@ def state_at(flight: PlainFlight, queue: PlainQueue, time: float, out: PlainFlig
     out[0][:], out[1][:], out[2][:] = flight[0], flight[1], flight[2]
     for i in range(out[2].shape[0]):
         _fly(out, i, time)
-    width, most = workspace_for(rows)
-    data, buffer = stack(width), stack(most)
-    forces = numba.carray(buffer, (most,))
+    most = 6 * most_nodes(rows)
+    workspace, buffer = stack(workspace_size(rows)), stack(most)
+    forces = vector_at(buffer, most)
     e = 0
     for f in range(rows.shape[0]):
         for cell in range(rows[f, CELLS]):
-            first = cell_forces(out[0], rows[f], nodes, cell, data, buffer)
+            first = cell_forces(address_of(out[0]), rows[f], nodes, cell, workspace, buffer)
             kicked = (made[e] - 0.5) * steps[e] if made[e] > 0 else 0.0
             for i in range(rows[f, NODES]):
                 _kick(out, nodes[first + i], time - kicked, forces[6 * i : 6 * i + 6])
@@ -183,9 +189,9 @@ def stiffness_at_nodes(H: Array, rows: Indices, nodes: Indices, size: float) -> 
     By central differences over a length; in the order of ``nodes``.
     """
     out = np.zeros((nodes.shape[0], 3, 3))
-    width, most = workspace_for(rows)
-    data, buffer = stack(width), stack(most)
-    forces = numba.carray(buffer, (most,))
+    most = 6 * most_nodes(rows)
+    workspace, buffer = stack(workspace_size(rows)), stack(most)
+    forces = vector_at(buffer, most)
     for f in range(rows.shape[0]):
         for cell in range(rows[f, CELLS]):
             first = rows[f, FIRST] + rows[f, NODES] * cell
@@ -196,7 +202,7 @@ def stiffness_at_nodes(H: Array, rows: Indices, nodes: Indices, size: float) -> 
                     axis = load_row(H[node], 1 + k)
                     for sign in (-1.0, 1.0):
                         store_row(H[node], 0, combined(1.0, x, sign * size, axis))
-                        cell_forces(H, rows[f], nodes, cell, data, buffer)
+                        cell_forces(address_of(H), rows[f], nodes, cell, workspace, buffer)
                         for j in range(3):
                             out[first + i, j, k] += sign * forces[6 * i + j] / (2.0 * size)
                 store_row(H[node], 0, x)

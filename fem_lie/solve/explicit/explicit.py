@@ -29,7 +29,6 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit.fixed_arrays import FixedArrays
 from fem_lie._state import attributes
-from fem_lie.forms.cell_forms import NO_ROWS
 from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import MIXED_DERIVATIVE, SURFACE_GRADIENT
@@ -63,9 +62,6 @@ _AT_A_TIME = 20_000_000
 interrupted."""
 
 _NOWHERE: Indices = np.empty((0, 5), dtype=np.int64)
-_CELLS = slice(10, 12)
-"""Entries of the packed arrays of :func:`~fem_lie.system.nodes.sums.residual`: forms of cells, and
-their nodes."""
 
 
 class ExplicitRun(Integration[Recorder]):
@@ -111,9 +107,6 @@ class ExplicitRun(Integration[Recorder]):
         )
         self._remembers = any(term.passage or term.path for term in known.terms)
         self.progress = loop.PROGRESS()
-        others = _NOWHERE if table is None else table.copy()
-        # the loop itself sums the cells
-        others[_CELLS, 1] = 0
         packed = loop.Packed(
             masses,
             self.H,
@@ -125,17 +118,13 @@ class ExplicitRun(Integration[Recorder]):
             np.flatnonzero(unknowns.held),
             (supports, known.supported[supports].astype(np.int64)),
             self.reaction,
-            others,
+            _NOWHERE if table is None else table,
             balance.table,
             balance.total,
             self.progress,
             self._decay,
-            NO_ROWS,
-            NO_ROWS[:, 0].copy(),
         )
         self._packed = FixedArrays(packed)
-        if table is not None:
-            self._packed.table[-2:] = table[_CELLS]
 
     @property
     def _balance_in_loop(self) -> bool:

@@ -1,10 +1,9 @@
-"""Explicit steps in one compiled loop, and forces of single cells."""
+"""Explicit steps in one compiled loop."""
 
 from __future__ import annotations
 
 from typing import Annotated, NamedTuple, TypeAlias
 
-import numba
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
@@ -19,88 +18,12 @@ from fem_lie._jit.fixed_arrays import (
     unpacking,
 )
 from fem_lie._jit.records import Records, record_type
-from fem_lie._jit.stack import stack
 from fem_lie.bodies.balances import BY_REACTIONS
-from fem_lie.forms.cell_forms import CELLS, EXTENT, FIRST, GATHERED, KERNEL, NODES, WIDTH, C, W, X
-from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer
 from fem_lie.lie.node_types import wrench
 from fem_lie.lie.tuples import add_wrench, load_row
 from fem_lie.solve.explicit.nodes import PlainMasses, decay, drift, kick, twists
 from fem_lie.system.nodes.sums import residual
 from fem_lie.system.outer_forces import look_and_sum_up
-
-
-@compiled
-def workspace_for(rows: Indices) -> tuple[int, int]:
-    """Largest numbers of coefficients and of forces of a cell."""
-    width = most = 1
-    for f in range(rows.shape[0]):
-        width = max(width, rows[f, GATHERED] + rows[f, WIDTH])
-        most = max(most, 6 * rows[f, NODES])
-    return width, most
-
-
-@inlined
-def cell_forces(
-    H: Array, row: Indices, nodes: Indices, e: int, data: Pointer, buffer: Pointer
-) -> int:
-    """Forces on the nodes of cell ``e`` of a form; the stored data of the cell are not changed.
-
-    Args:
-        H: Frames of the nodes, shape (≥ count, 4, 3).
-        row: Row of the packed forms.
-        nodes: Nodes of the cells of the form.
-        e: Index of the cell.
-        data: Workspace for all coefficients of a cell.
-        buffer: Six numbers for each of its nodes, overwritten.
-
-    Returns:
-        Index of its first node in ``nodes``.
-    """
-    count, width, gathered = row[NODES], row[WIDTH], row[GATHERED]
-    first = row[FIRST] + count * e
-    packed, values = numba.carray(data, (gathered + width,)), numba.carray(buffer, (6 * count,))
-    given = numba.carray(pointer(row[W] + 8 * width * e), (width,))
-    k = 0
-    for i in range(first, first + count):
-        node = nodes[i]
-        for a in range(4):
-            for j in range(3):
-                packed[k] = H[node, a, j]
-                k += 1
-    for j in range(k, gathered + width):
-        packed[j] = given[j - gathered]
-    for j in range(6 * count):
-        values[j] = 0.0
-    x = pointer(row[X] + 8 * row[EXTENT] * e)
-    call_kernel(row[KERNEL], buffer, data, pointer(row[C]), x)
-    return first
-
-
-@compiled
-def add_all(H: Array, rows: Indices, nodes: Indices, r: Array) -> None:
-    """Add the forces of all cells to a residual.
-
-    With many cells most of the time would be spent on writing frames to the data of each, and from
-    there to memory: here they are written to the same workspace for all cells.
-
-    Args:
-        H: Frames of the nodes, shape (≥ n, 4, 3).
-        rows: Packed forms.
-        nodes: Nodes of their cells.
-        r: Residual, shape (6 n,), updated.
-    """
-    width, most = workspace_for(rows)
-    data, buffer = stack(width), stack(most)
-    values = numba.carray(buffer, (most,))
-    for f in range(rows.shape[0]):
-        count = rows[f, NODES]
-        for e in range(rows[f, CELLS]):
-            first = cell_forces(H, rows[f], nodes, e, data, buffer)
-            for i in range(count):
-                for k in range(6):
-                    r[6 * nodes[first + i] + k] += values[6 * i + k]
-
 
 DONE, RESIDUAL = range(2)
 """Why the loop returns: the last step is made; a residual is needed."""
@@ -148,13 +71,11 @@ class Packed(NamedTuple):
         held: Fixed components of the residual.
         supports: Supported nodes, and which of their unknowns, as numbers.
         reaction: Force and moment of the supports about the origin, (6,).
-        forces: Packed residual without cells, see :func:`~fem_lie.system.nodes.sums.residual`.
+        forces: Packed residual, see :func:`~fem_lie.system.nodes.sums.residual`.
         balance_table: See :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
         balance: Energy balance and impulses so far.
         progress: See :data:`PROGRESS`.
         decay: Decay of momenta over half a step, see :func:`~fem_lie.solve.explicit.nodes.decay`.
-        rows: Packed forms of cells, see :class:`~fem_lie.forms.cell_forms.FormArrays`.
-        nodes: Nodes of these cells.
     """
 
     masses: PlainMasses
@@ -172,8 +93,6 @@ class Packed(NamedTuple):
     balance: Numbers1
     progress: Annotated[Records, one(PROGRESS)]
     decay: Numbers2
-    rows: Integers2
-    nodes: Integers1
 
 
 _packed = unpacking(Packed)
@@ -200,7 +119,6 @@ def weigh(table: Indices, held: bool) -> None:
     this = _packed(table)
     rest, none = this.rest, this.none
     residual(this.H, rest, rest, none, none, this.r, this.forces)
-    add_all(this.H, this.rows, this.nodes, this.r)
     if held:
         nodes, unknowns = this.supports
         reactions(this.masses[0], this.H, this.r, nodes, unknowns, this.reaction)

@@ -166,7 +166,8 @@ class CoupledContacts(CoupledVelocities, Stateful):
         time = step.time
         work = self.near.work
         ends = self._H0, step.frames
-        set_ahead(self.near.touch, self.near.polyhedra, *ends, work.gaps, work.impulses)
+        if self.near.has_manifolds:
+            set_ahead(self.near.touch, self.near.polyhedra, *ends, work.gaps, work.impulses)
         smooth = self._gaps(step.frames)
         if not (smooth <= 0.0).any():
             self.near.work.impulses[:] = 0.0

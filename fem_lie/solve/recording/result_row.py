@@ -23,7 +23,7 @@ from fem_lie._jit.fixed_arrays import (
     unpacking,
 )
 from fem_lie.bodies.balances import COLUMNS
-from fem_lie.forms.cell_forms import add_cells
+from fem_lie.forms.cell_forms import energy_of
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays
 from fem_lie.lie.node_types import all_result_twists, inertia, push_all_forward
@@ -263,10 +263,8 @@ def fill_whole(
         Whether an element is near its rotation limit.
     """
     potential, springs, near = fill_by_twists(H, v, multipliers, balance, scene, rows, row)
-    energy = np.zeros(1)
-    if _any(columns_of(rows).elastic):
-        add_cells(H, cells, 0, energy)
-    close_row(rows, row, potential, springs + energy[0], time, iterations)
+    energy = energy_of(H, cells) if _any(columns_of(rows).elastic) else 0.0
+    close_row(rows, row, potential, springs + energy, time, iterations)
     return near
 
 

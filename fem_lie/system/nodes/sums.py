@@ -12,7 +12,7 @@ from fem_lie._jit import compiled, inlined, linked, uncounted
 from fem_lie._jit.copies import copy_vector
 from fem_lie._jit.fixed_arrays import Integers1, Integers2, Numbers2, Numbers3, Numbers4, unpacking
 from fem_lie._jit.stack import stack, vector_at
-from fem_lie.forms.cell_forms import add_cells
+from fem_lie.forms.cell_forms import add_forces
 from fem_lie.forms.kernels.addresses import pointer
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays
@@ -135,7 +135,7 @@ def add_attached(H: Array, following: PlainAttached, r: Array) -> None:
         for k in range(6):
             forces[i, k] = 0.0
     flat = vector_at(pointer(forces.ctypes.data), 6 * forces.shape[0])
-    add_cells(frames, (rows, nodes), 6, flat)
+    add_forces(frames, (rows, nodes), flat)
     for i in range(master.shape[0]):
         lie.apply_adjoint_inverse_transposed(offset[i], forces[i], moved)
         for k in range(6):
@@ -187,7 +187,7 @@ def residual(
     this = _forces(table)
     nodal_residual(this.kinds, (H, v, a), this.mass, this.bodies, this.loads, this.work, r)
     terms.evaluate(H, v, joint_arrays(this.joints), multipliers, scale, this.work.shape[1], r)
-    add_cells(H, this.cells, 6, r)
+    add_forces(H, this.cells, r)
     if this.attached[0].shape[0] > 0:
         add_attached(H, this.attached, r)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.contact.contact import Contact
-from fem_lie.forms.cell_forms import FormArrays, add_cells, joined, of_some_cells
+from fem_lie.forms.cell_forms import FormArrays, add_forces, energy_of, joined, of_some_cells
 from fem_lie.forms.term import AttachedForms, Pairs, Term
 from fem_lie.lie.node_types.inertia import Inertia
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
@@ -24,7 +24,7 @@ class Terms:
 
     Attributes:
         tables: Cells with forces and cells with energy, for
-            :func:`~fem_lie.forms.cell_forms.add_cells`.
+            :func:`~fem_lie.forms.cell_forms.add_forces`.
         attached_cells: All cells with rigidly attached nodes.
         viscous: Whether any term has forces that depend on twists and are in no other sum.
         viscous_labels: Labels of terms with such forces.
@@ -59,7 +59,6 @@ class Terms:
         viscous = [(t, t.viscosity) for t in self._terms if moving and t.viscosity is not None]
         self._viscous = [viscosity for t, viscosity in viscous if not t.within_joints]
         self.viscous_labels = tuple(dict.fromkeys(t.label for t, _ in viscous))
-        self._energy = np.zeros(1)
         self._stresses = [t.stress_update for t in self._terms if t.stress_update is not None]
         self._paths = [t.path for t in self._terms if t.path is not None]
         self._passages = [t.passage for t in self._terms if t.passage is not None]
@@ -119,7 +118,7 @@ class Terms:
                 f"forces of terms go into an array of shape ({self._size},) or longer, "
                 f"got one of shape {r.shape}"
             )
-        add_cells(H, self.tables[0], 6, r)
+        add_forces(H, self.tables[0], r)
         self.attached_cells.add_forces(H, r)
         self.add_others(H, r, kept)
 
@@ -156,9 +155,7 @@ class Terms:
 
     def energy(self, H: Array) -> float:
         """Stored energy."""
-        self._energy[0] = 0.0
-        add_cells(H, self.tables[1], 0, self._energy)
-        total = float(self._energy[0])
+        total = float(energy_of(H, self.tables[1]))
         for term in self._with_energy:
             total += term.energy(H)
         return total

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.forms.cell_forms import FormArrays, add_cells
+from fem_lie.forms.cell_forms import FormArrays, add_forces
 from fem_lie.forms.term import NearCells
 from fem_lie.system.nodes.sums import PlainAttached, add_attached
 
@@ -53,6 +53,6 @@ class NearTerms:
     def add_forces(self, H: Array, out: Array) -> None:
         """Add the forces of the cells to ``out``."""
         if len(self._cells[0]):
-            add_cells(H, self._cells, 6, out.reshape(-1))
+            add_forces(H, self._cells, out.reshape(-1))
         for other in self._others:
             other.add_forces(H, out)

@@ -216,12 +216,6 @@ def border_at(
                 out[0, incidence, k] = out[1, incidence, k] = 0.0
 
 
-@linked
-def packed_begin(model: Indices, state: Indices, step: Indices) -> float:
-    """:func:`begin`, from Python."""
-    return begin(model, state, step)
-
-
 @uncounted
 def begin(packed: Indices, starts: Indices, steps: Indices) -> float:
     """Predict the step; returns the size of its largest motion.

@@ -70,6 +70,16 @@ iterations."""
 
 
 @linked
+def predict(packed: Indices, starts: Indices, steps: Indices, progress_at: Indices) -> None:
+    """Predict the next step, and forget the iteration of the last one; see :func:`run`."""
+    progress = progress_of(progress_at).progress[0]
+    progress.motion = max(begin(packed, starts, steps), progress.motion)
+    progress.previous, progress.least, progress.felt = np.inf, np.inf, 0.0
+    progress.iteration, progress.asked, progress.stalls, progress.growths = 1, 0, 0, 0
+    forget(progress)
+
+
+@linked
 def run(
     packed: Indices,
     starts: Indices,
@@ -115,12 +125,8 @@ def run(
         vectors = vectors or kinds[i] >= POSITION_GRADIENT
     while progress.steps < last:
         if progress.iteration == 0:
-            progress.motion = max(begin(packed, starts, steps), progress.motion)
-            progress.previous, progress.least, progress.felt = np.inf, np.inf, 0.0
-            progress.iteration, progress.stalls, compared = 1, 0, False
-            progress.growths = 0
-            round_off_level = _round_off_level(packed, starts)
-            forget(progress)
+            predict(packed, starts, steps, progress_at)
+            compared, round_off_level = False, _round_off_level(packed, starts)
         iteration = progress.iteration
         if progress.asked != iteration:
             progress.asked = iteration
