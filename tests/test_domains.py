@@ -245,7 +245,7 @@ class Ranks:
         return self._given[-1]
 
 
-def parts(scene):
+def parts_of(scene):
     given = []
     return [part_of(scene, Ranks(rank, given)) for rank in range(PARTS)]
 
@@ -253,7 +253,7 @@ def parts(scene):
 @pytest.mark.parametrize("build", divided_scenes.MOTIONS.values(), ids=divided_scenes.MOTIONS)
 def test_parts_have_all_nodes_and_no_rank_has_all(build):
     scene, _ = build()
-    found = parts(scene)
+    found = parts_of(scene)
     own = [np.unique(np.concatenate(list(part.nodes.values()))) for part in found]
     count = sum(len(body.frames) for body in scene.bodies)
     assert sorted(set(np.concatenate(own))) == list(range(count))
@@ -267,7 +267,7 @@ def test_parts_have_all_nodes_and_no_rank_has_all(build):
 @pytest.mark.parametrize("build", divided_scenes.MOTIONS.values(), ids=divided_scenes.MOTIONS)
 def test_each_connection_and_each_point_load_is_in_one_part(build):
     scene, _ = build()
-    found = parts(scene)
+    found = parts_of(scene)
     numbers = np.concatenate([part.connections for part in found])
     assert sorted(numbers) == list(range(len(connections_of(scene))))
     at_points = [
