@@ -108,6 +108,27 @@ def cable():
     return scene, [line.point(5)]
 
 
+def loose_block():
+    """A solid that a load compresses and nothing holds."""
+    rubber = fl.sections.NeoHooke(E=1e6, nu=0.3, density=1e3)
+    brick = fl.Solid.brick((1, 1, 2), rubber, cells=(2, 2, 3))
+    scene = fl.Scene()
+    scene.add(brick)
+    for face, force in (("c=1", -1e3), ("c=0", 1e3)):
+        scene.add(fl.loads.FaceLoad(brick, face, (0, 0, force)))
+    return scene, []
+
+
+def swinging_block():
+    """The same on a spherical joint, about which it may turn."""
+    scene, _ = loose_block()
+    scene.add(fl.joints.Spherical(fl.ground(), scene.bodies[0].point("000")))
+    return scene, []
+
+
+FREE = {"loose block": loose_block, "swinging block": swinging_block}
+"""Scenes that statics refuses."""
+
 REST = {"cantilever": cantilever, "sheet": sheet, "channel": channel, "block": block}
 """Scenes in equilibrium."""
 
@@ -143,9 +164,20 @@ def motion(build):
     }
 
 
+def is_refused(build):
+    """Whether statics asks what holds the scene."""
+    try:
+        fl.statics(build()[0])
+    except fl.ConvergenceError as error:
+        return {"is refused": np.array("no motion left free" in str(error))}
+    return {"is refused": np.array(False)}
+
+
 def results():
     """All results by the names of their scenes and quantities."""
     found = {}
+    for name, build in FREE.items():
+        found |= {f"{name}, {what}": value for what, value in is_refused(build).items()}
     for name, build in REST.items():
         found |= {f"{name} at rest, {what}": value for what, value in statics(build).items()}
     for name, build in MOTIONS.items():

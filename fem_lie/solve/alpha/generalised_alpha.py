@@ -65,7 +65,7 @@ class GeneralisedAlpha(Options, Integrator):
         True
     """
 
-    def _equations(self, scene: Scene, part: ScenePart | None) -> Equations:
+    def _equations(self, scene: Scene, part: ScenePart | None = None) -> Equations:
         """Equations of a scene without impacts, which change the ends of steps."""
         scene = scene.without_impacts()
         chosen = self.parametrisation
@@ -74,10 +74,12 @@ class GeneralisedAlpha(Options, Integrator):
             refuse_impacts(equations)
         return equations
 
-    def _part(self, scene: Scene, plan: Plan) -> ScenePart | None:
-        """The part of a scene that this rank has, for equal steps without secants."""
+    def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
+        """Equations of the part of this rank, for equal steps without secants."""
         supported = isinstance(plan, EqualSteps) and not self.policy.secants
-        return divided(scene.without_impacts(), self.petsc_options_prefix, supported=supported)
+        prefix = self.petsc_options_prefix
+        part = divided(scene.without_impacts(), prefix, supported=supported)
+        return None if part is None else self._equations(scene, part)
 
     def _free(self, scene: Scene) -> bool:
         """Whether all bodies of a scene are free rigid bodies, stepped independently."""

@@ -23,7 +23,6 @@ import numpy as np
 
 from fem_lie._arrays import instance
 from fem_lie.joints.equations.joint_arrays import joint_arrays
-from fem_lie.parts.part_scene import ScenePart
 from fem_lie.scene import Scene
 from fem_lie.solve.composed.momentum_parts import MomentumRun
 from fem_lie.solve.composed.parts import Composition, FiveStages
@@ -85,7 +84,7 @@ class Composed(Integrator):
             )
         _check_parts(self.composition)
 
-    def _equations(self, scene: Scene, part: ScenePart | None) -> Equations:
+    def _equations(self, scene: Scene) -> Equations:
         assert isinstance(self.scheme, _SYMMETRIC)
         equations = self.scheme.equations(scene)
         _refuse(equations)

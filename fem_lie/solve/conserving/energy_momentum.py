@@ -42,7 +42,6 @@ from fem_lie._arrays import Indices, number
 from fem_lie.forms.term import Term
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import POSITION_GRADIENT
-from fem_lie.parts.part_scene import ScenePart
 from fem_lie.scene import Scene
 from fem_lie.solve.conserving.model import has_vector_nodes
 from fem_lie.solve.conserving.python_forces.forces import acts_in_the_middle
@@ -160,7 +159,7 @@ class EnergyMomentum(Integrator):
         """Check the options."""
         check_until_round_off(self.tolerance, self.max_iterations, self.policy)
 
-    def _equations(self, scene: Scene, part: ScenePart | None) -> Equations:
+    def _equations(self, scene: Scene) -> Equations:
         return self.equations(scene)
 
     def equations(self, scene: Scene) -> Equations:

@@ -24,7 +24,6 @@ from fem_lie._state import attributes
 from fem_lie.forms.cell_forms import CELLS, FIRST, NO_ROWS, NODES
 from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.lie.node_types import POSITION
-from fem_lie.parts.part_scene import ScenePart
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.explicit import events
@@ -79,7 +78,7 @@ class Asynchronous(Integrator):
         if not 0.0 < self.courant <= 1.0:
             raise ValueError(f"expected 0 < courant ≤ 1 for stable steps, got {self.courant}")
 
-    def _equations(self, scene: Scene, part: ScenePart | None) -> Equations:
+    def _equations(self, scene: Scene) -> Equations:
         equations = Equations(scene, dynamics=True, without_coupling=True)
         _refuse(equations)
         return equations

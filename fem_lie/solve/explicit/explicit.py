@@ -32,7 +32,6 @@ from fem_lie._state import attributes
 from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import MIXED_DERIVATIVE, SURFACE_GRADIENT
-from fem_lie.parts.part_scene import ScenePart
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
@@ -302,10 +301,10 @@ class Explicit(Integrator):
             ValueError: The scheme does not support the scene, or no step is stable.
         """
         require_scene(scene)
-        equations = self._equations(scene, None)
+        equations = self._equations(scene)
         return limit_of(equations, masses_of(equations)).step
 
-    def _equations(self, scene: Scene, part: ScenePart | None) -> Equations:
+    def _equations(self, scene: Scene) -> Equations:
         equations = Equations(scene, dynamics=True, group=Group.R3xSO3, without_coupling=True)
         _refuse(equations)
         return equations

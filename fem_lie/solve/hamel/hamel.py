@@ -35,7 +35,6 @@ from fem_lie.joints.joint import Joint
 from fem_lie.joints.rolling import KnifeEdge, RollingDisc
 from fem_lie.lie.motions import Group
 from fem_lie.linear.direct import DirectSolver
-from fem_lie.parts.part_scene import ScenePart
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.scene import Scene
@@ -196,7 +195,7 @@ class Hamel(Integrator):
         True
     """
 
-    def _equations(self, scene: Scene, part: ScenePart | None) -> Equations:
+    def _equations(self, scene: Scene) -> Equations:
         _refuse(scene)
         return Equations(scene, dynamics=True, group=Group.R3xSO3)
 

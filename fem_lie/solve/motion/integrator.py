@@ -16,7 +16,6 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import instance, number, positive, whole
-from fem_lie.parts.part_scene import ScenePart
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.scene import Scene
@@ -90,8 +89,8 @@ class Integrator(ABC):
             if file is None:
                 raise ValueError("checkpoint_every needs a file to which results go")
         begin, store = self._beginning(scene, plan), None
-        part = self._part(scene, plan) if file is None else None
-        equations = self._equations(scene, part)
+        equations = self._divided_equations(scene, plan) if file is None else None
+        equations = equations or self._equations(scene)
         if file is not None:
             every = plan.checkpoint_interval(checkpoint_every)
             store = Checkpoints(file, every, plan, Fingerprint(equations, self))
@@ -117,7 +116,7 @@ class Integrator(ABC):
         """
         require_scene(scene)
         require_files(Path(file))
-        equations = self._equations(scene, None)
+        equations = self._equations(scene)
         store = Checkpoints.resume(file, Fingerprint(equations, self))
         return self._beginning(scene, store.plan)(equations).run(store.plan, progress, store)
 
@@ -136,13 +135,13 @@ class Integrator(ABC):
 
         return begin
 
-    def _part(self, scene: Scene, plan: Plan) -> ScenePart | None:
-        """The part of a scene that this rank has, if the scheme divides it for this plan."""
+    def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
+        """Equations of the part of a scene that this rank has, if the scheme divides it."""
         return None
 
     @abstractmethod
-    def _equations(self, scene: Scene, part: ScenePart | None) -> Equations:
-        """Equations of a scene or a part; ``ValueError`` if the scheme does not support it."""
+    def _equations(self, scene: Scene) -> Equations:
+        """Equations of a scene; ``ValueError`` if the scheme does not support the scene."""
 
     @abstractmethod
     def _integration(self, equations: Equations, step: float) -> Driver[Any]:

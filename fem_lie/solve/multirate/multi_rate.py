@@ -32,7 +32,6 @@ from fem_lie._arrays import Array, instance, whole
 from fem_lie._state import attributes
 from fem_lie.bodies.body import Body
 from fem_lie.linear.direct import DirectSolver
-from fem_lie.parts.part_scene import ScenePart
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.scene import Scene
@@ -242,7 +241,7 @@ class MultiRate(Integrator):
                 f"{self.scheme}"
             )
 
-    def _equations(self, scene: Scene, part: ScenePart | None) -> Equations:
+    def _equations(self, scene: Scene) -> Equations:
         strange = [body.label for body in self.steps if body not in scene.bodies]
         if strange:
             known = ", ".join(body.label for body in scene.bodies)

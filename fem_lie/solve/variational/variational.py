@@ -41,7 +41,6 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from fem_lie.lie.motions import Group
-from fem_lie.parts.part_scene import ScenePart
 from fem_lie.scene import Scene
 from fem_lie.solve.impacts.impulses import massless
 from fem_lie.solve.impacts.step_end import refuse_impacts
@@ -104,7 +103,7 @@ class Variational(Integrator):
         """Options of a run."""
         return Options(self.tolerance, self.policy, self.max_iterations)
 
-    def _equations(self, scene: Scene, part: ScenePart | None) -> Equations:
+    def _equations(self, scene: Scene) -> Equations:
         """Equations of a scene without impacts, which change the ends of steps."""
         equations = self.equations(scene.without_impacts())
         if equations.scene.impacts:
