@@ -292,7 +292,7 @@ def test_a_torn_joint_is_refused_in_all_units(deflection, torn, u):
         fl.adaptivity.transfer(result, scene, finer)
 
 
-@pytest.mark.parametrize("place", ["node", "attachment frame"])
+@pytest.mark.parametrize("position", ["node", "attachment frame"])
 def test_a_drive_is_added_to_a_hinge_that_has_made_turns(position):
     """The drive takes over the whole turns that the hinge has counted."""
     stiffness, moment = 5.0, 50.0

@@ -132,7 +132,7 @@ class Equilibrium(Protocol):
         """
         return plain_dot(a, b)
 
-    def largest(self, values: Array) -> float:
+    def maximum(self, values: Array) -> float:
         """Largest magnitude of a vector.
 
         Args:
@@ -394,8 +394,8 @@ class _Follower(Iterated):
         self._first = iteration == 1
         internal, self._load = self._model.forces()
         self._residual = internal - self._factor * self._load
-        bound = self._options.tolerance * self._cap * self._model.largest(self._load)
-        balanced = self._factor == self._cap and self._model.largest(self._residual) <= bound
+        bound = self._options.tolerance * self._cap * self._model.maximum(self._load)
+        balanced = self._factor == self._cap and self._model.maximum(self._residual) <= bound
         return not self._first and balanced
 
     def refactorise(self, update: Refactorisation) -> None:

@@ -188,9 +188,9 @@ class SceneEquilibrium(Equilibrium):
         """Inner product of two arrays with a row for each node."""
         return float(self._shared.total(np.array(plain_dot(a, b))))
 
-    def largest(self, values: Array) -> float:
+    def maximum(self, values: Array) -> float:
         """Largest magnitude of a vector."""
-        return self._shared.largest(super().largest(values))
+        return self._shared.largest(super().maximum(values))
 
     def forces(self) -> tuple[Array, Array]:
         """Internal forces, and external ones at λ = 1, in the current state."""
@@ -383,8 +383,8 @@ class _AtFactor(Iterated):
         model = self._model
         dx = model.solve(self._residual)
         model.move(dx)
-        moved = model.largest(model.translations(dx))
-        turned = model.largest(model.twists(dx)[:, 3:])
+        moved = model.maximum(model.translations(dx))
+        turned = model.maximum(model.twists(dx)[:, 3:])
         return max(moved, _OF_TURNS * turned) / model.diameter
 
     def judge(self, size: float) -> Verdict:
