@@ -149,6 +149,7 @@ class BodyModel:
         separates_director: Whether statics moves its nodes, their masters and nodes attached to
             them by ``x + R u``, ``R exp(η₁, η₂, 0) exp(η₃)`` instead of ``H exp(h)``.
         has_paired_nodes: Whether a point consists of several nodes.
+        dimension: Dimension of its cells.
         size: Characteristic length of the body, for tolerances.
         point_names: Node of each named point.
         name: Name in messages and results; the scene chooses one if it is empty.
@@ -164,6 +165,7 @@ class BodyModel:
 
     separates_director: ClassVar[bool] = False
     has_paired_nodes: ClassVar[bool] = False
+    dimension: ClassVar[int] = 1
     group: Group = Group.SE3
     start_frames: Array | None = None
     source: dolfinx.mesh.Mesh | None = None

@@ -55,7 +55,9 @@ def connections_of(scene: Scene) -> list[Any]:
 
 
 FROM = 20_000
-"""Unknowns from which a scene is divided, unless PETSc's option ``divided_from`` is set."""
+"""Unknowns of shells and solids from which a scene is divided, unless PETSc's option
+``divided_from`` sets a number of all unknowns: trusses and nets have little fill, and one rank
+eliminates their chains faster than MUMPS factorises them on several."""
 
 _FROM, _DOMAINS = "divided_from", "domains"
 
@@ -76,8 +78,10 @@ def divided(scene: Scene, prefix: str, *, supported: bool = True) -> ScenePart |
     if not several():
         return None
     options = PETSc.Options(prefix)
-    limit = int(options.getInt(_FROM)) if options.hasName(_FROM) else FROM
-    unknowns = sum(int((~body.model.held).sum()) for body in scene.bodies)
+    asked = options.hasName(_FROM)
+    limit = int(options.getInt(_FROM)) if asked else FROM
+    counted = [body.model for body in scene.bodies if asked or body.model.dimension > 1]
+    unknowns = sum(int((~model.held).sum()) for model in counted)
     others = (
         not supported
         or scene.redundant is not RedundantConstraints.REFUSE
@@ -85,7 +89,7 @@ def divided(scene: Scene, prefix: str, *, supported: bool = True) -> ScenePart |
         or options.hasName(_DOMAINS)
     )
     if unknowns < limit or others:
-        _log.info("%d unknowns of nodes: every rank has the whole scene", unknowns)
+        _log.info("%d unknowns to divide: every rank has the whole scene", unknowns)
         return None
     try:
         part = part_of(scene, MPI.COMM_WORLD)

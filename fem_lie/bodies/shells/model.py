@@ -39,6 +39,7 @@ class ShellModel(BodyModel):
     """
 
     separates_director = True
+    dimension = 2
     group = Group.R3xSO3
     _drilling_of_whole: Array | None = None
     """Drilling stiffness of each cell, if these are some cells of a shell."""

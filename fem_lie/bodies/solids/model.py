@@ -48,6 +48,8 @@ class SolidModel(BodyModel):
         rule: Quadrature rule of the cells.
     """
 
+    dimension = 3
+
     def __init__(
         self,
         mesh: VolumeMesh,
