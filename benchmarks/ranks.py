@@ -4,7 +4,8 @@
     tools/run mpirun --oversubscribe -n 3 python3 -m benchmarks.ranks --out 3.pickle
     tools/run python3 -m benchmarks.ranks --compare 1.pickle 3.pickle
 
-On several ranks all matrices of all sizes are factorised by all ranks together. Comparing
+On several ranks scenes of all sizes are divided where statics and generalised-α can divide them;
+all ranks together factorise the matrices of the others. ``--log`` prints who has what. Comparing
 prints a row for each study: scenes, the largest difference over what :mod:`.random_scenes` takes
 as the size of such numbers, and where it is. ``--interrupt FILE`` makes a run
 that ends amid its steps; ``--resume FILE --out OUT`` takes it to its end on any number of ranks.
@@ -13,10 +14,12 @@ that ends amid its steps; ``--resume FILE --out OUT`` takes it to its end on any
 from __future__ import annotations
 
 import argparse
+import logging
 import pickle
 from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from mpi4py import MPI
 
@@ -26,12 +29,18 @@ import fem_lie as fl
 from benchmarks import conserving_contact
 from benchmarks.random_scenes import STUDIES, Numbers, Outcome, Values, Way, difference, outcome
 from fem_lie.solve.motion.integrator import Integrator
+from tests.divided_scenes import divide
 from tests.parallel_scenes import column, pendulum, share_factors, sheet, stopped
 from tests.random_scenes import random_scene
 from tests.test_explicit_joints import net
 
 SEEDS = range(8)
 STEPS, STEP = 20, 1e-3
+
+
+def by_bodies(values: np.ndarray, info: Any) -> np.ndarray:
+    """Values of all nodes, (k, n, …), body after body: the numbering depends on the division."""
+    return np.concatenate([values[:, body.nodes] for body in info.bodies], axis=1)
 
 
 def motion(
@@ -44,8 +53,8 @@ def motion(
     result = scheme.run(scene, duration=steps * STEP, step=step, progress=False)
     energies = np.array([result.kinetic, result.elastic, result.potential])
     return {
-        "frames": Values(result.frames, "of 1"),
-        "velocities": Values(result.velocities, "velocity"),
+        "frames": Values(by_bodies(result.frames, result.info), "of 1"),
+        "velocities": Values(by_bodies(result.velocities, result.info), "velocity"),
         "joint forces": Values(result.joint_forces, "force"),
         "energies": Values(energies, "energy"),
         "times": Values(result.times, "time"),
@@ -68,7 +77,7 @@ def shell() -> Numbers:
     scene, _ = sheet()
     rest, modes = fl.statics(scene, load_steps=2), fl.vibrations(scene, 3)
     return {
-        "frames": Values(rest.frames, "of 1"),
+        "frames": Values(by_bodies(rest.frames, rest.info), "of 1"),
         "frequencies": Values(modes.frequencies, "frequency"),
     }
 
@@ -157,12 +166,17 @@ def main() -> None:
     asking.add_argument("--resume", type=Path)
     asking.add_argument("--interrupt", type=Path)
     asking.add_argument("--compare", type=Path, nargs=2)
+    asking.add_argument("--log", action="store_true")
     asked = asking.parse_args()
     if asked.compare:
         compare(*asked.compare)
         return
+    if asked.log:
+        logging.basicConfig(format="%(message)s")
+        logging.getLogger("fem_lie.parts").setLevel(logging.INFO)
     if MPI.COMM_WORLD.size > 1:
         share_factors()
+        divide()
     if asked.interrupt:
         interrupted(asked.interrupt)
         return
