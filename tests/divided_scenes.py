@@ -139,7 +139,10 @@ def statics(build):
     """Displacements, reactions, negative pivots and iterations."""
     scene, points = build()
     found = fl.statics(scene)
+    # its state is taken in the numbering of the whole scene
+    modes = fl.vibrations(scene, 3, at=found)
     return {
+        "frequencies": modes.frequencies,
         **{f"displacement {k}": found.displacement(point) for k, point in enumerate(points)},
         "reactions": found.reactions.sum(axis=1),
         "negative pivots": found.negative_pivots,

@@ -83,8 +83,9 @@ class FrequencyGoal(Goal):
 
     def _mode(self, result: StaticResult, scene: Scene) -> tuple[float, Array]:
         """Frequency, and nodal twists (N, 6) with unit mass."""
-        state = Equations(scene, dynamics=True).small_motions(result.steady_rotation)
-        state.move(result.frames)
+        equations = Equations(scene, dynamics=True)
+        state = equations.small_motions(result.steady_rotation)
+        state.move(result.info.renumbered(result.frames, equations.unknowns.bodies))
         pencil = state.pencil()
         if pencil.C is not None:
             raise ValueError("a frequency is estimated without damping and steady rotation")

@@ -121,7 +121,7 @@ def dual_motion(scene: Scene, result: StaticResult, goal: PointDisplacementGoal)
     equations = Equations(scene, dynamics=False)
     unknowns = equations.unknowns
     state = equations.small_motions(result.steady_rotation)
-    state.move(result.frames)
+    state.move(result.info.renumbered(result.frames, unknowns.bodies))
     node, wrench = goal.load(result)
     free = ~unknowns.held
     master = equations.tables.master[node]

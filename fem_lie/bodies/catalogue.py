@@ -179,6 +179,28 @@ class SceneInfo(Summarised):
             found[body.nodes] = _known(body, body.undeformed, "undeformed configuration")
         return found
 
+    def renumbered(self, values: Array, nodes: Mapping[Body, Indices]) -> Array:
+        """Values of all nodes in another numbering of the same bodies.
+
+        Results of scenes that are divided among ranks number nodes body after body, those of one
+        rank as their equations do.
+
+        Args:
+            values: Values in the numbering of this record, shape (k, N, …).
+            nodes: Numbers of the nodes of each body in the other numbering.
+
+        Returns:
+            The values in that numbering; as they are if the bodies differ.
+        """
+        own = {body.name: body.nodes for body in self.bodies}
+        to = {body.name: numbers for body, numbers in nodes.items()}
+        if {name: len(n) for name, n in own.items()} != {name: len(n) for name, n in to.items()}:
+            return values
+        found = np.empty_like(values)
+        for name, numbers in to.items():
+            found[:, numbers] = values[:, own[name]]
+        return found
+
     @property
     def _count(self) -> int:
         """Number of nodes of the system."""

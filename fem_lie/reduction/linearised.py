@@ -47,7 +47,7 @@ class LinearisedBody:
         still = Rotation.of((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         state = equations.small_motions(still if at is None else at.steady_rotation)
         if at is not None:
-            state.move(at.frames)
+            state.move(at.info.renumbered(at.frames, equations.unknowns.bodies))
         elif not (loaded or state.balanced()):
             raise ValueError(
                 "the initial configuration is no equilibrium: give at=fl.statics(scene)"

@@ -315,7 +315,8 @@ def _joint_turns(
     """Full rotations of joints up to a state, from all earlier states."""
     equations = Equations(scene, dynamics=isinstance(result, Result))
     H = equations.start.frames.copy()
-    for frames in result.frames[: at + 1]:
+    before = result.info.renumbered(result.frames[: at + 1], equations.unknowns.bodies)
+    for frames in before:
         H[: equations.unknowns.moving] = frames[equations.unknowns.masters]
         equations.history_variables.accept(H)
     return equations.system.connections.keyed_history_variables
@@ -334,7 +335,8 @@ def _report(
     if not isinstance(result, Result):
         old = Equations(scene, dynamics=False)
         rows = old.start.frames.copy()
-        rows[: old.unknowns.moving] = result.frames[at][old.unknowns.masters]
+        (frames,) = result.info.renumbered(result.frames[at : at + 1], old.unknowns.bodies)
+        rows[: old.unknowns.moving] = frames[old.unknowns.masters]
         return Transferred((0.0, 0.0), (_elastic(old, rows), elastic), *np.zeros((2, 2, 3)))
     kinetic, both = invariants_of(equations, H, v)
     momentum = np.array([result.momentum[at], both[:3]])

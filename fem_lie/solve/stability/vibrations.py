@@ -153,10 +153,10 @@ def vibrations(
     if not 1 <= count <= free:
         raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
     state = equations.small_motions(rotation)
+    if at is None and not state.balanced():
+        at = _equilibrium(scene, spin, about, load_steps)
     if at is not None:
-        state.move(at.frames)
-    elif not state.balanced():
-        state.move(_equilibrium(scene, spin, about, load_steps).frames)
+        state.move(at.info.renumbered(at.frames, unknowns.bodies))
     s, vectors, residuals = smallest(state.pencil(), count, state.rate, petsc_options_prefix)
     lengths = node_lengths(unknowns.bodies)
     found = [scaled(state.twists(vector), lengths) for vector in vectors]
