@@ -94,7 +94,7 @@ FRAMES = {"bodies": lambda: two_bodies("revolute", spring=2.0)[0], "shell": shel
 
 
 def beside_a_cable(scene: fl.Scene) -> fl.Scene:
-    """The same, and a cable at rest far away, beside which frames move with positions."""
+    """The same, and a cable at rest far away, where frames move with positions."""
     rope = fl.Cable.straight((0, 0, 5), (1, 0, 5), SOFT, cells=1)
     scene.add(rope).pin(rope.point("start"))
     rope.pin(rope.point("end"))

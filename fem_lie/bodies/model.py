@@ -269,8 +269,8 @@ class BodyModel:
             setattr(part, name, getattr(self, name)[nodes])
         if self.start_frames is not None:
             part.start_frames = self.start_frames[nodes]
-        part.masters = np.searchsorted(nodes, self.masters[nodes])
         at = {int(node): k for k, node in enumerate(nodes)}
+        part.masters = np.array([at[int(master)] for master in self.masters[nodes]], dtype=np.int64)
         part.point_names = {name: at[node] for name, node in self.point_names.items() if node in at}
         part.cells, part.faces = self.cells[:0], self.faces[:0]
         part.thickness, part.outline, part.source = self.thickness[:0], None, None

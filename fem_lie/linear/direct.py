@@ -152,7 +152,7 @@ class DirectSolver:
         """
         # packages that met NaN or infinity fail on all later matrices
         self._own.take()
-        if self._own.matrix is not self._local:
+        if self._kkt.shared.any(self._own.matrix is not self._local):
             self._take_over()
         if self._shared is not None:
             self._shared.take()

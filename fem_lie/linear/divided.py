@@ -32,16 +32,18 @@ class DividedMatrix:
                 then the multipliers.
             shared: Nodes that other ranks have, too.
         """
+        # objects without references on any rank are freed by all ranks together
+        PETSc.garbage_cleanup(shared.comm)
         self._values, columns, pointers = csr
         size, nodes, comm = len(pointers) - 1, len(shared.owned), shared.comm
         owned = np.append(np.repeat(shared.owned, 6), np.ones(size - 6 * nodes, dtype=bool))
         self._owned: Indices = np.flatnonzero(owned)
         self._shared, self._nodes = shared, nodes
         counts = comm.allgather(len(self._owned))
-        numbers = np.zeros(size)  # exact up to 2⁵³
+        numbers = np.zeros(size, dtype=PETSc.IntType)
         numbers[self._owned] = sum(counts[: comm.rank]) + np.arange(len(self._owned))
         shared.take_from_owners(numbers[: 6 * nodes].reshape(-1, 6))
-        own = PETSc.LGMap().create(numbers.astype(PETSc.IntType), comm=comm)
+        own = PETSc.LGMap().create(numbers, comm=comm)
         local = PETSc.Mat().createAIJWithArrays(
             (size, size), (pointers, columns, self._values), comm=PETSc.COMM_SELF
         )

@@ -15,7 +15,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices, diameter
 from fem_lie.bodies.body import Body
 from fem_lie.joints.redundant import RedundantConstraints
-from fem_lie.parts.partition import Partition, items_of, partition
+from fem_lie.parts.partition import Partition, partition
 from fem_lie.parts.references import Restricted
 from fem_lie.ranks.together import several
 from fem_lie.scene import Scene
@@ -68,7 +68,8 @@ def divided(scene: Scene, prefix: str, *, supported: bool = True) -> ScenePart |
     """The part of a scene that this rank has, if the scene is divided among all ranks.
 
     Small scenes, those that cannot be divided, and those with what is not divided yet (impacts,
-    redundant constraints) are not: then all ranks have the whole scene.
+    redundant constraints, joints that have turned before) are not: then all ranks have the whole
+    scene.
 
     Args:
         scene: The scene, the same on all ranks.
@@ -86,6 +87,7 @@ def divided(scene: Scene, prefix: str, *, supported: bool = True) -> ScenePart |
         not supported
         or scene.redundant is not RedundantConstraints.REFUSE
         or bool(scene.impacts)
+        or scene.began.turned is not None
         or options.hasName(_DOMAINS)
     )
     if unknowns < limit or others:
@@ -115,16 +117,14 @@ def part_of(scene: Scene, comm: MPI.Intracomm) -> ScenePart:
     bodies, nodes = _bodies(scene, found, comm.rank)
     restricted = Restricted(bodies)
     part = copy(scene)
+    ours = {body for body in scene.bodies if body in bodies or found.pieces.get(body) == comm.rank}
     part.bodies = [
-        bodies[body][0] if body in bodies else body
-        for body in scene.bodies
-        if body in bodies or found.pieces.get(body) == comm.rank
+        bodies[body][0] if body in bodies else body for body in scene.bodies if body in ours
     ]
     here = [
         item
-        for item, owner in zip(items_of(scene), found.items, strict=True)
-        if owner == comm.rank
-        or (owner < 0 and (item.body in bodies or found.pieces.get(item.body) == comm.rank))
+        for (item, acts_on), owner in zip(scene.items(), found.items, strict=True)
+        if owner == comm.rank or (owner < 0 and any(body in ours for body in acts_on))
     ]
     own = {id(item) for item in here}
     for name in "joints", "connections", "links", "contacts", "loads", "clamps", "motions":

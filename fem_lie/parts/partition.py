@@ -8,15 +8,15 @@ meet within bodies only. So do nodes that are attached to each other, as along a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from mpi4py import MPI
 
 import numpy as np
 
 from fem_lie._arrays import Indices
-from fem_lie.bodies.body import Body
+from fem_lie.bodies.body import Body, Point
 from fem_lie.linear.domains.division import Division, Links, divided
 from fem_lie.parts.references import nodes_of, references
 from fem_lie.scene import Scene
@@ -30,8 +30,7 @@ class Partition(NamedTuple):
         first: Number of the first node of each body; nodes are numbered body after body.
         cells: Part of each cell of each divided body.
         pieces: Part of each other body.
-        items: Part of each item of :func:`items_of`; −1 for loads on divided bodies, which all
-            parts of these share.
+        items: Part of each item of the scene; −1 for loads that all parts of their body carry.
         division: Division of all cells and nodes.
     """
 
@@ -42,15 +41,34 @@ class Partition(NamedTuple):
     division: Division
 
 
-def items_of(scene: Scene) -> list[Any]:
-    """All items of a scene but its bodies, in a fixed order."""
-    lists = scene.joints, scene.connections, scene.links, scene.contacts
-    return [item for each in (*lists, scene.loads, scene.clamps, scene.motions) for item in each]
+class Need(NamedTuple):
+    """What an item needs within one part.
+
+    Attributes:
+        bodies: Bodies in one piece.
+        nodes: Nodes of other bodies, by their numbers in the body.
+    """
+
+    bodies: list[Body]
+    nodes: list[tuple[Body, int]]
 
 
-def shared_load(item: object) -> bool:
-    """Whether an item is a load on a body that all parts of the body share."""
-    return isinstance(item, Load) and item.divisible
+def needs_of(item: object, bodies: Sequence[Body | None]) -> Need:
+    """What an item needs: nothing if it is a load that all parts of its body carry.
+
+    Args:
+        item: An item of a scene.
+        bodies: Bodies on which it acts; those on which it has no point it needs in one piece.
+    """
+    if isinstance(item, Load) and item.divisible:
+        return Need([], [])
+    found = list(references(item))
+    points = [each for each in found if isinstance(each, Point)]
+    at_points = {point.body for point in points}
+    pieces = {each for each in found if isinstance(each, Body)}
+    pieces |= {body for body in bodies if body is not None and body not in at_points}
+    nodes = [(p.body, node) for p in points if p.body is not None for node in nodes_of(p)]
+    return Need(sorted(pieces, key=lambda body: body.label), nodes)
 
 
 def partition(scene: Scene, comm: MPI.Intracomm) -> Partition:
@@ -66,8 +84,10 @@ def partition(scene: Scene, comm: MPI.Intracomm) -> Partition:
     counts = [len(body.frames) for body in scene.bodies]
     starts = np.cumsum([0, *counts])
     first = {body: int(start) for body, start in zip(scene.bodies, starts, strict=False)}
-    whole = set(_undivided(scene))
-    cells, attached = _Collected(), _Collected()
+    needs = [needs_of(*item) for item in scene.items()]
+    whole = {body for body in scene.bodies if body.model.divisible_cells is None}
+    whole |= {body for need in needs for body in need.bodies}
+    cells, attached, held = _Collected(), _Collected(), _Collected()
     ranges: dict[Body, slice] = {}
     for body in scene.bodies:
         model, begun = body.model, cells.count
@@ -80,13 +100,15 @@ def partition(scene: Scene, comm: MPI.Intracomm) -> Partition:
             follow = np.flatnonzero(model.masters != np.arange(len(model.masters)))
             attached.add(first[body] + np.column_stack([model.masters[follow], follow]))
         ranges[body] = slice(begun, cells.count)
-    held, items = _Collected(), items_of(scene)
-    for item in items:
-        held.add([] if shared_load(item) else [list(_nodes(item, first))])
+    for need in needs:
+        # a node stands for all of a body in one piece
+        nodes = [first[body] for body in need.bodies]
+        nodes += [first[body] + node for body, node in need.nodes]
+        held.add([nodes] if nodes else [])
     free = np.concatenate([~(b.model.held | b.model.missing_unknowns) for b in scene.bodies])
     found = _of_first(comm, cells.links, held.links, attached.links, free.sum(axis=1))
-    owners = np.full(len(items), -1)
-    owners[[k for k, item in enumerate(items) if not shared_load(item)]] = found.constraints
+    owners = np.full(len(needs), -1)
+    owners[[bool(need.bodies or need.nodes) for need in needs]] = found.constraints
     return Partition(
         first,
         {body: found.cells[ranges[body]] for body in scene.bodies if body not in whole},
@@ -137,25 +159,3 @@ class _Collected:
     def links(self) -> Links:
         """All of them."""
         return Links(np.concatenate(self._which), np.concatenate(self._nodes), self.count)
-
-
-def _undivided(scene: Scene) -> Iterator[Body]:
-    """Bodies that stay in one piece."""
-    for body in scene.bodies:
-        if body.model.divisible_cells is None:
-            yield body
-    for item in items_of(scene):
-        if not shared_load(item):
-            yield from (each for each in references(item) if isinstance(each, Body))
-    for contact in (*scene.contacts, *scene.impacts):
-        yield from contact.bodies
-
-
-def _nodes(item: Any, first: dict[Body, int]) -> Iterator[int]:
-    """Nodes of an item that stay together."""
-    for each in references(item):
-        body = each if isinstance(each, Body) else each.body
-        if body is None:
-            continue
-        own = [0] if isinstance(each, Body) else nodes_of(each)
-        yield from (first[body] + node for node in own)

@@ -1,21 +1,32 @@
 """Nodes that several ranks have: sums over all ranks, and numbers on which all agree.
 
 Each rank has a part of a scene. Parts meet at nodes of which each has a copy with the same values.
-Sums over cells and nodes are partial on each rank. All ranks add the parts of a shared node in the
-same order, so that its copies stay equal to the last bit, and decide by the same numbers.
+Sums over cells and nodes are partial on each rank. One rank owns a shared node: it adds the parts
+of all, by PETSc's star forest, and the others copy its sum, so that copies stay equal to the last
+bit. All ranks decide by the same numbers.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import cache
 from typing import Any
 
 from mpi4py import MPI
+from mpi4py.util import dtlib
+from petsc4py import PETSc
 
 import numpy as np
+import numpy.typing as npt
 
 from fem_lie._arrays import Array, Flags, Indices
+
+
+@cache
+def _row_type(of: np.dtype[Any], size: int) -> MPI.Datatype:
+    """MPI's type of a row of so many numbers."""
+    return dtlib.from_numpy_dtype(of).Create_contiguous(size).Commit()
 
 
 class SharedNodes:
@@ -28,7 +39,7 @@ class SharedNodes:
     """
 
     def __init__(self, comm: MPI.Intracomm, count: int, neighbours: Mapping[int, Indices]) -> None:
-        """Prepare the exchange.
+        """Find the owners; all ranks together.
 
         Args:
             comm: Communicator of all parts.
@@ -37,14 +48,18 @@ class SharedNodes:
                 to both.
         """
         self.comm, self.several = comm, comm.size > 1
-        self._neighbours = dict(sorted(neighbours.items()))
-        self.owned: Flags = np.ones(count, dtype=bool)
-        for rank, nodes in self._neighbours.items():
-            if rank < comm.rank:
-                self.owned[nodes] = False
-        self._shared = np.unique(
-            np.concatenate([np.empty(0, np.int64), *self._neighbours.values()])
-        )
+        none = np.empty(0, dtype=np.int64)
+        numbers = comm.alltoall([neighbours.get(rank, none) for rank in range(comm.size)])
+        owner, there = np.full(count, comm.rank), np.arange(count)
+        for rank in reversed(range(comm.rank)):  # the lowest one is the owner
+            nodes = neighbours.get(rank, none)
+            owner[nodes], there[nodes] = rank, numbers[rank]
+        self.owned: Flags = owner == comm.rank
+        copies = np.flatnonzero(~self.owned)
+        at_owners = np.column_stack([owner, there])[copies]
+        self._forest = PETSc.SF().create(comm)
+        given = copies.astype(PETSc.IntType), at_owners.astype(PETSc.IntType)
+        self._forest.setGraph(count, *given)
 
     @classmethod
     def alone(cls, count: int) -> SharedNodes:
@@ -55,29 +70,22 @@ class SharedNodes:
         """Add the values of all ranks at shared nodes, in place.
 
         Args:
-            values: One row for each node, shape (≥ n, …).
+            values: One row for each node, contiguous, shape (≥ n, …).
         """
         if not self.several:
             return
-        own = values[self._shared]
-        received = {rank: np.empty_like(values[at]) for rank, at in self._neighbours.items()}
-        requests = [self.comm.Irecv(found, rank) for rank, found in received.items()]
-        given = [np.ascontiguousarray(values[at]) for at in self._neighbours.values()]
-        requests += [
-            self.comm.Isend(part, rank) for rank, part in zip(self._neighbours, given, strict=True)
-        ]
-        MPI.Request.Waitall(requests)
-        values[self._shared] = 0.0
-        for rank in sorted([*received, self.comm.rank]):
-            if rank == self.comm.rank:
-                values[self._shared] += own
-            else:
-                values[self._neighbours[rank]] += received[rank]
+        row = _row_type(values.dtype, values[0].size)
+        self._forest.reduceBegin(row, values, values, MPI.SUM)
+        self._forest.reduceEnd(row, values, values, MPI.SUM)
+        self.take_from_owners(values)
 
-    def take_from_owners(self, values: Array) -> None:
-        """Copy the values of shared nodes from their owners, in place; shape (≥ n, …)."""
-        values[: len(self.owned)][~self.owned] = 0.0
-        self.sum(values)
+    def take_from_owners(self, values: npt.NDArray[Any]) -> None:
+        """Copy the values of shared nodes from their owners, in place; rows as of :meth:`sum`."""
+        if not self.several:
+            return
+        row = _row_type(values.dtype, values[0].size)
+        self._forest.bcastBegin(row, values, values, MPI.REPLACE)
+        self._forest.bcastEnd(row, values, values, MPI.REPLACE)
 
     # --- numbers on which all agree ---
 
@@ -111,11 +119,16 @@ class SharedNodes:
         if not self.several:
             yield
             return
-        error: Any = None
+        error: Exception | None = None
         try:
             yield
         except kinds as raised:
             error = raised
-        first = next((each for each in self.comm.allgather(error) if each is not None), None)
+        # constructors of errors may take more than the message
+        given = None if error is None else (type(error), str(error))
+        first = next((each for each in self.comm.allgather(given) if each is not None), None)
+        if error is not None:
+            raise error
         if first is not None:
-            raise error or first
+            kind, message = first
+            raise kind.__new__(kind, message)

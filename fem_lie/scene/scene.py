@@ -192,6 +192,18 @@ class Scene(Summarised):
             )
         return item
 
+    def items(self) -> Iterator[tuple[Any, Sequence[Body | None]]]:
+        """All items but bodies, with the bodies on which they act; ``None`` is ground.
+
+        Links come first, for joints on what they join.
+        """
+        yield from ((link, [link.a.body, link.b.body]) for link in self.links)
+        yield from ((item, item.bodies) for item in (*self.joints, *self.connections))
+        yield from ((contact, contact.bodies) for contact in self.contacts)
+        yield from ((load, (load.body,)) for load in self.loads)
+        yield from ((clamp, (clamp.point.body,)) for clamp in self.clamps)
+        yield from ((motion, (motion.point.body,)) for motion in self.motions)
+
     def held_rotations(self) -> Holds:
         """Items that act on the rotations of nodes, for each body."""
         between: list[Holding] = [*self.joints, *self.connections, *self.links]

@@ -165,7 +165,6 @@ class SolidModel(BodyModel):
         nodes: Indices = np.empty(int(connectivity.max()) + 1, dtype=np.int64)
         nodes[connectivity] = self.connectivity[numbers]
         part = self._on_nodes(nodes)
-        part.masters = np.arange(len(nodes))
         part.mesh, part.space, part.connectivity = mesh, space, connectivity
         part.positions, part.rule = self.positions[nodes], VolumeRule.of(mesh.mesh, self.degree)
         part.parameters, part.density = self.parameters[numbers], self.density[numbers]

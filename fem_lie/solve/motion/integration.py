@@ -126,13 +126,11 @@ class Driver(ABC, Stateful, Generic[HistoryT]):
 
     def _keep(self, history: HistoryT) -> None:
         """Record the current state if it is due; raise if an element has folded."""
-        shared = self.equations.shared
-        if not self._record(history) or not shared.any(history.turns_far):
+        if not self._record(history) or not self.equations.shared.any(history.turns_far):
             return
         time = float(history.times[history.row - 1])
         try:
-            with shared.errors(FoldedElementError):
-                self.equations.report(self.frames).check_rotations(time)
+            self.equations.report(self.frames).check_rotations(time)
         except FoldedElementError as error:
             raise ConvergenceError(f"an element folds: {error}", self._result(history)) from None
 

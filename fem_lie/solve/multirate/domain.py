@@ -14,8 +14,7 @@ which is zero.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -52,7 +51,7 @@ def domains(scene: Scene, counts: Mapping[Body, int]) -> tuple[dict[int, Scene],
     for body in scene.bodies:
         parts[of[body]].add(body)
         between.add(body)
-    for item, bodies in _items(scene):
+    for item, bodies in scene.items():
         touched = {of[body] for body in bodies if body is not None}
         if len(touched) == 1:
             parts[touched.pop()].add(item)
@@ -73,19 +72,6 @@ def _empty(scene: Scene) -> Scene:
     part = Scene(scene.gravity, matrix_terms=scene.matrix_terms, redundant=scene.redundant)
     part.began = scene.began._replace(turned=None)
     return part
-
-
-def _items(scene: Scene) -> Iterable[tuple[Any, Iterable[Body | None]]]:
-    """All items except bodies, with the bodies that they connect.
-
-    Links first, for joints on them.
-    """
-    yield from ((link, [link.a.body, link.b.body]) for link in scene.links)
-    yield from ((item, item.bodies) for item in (*scene.joints, *scene.connections))
-    yield from ((contact, contact.bodies) for contact in scene.contacts)
-    yield from ((load, [load.body]) for load in scene.loads)
-    yield from ((clamp, [clamp.point.body]) for clamp in scene.clamps)
-    yield from ((motion, [motion.point.body]) for motion in scene.motions)
 
 
 def rows_of(part: Equations, whole: Equations) -> Indices:

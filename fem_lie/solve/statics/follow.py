@@ -9,7 +9,6 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.model import FoldedElementError
-from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.lie.node_types import all_to_global_components, has_position
 from fem_lie.linear.choice import Solutions
@@ -322,13 +321,11 @@ class SceneEquilibrium(Equilibrium):
             FoldedElementError: An element rotates too far for a unique state.
             LostBranchError: A joint rotates too far in the step.
         """
-        with self._shared.errors(FoldedElementError, LostBranchError):
-            self.equations.report(self._H).check_rotations(f"at load factor {factor:g}")
+        self.equations.report(self._H).check_rotations(f"at load factor {factor:g}")
 
     def check_passage(self, before: _State) -> None:
         """Raise ``PassedThroughError`` if surfaces passed through each other since a state."""
-        with self._shared.errors(PassedThroughError):
-            self.equations.history_variables.check_passage(before.frames, self._H)
+        self.equations.history_variables.check_passage(before.frames, self._H)
 
     def free_motions(self, factor: float) -> str:
         """Message on rigid motions that nothing resists in the current state, if there are any.

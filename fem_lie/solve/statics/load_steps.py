@@ -315,13 +315,11 @@ class LoadSteps(Iterated):
             LostBranchError: A joint or a prescribed motion rotates too far.
             PassedThroughError: Surfaces passed through each other.
         """
-        with self.equations.shared.errors(FoldedElementError):
-            self.equations.report(self.H).check_rotations(f"at load factor {factor:g}")
+        self.equations.report(self.H).check_rotations(f"at load factor {factor:g}")
         if self._to_check and factor:
             self._check_held(factor)
         pivots = self._negative_pivots(factor)
-        with self.equations.shared.errors(PassedThroughError, LostBranchError):
-            self.equations.history_variables.accept(self.H, before)
+        self.equations.history_variables.accept(self.H, before)
         return pivots
 
     def _check_held(self, factor: float) -> None:

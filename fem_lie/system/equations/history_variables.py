@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.forms.abilities import PassedThroughError
+from fem_lie.joints.connection import LostBranchError
 from fem_lie.lie.node_types import Written
 from fem_lie.linear.low_rank import LowRank
 from fem_lie.system.system import System
@@ -66,9 +68,10 @@ class HistoryVariables:
             ValueError: Something slid off its beam.
         """
         if start is not None:
-            self._terms.check_passage(start, H)
-        self._connections.accept(H)
-        self._terms.accept(H)
+            self.check_passage(start, H)
+        with self._system.shared.errors(LostBranchError, ValueError):
+            self._connections.accept(H)
+            self._terms.accept(H)
 
     def move_reference_angles(self, H: Array, h: Array) -> None:
         """Update joint angles along the increment ``h`` (6 n,) made from frames ``H``."""
@@ -84,7 +87,8 @@ class HistoryVariables:
         Raises:
             PassedThroughError: They do.
         """
-        self._terms.check_passage(start, end)
+        with self._system.shared.errors(PassedThroughError):
+            self._terms.check_passage(start, end)
 
     def watch(self, start: Array, end: Array, h: float, middle: Array | None = None) -> None:
         """Record an accepted step of a scheme that does not conserve energy.
