@@ -145,7 +145,25 @@ def swinging_block():
     return scene, []
 
 
-FREE = {"loose block": loose_block, "swinging block": swinging_block}
+def folding_beam():
+    """A moment that folds the elements of the softer half, which one rank has."""
+    stiff, soft = (fl.Section.rectangle(h, 0.03, STEEL) for h in (0.03, 0.003))
+    sections = {"piece 1": stiff, "piece 2": soft}
+    beam = fl.Beam.polyline([(0, 0, 0), (0.5, 0, 0), (1, 0, 0)], sections, cells=4)
+    scene = fl.Scene()
+    scene.add(beam)
+    scene.add(fl.Clamp(beam.point("start")))
+    curvature = 1.2 * np.pi / 0.125
+    moment = soft.stiffness[4, 4] * curvature
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, moment, 0), following=True))
+    return scene, []
+
+
+REFUSED = {
+    "loose block": loose_block,
+    "swinging block": swinging_block,
+    "folding beam": folding_beam,
+}
 """Scenes that statics refuses."""
 
 REST = {"cantilever": cantilever, "sheet": sheet, "channel": channel, "block": block}
@@ -200,7 +218,7 @@ def is_refused(build):
 def results():
     """All results by the names of their scenes and quantities."""
     found = {}
-    for name, build in FREE.items():
+    for name, build in REFUSED.items():
         found |= {f"{name}, {what}": value for what, value in is_refused(build).items()}
     for name, build in REST.items():
         found |= {f"{name} at rest, {what}": value for what, value in statics(build).items()}

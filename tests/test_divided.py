@@ -1,6 +1,10 @@
 """Scenes divided among ranks: parts add up to the whole, and results are those of one rank."""
 
+from copy import copy
+from dataclasses import replace
+
 import divided_scenes
+import dolfinx
 import numpy as np
 import pytest
 from ranks import on_ranks
@@ -84,6 +88,42 @@ def test_forces_and_mass_of_parts_of_a_body_add_up(name):
         found_mass += own_mass
     np.testing.assert_allclose(found, forces, rtol=0, atol=1e-13 * np.abs(forces).max())
     assert found_mass == pytest.approx(mass, rel=1e-13)
+
+
+def loads():
+    """Loads that are sums over cells, some on edges and faces between cells, by their names."""
+    steel = divided_scenes.STEEL
+    plate = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (4, 4))
+    middle = np.flatnonzero(plate.points[:, 0] == 0.5)
+    curve = {"middle": np.column_stack([middle[:-1], middle[1:]])}
+    shell = fl.Shell(replace(plate, curves=curve), fl.ShellSection.layer(0.01, steel))
+    box = fl.mesh.brick((1, 1, 2), (2, 2, 4))
+    facets = dolfinx.mesh.locate_entities(box.mesh, 2, lambda x: np.isclose(x[2], 1.0))
+    solid = fl.Solid(
+        replace(box, faces={"middle": facets.astype(np.int64)}),
+        fl.sections.NeoHooke(E=1e6, nu=0.3, density=1e3),
+    )
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), divided_scenes.ROUND, cells=6)
+    return {
+        "edge between cells": (shell, lambda body: fl.loads.EdgeLoad(body, "middle", (0, 0, 1.0))),
+        "area": (shell, lambda body: fl.AreaLoad(body, lambda x: (0, x[1], x[0]))),
+        "face between cells": (solid, lambda body: fl.loads.FaceLoad(body, "middle", (0, 0, 1.0))),
+        "volume": (solid, lambda body: fl.loads.BulkLoad(body, (0, 0, 1.0))),
+        "line": (beam, lambda body: fl.LineLoad(body, force=(0, 1.0, 0))),
+    }
+
+
+@pytest.mark.parametrize("name", loads())
+def test_loads_on_parts_of_a_body_add_up(name):
+    body, load_on = loads()[name]
+    expected = load_on(body).nodal()
+    found, cells = np.zeros_like(expected), np.arange(len(body.model.divisible_cells)) % PARTS
+    for k in range(PARTS):
+        part = copy(body)
+        part.model, nodes = body.model.restricted(np.flatnonzero(cells == k), ())
+        np.add.at(found, nodes, load_on(part).nodal())
+    assert np.abs(expected).max() > 0.0
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14 * np.abs(expected).max())
 
 
 def test_a_body_that_stays_in_one_piece_says_so():

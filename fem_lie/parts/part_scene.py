@@ -60,6 +60,7 @@ FROM = 20_000
 eliminates their chains faster than MUMPS factorises them on several."""
 
 _FROM, _DOMAINS = "divided_from", "domains"
+_PACKAGE, _ON_RANKS = "pc_factor_mat_solver_type", "mumps"
 
 _log = logging.getLogger(__name__)
 
@@ -69,7 +70,7 @@ def divided(scene: Scene, prefix: str, *, supported: bool = True) -> ScenePart |
 
     Small scenes, those that cannot be divided, and those with what is not divided yet (impacts,
     redundant constraints, joints that have turned before) are not: then all ranks have the whole
-    scene.
+    scene. It is the same with options for subdomains, or for a package that factorises on one rank.
 
     Args:
         scene: The scene, the same on all ranks.
@@ -89,6 +90,7 @@ def divided(scene: Scene, prefix: str, *, supported: bool = True) -> ScenePart |
         or bool(scene.impacts)
         or scene.began.turned is not None
         or options.hasName(_DOMAINS)
+        or options.getString(_PACKAGE, _ON_RANKS) != _ON_RANKS
     )
     if unknowns < limit or others:
         _log.info("%d unknowns to divide: every rank has the whole scene", unknowns)

@@ -265,9 +265,13 @@ class _Run:
         """The segment up to the last check at which all merged nodes are inactive."""
         found = _Found(result, 0, check, active, np.ones_like(active), np.zeros_like(active))
         every, last = round(self._every / self._step), len(result.times) - 1
+        frames, velocities = (
+            result.info.renumbered(values, self._whole.unknowns.bodies)
+            for values in (result.frames, result.velocities)
+        )
         for row in [*range(every, last, every), last]:
             time = check.state.time + float(result.times[row])
-            state = _State(time, result.frames[row], result.velocities[row])
+            state = _State(time, frames[row], velocities[row])
             after = self._check(state)
             newly_active = (after.missed(root) > self._tolerance) & (root != np.arange(len(root)))
             if newly_active.any():
