@@ -26,7 +26,9 @@ def test_divided_scenes_have_the_results_of_one_rank(alone, tmp_path, ranks):
     with np.load(out) as found:
         assert set(found.files) == set(alone)
         for name, expected in alone.items():
-            size = np.abs(expected).max(initial=0.0)
+            # angles and lengths of joints are small here, and have the round-off of radians
+            least = 1.0 if name.endswith("joint coordinates") else 0.0
+            size = np.abs(expected).max(initial=least)
             # they contain round-off of positions times the axial stiffness of cells
             of_reactions = name.endswith(("in motion, reactions", "in motion, impulses"))
             allowed = 1e-8 if of_reactions else 1e-10
