@@ -152,10 +152,10 @@ def tumbling(body):
 def tumbling_plate():
     """A soft plate that spins and stretches, thrown at one corner."""
     mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (4, 3))
-    layer = fl.ShellSection.layer(0.05, fl.Material(E=1e6, nu=0.3, density=1e3))
+    layer = fl.ShellSection.layer(0.05, fl.Material(E=1e7, nu=0.3, density=1e3))
     plate = fl.Shell(mesh, layer, convected_axes=True)
     scene = tumbling(plate)
-    scene.add(fl.PointLoad(plate.point("11"), force=(3e3, -3e3, 0)))
+    scene.add(fl.PointLoad(plate.point("11"), force=(300.0, -300.0, 0)))
     return scene, [plate.point("11"), plate.point("00")]
 
 
