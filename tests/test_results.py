@@ -87,6 +87,29 @@ def test_points_are_found_by_name_number_and_object(rod):
     np.testing.assert_allclose(rod.position(body.point("centre")), 1.25 * exact, atol=1e-15)
 
 
+def test_displacements_of_a_body_are_those_of_its_nodes(rod):
+    u = rod.displacements("rod")
+    each = np.stack([rod.displacement(f"rod.node {i}") for i in range(NODES)], axis=1)
+    np.testing.assert_array_equal(u, each)
+    body = fl.RigidBody(1.0, [1, 1, 1], name="tip")
+    np.testing.assert_array_equal(rod.displacements(body)[:, 0], rod.displacement("tip.centre"))
+
+
+def test_displacements_leave_out_nodes_without_a_position():
+    """Each point of a thin shell has a second node, for the mixed derivative."""
+    patch = fl.mesh.smooth_patch(lambda a, b: (a, b, 0 * a), (2, 2))
+    layer = fl.ShellSection.layer(0.01, fl.Material(2.1e11, 0.3, 7800.0))
+    shell = fl.ThinShell(patch, layer, name="sheet")
+    shell.clamp("a=0")
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(shell)
+    result = fl.statics(scene)
+    u = result.displacements(shell)
+    assert u.shape == (1, 9, 3)
+    assert len(result.frames[0]) == 18
+    assert (u[0] == result.displacement("sheet.11")[0]).all(axis=1).sum() == 1
+
+
 def test_rotation_and_velocity_belong_together(rod):
     """``Rᵀẋ`` from positions by central differences is the translation of the local velocity."""
     h = rod.times[1] - rod.times[0]
@@ -111,6 +134,7 @@ def test_joint_forces_are_the_joints_own(rod):
             lambda r: r.position(fl.RigidBody(1, [1, 1, 1], name="top").point("centre")),
             "no body 'top'.*'rod'",
         ),
+        (lambda r: r.displacements("top"), "no body 'top'; there are: 'rod', 'tip'"),
         (lambda r: r.joint_force("motor"), "no joint 'motor'; there are: 'hinge', 'weld'"),
         (lambda r: replace(r, elastic=r.elastic[1:]), r"elastic must have shape \(21,\), got"),
         (lambda r: replace(r, velocities=r.velocities[:, 1:]), r"velocities must .*\(21, 6, 6\)"),

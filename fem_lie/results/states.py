@@ -15,6 +15,7 @@ from fem_lie._summary import Summarised
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.joints.connection import Connection
+from fem_lie.lie.node_types import has_position
 from fem_lie.pictures import bodies
 from fem_lie.pictures.page.colours import NodalColours
 from fem_lie.pictures.page.content import drawn
@@ -72,6 +73,36 @@ class Displaced(Located):
             ValueError: There is no such point, or the result is from a file of an earlier version.
         """
         return np.asarray(self.position(point) - self.info.frame(point, self.info.undeformed)[0])
+
+    def displacements(self, body: Body | str) -> Array:
+        """Displacements of all nodes of a body, global components, shape (n, 3), or (k, n, 3).
+
+        A reduced-order body has the nodes of its interfaces only. Nodes without a position, such as
+        the second one at each point of a thin shell, are left out.
+
+        Args:
+            body: A body of the scene, or its name.
+
+        Raises:
+            ValueError: There is no such body, or the result is from a file of an earlier version.
+
+        Examples:
+            The largest deflection of a plate in the last state:
+
+            >>> import fem_lie as fl
+            >>> import numpy as np
+            >>> mesh = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (4, 4))
+            >>> layer = fl.ShellSection.layer(0.01, fl.Material(E=2.1e11, nu=0.3, density=7800.0))
+            >>> scene = fl.Scene(gravity=(0, 0, -9.81))
+            >>> plate = scene.add(fl.Shell(mesh, layer, name="plate"))
+            >>> _ = plate.hinge("a=0"), plate.hinge("a=1")
+            >>> u = fl.statics(scene).displacements(plate)
+            >>> print(u.shape, f"{abs(u[-1, :, 2]).max():.1e}")
+            (1, 25, 3) 5.3e-04
+        """
+        found = self.info.body(body if isinstance(body, str) else body.name)
+        nodes = found.nodes[has_position(self.info.node_types[found.nodes])]
+        return np.asarray(self.frames[..., nodes, 0, :] - self.info.undeformed[nodes, 0])
 
 
 class StateSeries(Summarised, Displaced, ABC):
