@@ -1,10 +1,13 @@
 """What holds for all pages: links of the README, size, alternative texts of pictures."""
 
+import json
 import re
 import sys
 from pathlib import Path
 
 import pytest
+
+from tools.site import gallery
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -62,3 +65,14 @@ def test_commands_run_files_that_exist(page):
         for name in sorted(named - {"demos/x", "studies/NAME"})
         if not (ROOT / f"{name}.py").exists()
     ] == []
+
+
+@pytest.mark.parametrize("record", sorted(gallery.KEPT.glob("*.json")), ids=lambda f: f.stem)
+def test_a_page_of_the_gallery_shows_each_number_once(record):
+    """A single number of a record stands in the output, or in the table below it, not in both."""
+    printed = gallery.named(record.with_suffix(".txt").read_text(encoding="utf-8"))
+    listed = set(re.findall(r"^\| `(\w.*?)` \|", gallery.table(record, printed), re.MULTILINE))
+    found = json.loads(record.read_text(encoding="utf-8"))
+    for key, value in found.items():
+        if isinstance(value, int | float | str):
+            assert (key in listed) != bool({key, key.replace("_", " ")} & printed), key

@@ -105,11 +105,11 @@ def page(name: str) -> str:
     parts = [f"# {title(name)}", first, *_escaped(rest)]
     parts += [f"![{first.rstrip('.')}]({file.name})" for file in pictures(name)]
     output, record = KEPT / f"{name}.txt", KEPT / f"{name}.json"
-    if output.exists():
-        parts += ["## Last run", f"`tools/run python3 {given}`"]
-        parts += [f"```text\n{output.read_text(encoding='utf-8').rstrip()}\n```"]
-    if record.exists():
-        parts += [f":::{{dropdown}} Its record (`--json`)\n{table(record)}\n:::"]
+    printed = output.read_text(encoding="utf-8").rstrip() if output.exists() else ""
+    if printed:
+        parts += ["## Last run", f"`tools/run python3 {given}`", f"```text\n{printed}\n```"]
+    if record.exists() and (rows := table(record, named(printed))):
+        parts += [f":::{{dropdown}} More numbers of its record (`--json`)\n{rows}\n:::"]
     parts += ["## Code", f"```{{literalinclude}} ../../{script(name)}\n:language: python\n```"]
     return "\n\n".join(parts) + "\n"
 
@@ -119,12 +119,21 @@ def _escaped(text: str) -> list[str]:
     return [part.replace("<", "\\<").replace("[", "\\[") for part in text.split("\n\n") if part]
 
 
-def table(record: Path) -> str:
-    """Table of the single numbers of a record."""
+def table(record: Path, printed: set[str]) -> str:
+    """Table of the single numbers of a record whose names are not printed; empty without any."""
     found = json.loads(record.read_text(encoding="utf-8"))
-    alone = {key: value for key, value in found.items() if isinstance(value, int | float | str)}
-    rows = [f"| `{key}` | {_shown(value)} |" for key, value in alone.items()]
-    return "\n".join(["| | |", "|---|---|", *rows])
+    more = {
+        key: value
+        for key, value in found.items()
+        if isinstance(value, int | float | str) and not {key, key.replace("_", " ")} & printed
+    }
+    rows = [f"| `{key}` | {_shown(value)} |" for key, value in more.items()]
+    return "\n".join(["| | |", "|---|---|", *rows]) if rows else ""
+
+
+def named(printed: str) -> set[str]:
+    """Names in front of the values of an output: the text of each line up to two spaces."""
+    return {line.partition("  ")[0].strip() for line in printed.splitlines()}
 
 
 def _shown(value: float | str) -> str:
