@@ -2,7 +2,7 @@
 
 An element of beams is a ``BeamFormulation``: it gets frames as UFL expressions, and returns the
 forms of an energy. Strains per length are differences to those of the unloaded frames; the energy
-is ½ ε·Cε. All else, local frames, kept matrices, joints, loads, results, is there already.
+is ½ ε·Cε. Local frames, joints, loads, time schemes and results work with it as they are.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 import ufl
 
 import fem_lie as fl
-from fem_lie.extend import CellData, cellwise, present_values
+from fem_lie.extend import CellData, LocalFrameForms, StrainEnergy, cellwise, present_values
 
 
 @dataclass(frozen=True)
@@ -22,17 +22,17 @@ class PlainDirectors(fl.elements.BeamFormulation):
 
     degree: int = 1
 
-    def forms(self, nodal: fl.NodalFrames, cells: CellData) -> fl.extend.LocalFrameForms:
+    def forms(self, nodal: fl.NodalFrames, cells: CellData) -> LocalFrameForms:
         """Energy, forces and tangent."""
         mesh = nodal.function.function_space.mesh
         arc = cellwise(mesh, cells.lengths) / ufl.CellVolume(mesh)
         stretch, curvature = fl.elements.director_strains(nodal)
         strain = ufl.as_vector([*stretch, *curvature]) / arc
         stiffness = cellwise(mesh, cells.stiffness)
-        energy = fl.extend.StrainEnergy(
+        energy = StrainEnergy(
             strain=strain - present_values(strain, mesh, 1) - cells.eigenstrain,
             law=lambda strain: 0.5 * ufl.inner(strain, stiffness * strain),
-            dx=ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": 1}),
+            dx=ufl.dx(mesh, degree=1),
             weight=arc,
         )
         return fl.local_frame_forms(energy, nodal)

@@ -162,9 +162,10 @@ class Balanced:
     def energy_error(self) -> float:
         """Largest error of the energy balance, relative to the largest energy exchanged.
 
-        The error is the change of energy minus work plus dissipation. The reference is the energy
-        exchanged so far, see :mod:`fem_lie.bodies.balances`; it does not depend on the zero of the
-        potential.
+        The error is the change of energy minus work plus dissipation by damping; numerical
+        dissipation counts as an error. The reference is the largest of kinetic plus elastic energy,
+        change of the potential, work and dissipation in the run; it does not depend on the zero of
+        the potential.
         """
         return self._relative_energy(balances.energy_gaps(self.total_energy, self.balance))
 
