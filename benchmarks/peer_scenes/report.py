@@ -133,7 +133,7 @@ def table(rows: Sequence[Row]) -> str:
 
 def beaten(rows: Sequence[Row]) -> str:
     """How many of each peer's runs take longer than our best method for the same error."""
-    lines = ["| scene | method | runs | ours is faster at their error | not at |"]
+    lines = ["| scene | method | runs | ours is faster at their error | ours is slower at |"]
     lines.append("|---|---|---|---|---|")
     for key in dict.fromkeys(row.scene for row in rows):
         here = [row for row in rows if row.scene == key]
