@@ -14,6 +14,7 @@ import fem_lie as fl
 SOLVE = Path(fl.__file__).parent / "solve"
 
 RECORDS = {
+    "arrays",
     "info",
     "matrix",
     "part",
@@ -22,7 +23,6 @@ RECORDS = {
     "shared",
     "start",
     "supports",
-    "tables",
     "unknowns",
 }
 """What stays the same object."""

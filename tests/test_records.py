@@ -12,7 +12,14 @@ import pytest
 import fem_lie as fl
 from demos.double_pendulum import pendulum
 from fem_lie._jit import compiled
-from fem_lie._jit.fixed_arrays import FixedArrays, Frames, Integers1, Integers2, Numbers1, unpacking
+from fem_lie._jit.packed_arrays import (
+    Frames,
+    Integers1,
+    Integers2,
+    Numbers1,
+    PackedArrays,
+    unpacking,
+)
 from fem_lie._jit.records import Fields, block_of
 from fem_lie.forms.cells import Cells
 from fem_lie.solve.conserving.model import (
@@ -43,7 +50,7 @@ def given() -> dict[str, Any]:
     """Records of a scene with beams, a joint and springs."""
     scene = build(random_scene(0, replace(CONSERVING, steps=1))).scene
     equations = fl.extend.Equations(scene, dynamics=True)
-    cells = Cells(list(equations.tables.assemblies))
+    cells = Cells(list(equations.arrays.assemblies))
     incidences = incidences_of(equations, current_jacobian=True)
     rows = vector_cells_of(equations)
     room = equations, cells, rows, incidences
@@ -97,7 +104,7 @@ def test_compiled_code_reads_each_record_as_it_was_packed(given, name):
 )
 def test_what_is_not_as_compiled_code_reads_it_is_refused(array):
     with pytest.raises(TypeError, match="contiguous doubles or integers"):
-        FixedArrays([array])
+        PackedArrays([array])
 
 
 class Inner(NamedTuple):
@@ -129,12 +136,12 @@ def test_compiled_code_reads_and_writes_records_by_their_annotations():
     """Arrays, numbers, records within records; numbers may change, arrays stay."""
     H, x, cells = np.zeros((3, 4, 3)), np.array([0.0, 0.0, 0.0, 0.5]), np.arange(6).reshape(3, 2)
     record = Outer(H, True, 7, 0.25, Inner(x, cells), (np.zeros(2), np.array([100])))
-    fixed = FixedArrays(record)
-    assert total(fixed.table) == 21 + 0.5 + 5 + 100 + 2
+    fixed = PackedArrays(record)
+    assert total(fixed.addresses) == 21 + 0.5 + 5 + 100 + 2
     assert H[1, 2, 1] == 0.25
     assert np.count_nonzero(H) == 1
     fixed.set(record._replace(sees=False, h=-1.5))
-    assert total(fixed.table) == 0.5 + 5 + 100 + 2
+    assert total(fixed.addresses) == 0.5 + 5 + 100 + 2
     assert H[1, 2, 1] == -1.5
 
 

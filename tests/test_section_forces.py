@@ -150,7 +150,7 @@ def test_what_meets_at_a_node_is_the_residual_of_the_scene(seed):
     v = rng.normal(size=(damped.count, 6))
     # without the forces of inertia that velocities have
     r = damped.residual(H) + damped.residual(H, v) - free.residual(H, v)
-    report, tables = damped.equations.report(H, v), damped.equations.tables
+    report, arrays = damped.equations.report(H, v), damped.equations.arrays
     motion = fl.GeneralisedAlpha().run(scene, duration=1e-3, step=1e-3)
     motion = replace(
         motion,
@@ -163,8 +163,8 @@ def test_what_meets_at_a_node_is_the_residual_of_the_scene(seed):
         numbers[beam.model.elements], found.ends[0], strict=True
     ):
         for node, wrench in ((start, -first), (end, second)):
-            turn = lie.se3_adjoint(lie.se3_inverse(tables.offset[node]))
-            total[tables.master[node]] += turn.T @ wrench
+            turn = lie.se3_adjoint(lie.se3_inverse(arrays.offset[node]))
+            total[arrays.master[node]] += turn.T @ wrench
     np.testing.assert_allclose(total.ravel(), r, atol=1e-11 * np.abs(r).max())
 
 

@@ -2,7 +2,7 @@
 
 In Python they are structures of ctypes, whose attributes are as fast as elements of an array; those
 of a ``np.record`` take thirty times as long. Compiled functions take records as arguments, but
-cannot return them: what unpacks a table of addresses (:mod:`fem_lie._jit.fixed_arrays`) gives an
+cannot return them: what unpacks a table of addresses (:mod:`fem_lie._jit.packed_arrays`) gives an
 array of one record, :data:`Records`.
 """
 

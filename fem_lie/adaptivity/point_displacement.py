@@ -124,7 +124,7 @@ def dual_motion(scene: Scene, result: StaticResult, goal: PointDisplacementGoal)
     state.move(result.info.renumbered(result.frames, unknowns.bodies))
     node, wrench = goal.load(result)
     free = ~unknowns.held
-    master = equations.tables.master[node]
+    master = equations.arrays.master[node]
     own = np.cumsum(free).reshape(free.shape)[master] - 1
     j = np.zeros(int(free.sum()))
     for i in own[free[master]]:

@@ -19,7 +19,7 @@ from dolfinx import fem
 from fem_lie import _compat
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, uncounted
-from fem_lie._jit.fixed_arrays import Integers1, Integers2
+from fem_lie._jit.packed_arrays import Integers1, Integers2
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.assembly import Assembly, BodyTerm
 from fem_lie.forms.cell_forms import CELLS, EXTENT, KERNEL, NODES, C, X, own_coefficients

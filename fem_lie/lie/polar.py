@@ -13,7 +13,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
 from fem_lie._jit.copies import copy_matrix
-from fem_lie._jit.fixed_arrays import Integers1, Numbers2, Numbers3
+from fem_lie._jit.packed_arrays import Integers1, Numbers2, Numbers3
 
 _MOST = 60  # iterations; six do for moderate strains
 _EXACT = 1e-15

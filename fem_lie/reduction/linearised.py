@@ -55,13 +55,13 @@ class LinearisedBody:
         self.free: Flags = ~equations.unknowns.held
         self.weight: Array = state.weight.reshape(-1, 6)
         self.pencil: Pencil = state.pencil()
-        tables, nodes = equations.tables, equations.unknowns.bodies[self.body]
-        self.inertia = tables.inertia
-        self.master: Indices = tables.master[nodes]
+        arrays, nodes = equations.arrays, equations.unknowns.bodies[self.body]
+        self.inertia = arrays.inertia
+        self.master: Indices = arrays.master[nodes]
         inverse = np.argsort(nodes)
         self.leads: Indices = inverse[equations.unknowns.masters]
         # maps the twist of the master to that of the node
-        self._turn = lie.se3_adjoint(lie.se3_inverse(tables.offset[nodes]))
+        self._turn = lie.se3_adjoint(lie.se3_inverse(arrays.offset[nodes]))
 
     def factor(self, some: Indices | None = None) -> scipy.sparse.linalg.SuperLU:
         """Factors of the stiffness of all or some of the free unknowns.

@@ -19,7 +19,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
-from fem_lie._jit.fixed_arrays import FixedArrays
+from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie._state import Stateful, attributes
 from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, TOTAL, WORK
 from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays
@@ -291,11 +291,11 @@ class EnergyBalance(Stateful):
             targets=z(system.m),
         )
         self._start = self._last.plain
-        self._fixed = FixedArrays([*self._acting.arrays, *self._last, self.total])
+        self._fixed = PackedArrays([*self._acting.arrays, *self._last, self.total])
         self.empty, self.compiled = not self._acting, self._acting.plain
         self._idle = False
         self.compiled_but_held = self._acting.plain_but_held
-        self.looks, self.table = self._acting.looks, self._fixed.table
+        self.looks, self.addresses = self._acting.looks, self._fixed.addresses
         self._row, self._wrenches = z(SIZE), z((rows, 6))
         self._undriven = z(system.m)
         self._stored, self._time = z(1), z(1)
@@ -357,7 +357,7 @@ class EnergyBalance(Stateful):
             return
         end = H, v, multipliers, self.targets
         if self.compiled:
-            look_and_sum_up(h, end, *self.looks, self.table)
+            look_and_sum_up(h, end, *self.looks, self.addresses)
             return
         if acting.strained:
             total[POWER] += self._strain_work(time, H)

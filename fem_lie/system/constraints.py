@@ -23,7 +23,7 @@ from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
     HistoryKey,
     Numbered,
-    SystemRows,
+    SystemFrames,
     Targets,
 )
 from fem_lie.system.constraint_sets.kinds import sets_of
@@ -73,8 +73,8 @@ class Connections:
             Numbered(item, k, int(at))
             for k, (item, at) in enumerate(zip(self.items, self._coordinates, strict=False))
         ]
-        rows = SystemRows(numbering, frames, held, fixed)
-        self.first, others = sets_of(numbered, rows)
+        constrained = SystemFrames(numbering, frames, held, fixed)
+        self.first, others = sets_of(numbered, constrained)
         self.sets: list[ConstraintSet] = [self.first, *others]
         self.owner: Indices = np.concatenate([each.owner for each in self.sets]).astype(np.int64)
         self.angular: Flags = np.concatenate([each.angular for each in self.sets]).astype(bool)

@@ -15,7 +15,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked, uncounted
 from fem_lie._jit.copies import copy_blocks, copy_matrix, copy_vector
-from fem_lie._jit.fixed_arrays import Integers1, Numbers1, Numbers2, Numbers3, unpacking
+from fem_lie._jit.packed_arrays import Integers1, Numbers1, Numbers2, Numbers3, unpacking
 from fem_lie.bodies.balances import BY_LOADS
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays

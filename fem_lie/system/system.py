@@ -31,7 +31,7 @@ from fem_lie.system.nodes.parts import shared_nodes
 from fem_lie.system.nodes.sums import add_joints, nodal_residual, report, residual
 from fem_lie.system.tangent import Tangent, every, whole
 from fem_lie.system.terms.all_terms import terms_of
-from fem_lie.system.time_state import Forces, FrameRows, Plan, TimeState
+from fem_lie.system.time_state import Forces, NodalData, Plan, TimeState
 
 _log = logging.getLogger(__name__)
 
@@ -60,8 +60,8 @@ class System:
         convected_drilling: Frames that follow the mid-surface, to be rotated after each step.
         convected_axes: Axes of position nodes that follow their neighbourhood.
         convected: All convected axes.
-        in_one_sum: Whether :meth:`residual` is the compiled sum of :attr:`Forces.table` only, apart
-            from held unknowns.
+        in_one_sum: Whether :meth:`residual` is the compiled sum of :attr:`Forces.addresses` only,
+            except for held unknowns.
         rotations: Rotations of elements from end to end.
         lengths: Whether the first and the last three unknowns of the nodes are lengths, shape (n,
             2); others have no dimension.
@@ -97,11 +97,11 @@ class System:
         self.scene = scene
         self.numbering = numbering_for(scene, self)
         self.count = self.numbering.count
-        self.rows = rows = FrameRows(scene, self.numbering, parametrisation, group)
-        self.kinds, self.frames, self.velocities = rows.kinds, rows.frames, rows.velocities
-        self.held, self.supported = rows.held, rows.supported
-        self.lengths = rows.lengths
-        self.length = rows.length if part is None else part.length
+        self.nodal_data = nodal = NodalData(scene, self.numbering, parametrisation, group)
+        self.kinds, self.frames, self.velocities = nodal.kinds, nodal.frames, nodal.velocities
+        self.held, self.supported = nodal.held, nodal.supported
+        self.lengths = nodal.lengths
+        self.length = nodal.length if part is None else part.length
         self.shared = shared_nodes(part, self.numbering)
         self.separates_director, self._any_held = (
             self.numbering.separates_director,
@@ -196,7 +196,7 @@ class System:
 
     def prescribed_frames(self, time: float) -> Array:
         """Frames of the prescribed motions at ``time``, shape (p, 4, 3)."""
-        return self.rows.prescribed(time)
+        return self.nodal_data.prescribed(time)
 
     # --- equations ---
 
@@ -244,11 +244,11 @@ class System:
         """:meth:`residual` without zeroing the reactions of held unknowns."""
         found = self._found if forces is None else forces
         H, v, a, multipliers = state
-        if found.table is None:
+        if found.addresses is None:
             self.applied(state, scale, r, found, per_increment)
             self.terms.add_forces(H, r, found.own)
         else:
-            residual(H, v, a, multipliers, scale, r, found.table)
+            residual(H, v, a, multipliers, scale, r, found.addresses)
             if self._some_outside_tables:
                 self.terms.add_others(H, r, found.own)
         if self._viscous:
@@ -288,7 +288,7 @@ class System:
         sum of all forces on a node, which is zero at equilibrium.
         """
         if self._any_separates_director:
-            total = np.where(self.rows.turning, forces.outer + forces.inner, 0.0)
+            total = np.where(self.nodal_data.turning, forces.outer + forces.inner, 0.0)
             self.tangent.add_turnings(total, self.separates_director)
 
     def fill_matrix(self, state: TimeState, forces: Forces, plan: Plan) -> Array:

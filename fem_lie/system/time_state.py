@@ -9,7 +9,7 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices, diameter
-from fem_lie._jit.fixed_arrays import FixedArrays
+from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie.forms.abilities import Ends
 from fem_lie.joints.histories import declared, until_next
 from fem_lie.lie.motions import Group, Parametrisation
@@ -19,7 +19,7 @@ from fem_lie.scene.matrix_terms import MatrixTerms
 from fem_lie.system.nodes.numbering import Numbering
 
 
-class FrameRows:
+class NodalData:
     """Initial frames of nodes, ground and prescribed motions; properties of the moving nodes.
 
     Attributes:
@@ -42,7 +42,7 @@ class FrameRows:
         parametrisation: Parametrisation,
         group: Group | None,
     ) -> None:
-        """Collect the rows.
+        """Collect the data.
 
         Args:
             scene: The scene.
@@ -173,7 +173,7 @@ class Forces:
         inner: Forces of all other terms, shape (n, 6).
         own: Forces of each term whose derivative needs them.
         work: Two arrays of the shape of ``on_rows``, which is the second.
-        table: Addresses of the arrays for compiled functions, if all forces are one sum.
+        addresses: Addresses of the arrays for compiled functions, if all forces are one sum.
     """
 
     def __init__(self, count: int, own: Sequence[Array], constant: Sequence[Any] | None) -> None:
@@ -189,7 +189,7 @@ class Forces:
         self.on_rows = self.work[1]
         self.outer, self.inner = np.zeros((2, count, 6))
         self.own = own
-        self.table: Indices | None = None
+        self.addresses: Indices | None = None
         if constant is not None:
-            self._fixed = FixedArrays(self.work if a is None else a for a in constant)
-            self.table = self._fixed.table
+            self._fixed = PackedArrays(self.work if a is None else a for a in constant)
+            self.addresses = self._fixed.addresses

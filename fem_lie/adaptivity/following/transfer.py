@@ -101,7 +101,7 @@ def invariants_of(equations: Equations, H: Array, v: Array) -> tuple[float, Arra
     unknowns = equations.unknowns
     rates, workspace = np.empty((2, unknowns.moving, 4, 3))
     energy, *momenta = invariants(
-        unknowns.kinds, H, v[: unknowns.moving], *equations.tables.inertia, rates, workspace
+        unknowns.kinds, H, v[: unknowns.moving], *equations.arrays.inertia, rates, workspace
     )
     return float(energy), np.array(momenta)
 
@@ -109,7 +109,7 @@ def invariants_of(equations: Equations, H: Array, v: Array) -> tuple[float, Arra
 def mass_matrix(equations: Equations, H: Array) -> sp.csr_matrix:
     """Mass matrix of the twists of all moving nodes, shape (6 n, 6 n)."""
     n, kinds = equations.unknowns.moving, equations.unknowns.kinds
-    indptr, indices, G = equations.tables.inertia
+    indptr, indices, G = equations.arrays.inertia
     L = np.empty((6, n, 4, 3))
     for k in range(6):
         push_all_forward(kinds, H, np.tile(np.eye(6)[k], (n, 1)), L[k])
@@ -274,7 +274,7 @@ def _kept(
     v: Array,
 ) -> Array:
     """Twists with the former momenta, corrected only at new nodes if all others remain."""
-    unknowns, master = equations.unknowns, equations.tables.master
+    unknowns, master = equations.unknowns, equations.arrays.master
     (new, changed), lost = np.zeros((2, unknowns.moving), dtype=bool), False
     for name, points in found.items():
         nodes, count = master[unknowns.bodies[after[name]]], len(result.info.body(name).nodes)
@@ -301,7 +301,7 @@ def _check_joints(equations: Equations, H: Array) -> None:
     sizes = violations / np.where(unknowns.angular, 1.0, unknowns.length)
     if sizes.max(initial=0.0) > _VIOLATED:
         worst = int(sizes.argmax())
-        joint = equations.info.joints[int(equations.tables.owner[worst])]
+        joint = equations.info.joints[int(equations.arrays.owner[worst])]
         unit = "rad" if unknowns.angular[worst] else f"of a model of the size {unknowns.length:.1e}"
         raise ValueError(
             f"{joint.name} is violated by {violations[worst]:.1e} {unit} on the new mesh: its "

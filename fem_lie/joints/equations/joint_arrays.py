@@ -13,7 +13,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined
-from fem_lie._jit.fixed_arrays import Integers1, Numbers1
+from fem_lie._jit.packed_arrays import Integers1, Numbers1
 
 PackedJoints: TypeAlias = tuple[Numbers1, Integers1]
 """Numbers and integers of a :class:`JointArrays`, each as one array."""

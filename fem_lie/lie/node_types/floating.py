@@ -18,7 +18,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, compiled, inlined, inlined_uncounted, uncounted
 from fem_lie._jit.by_address import call_with_arrays
 from fem_lie._jit.copies import copy_matrix
-from fem_lie._jit.fixed_arrays import Integers1, Numbers1
+from fem_lie._jit.packed_arrays import Integers1, Numbers1
 from fem_lie._jit.stack import blocks_at, matrix_at, stack, vector_at
 from fem_lie.lie.node_types.floating_coordinates import (
     Rows,

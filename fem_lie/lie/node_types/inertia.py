@@ -17,7 +17,7 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined, uncounted
-from fem_lie._jit.fixed_arrays import Integers1, Numbers3
+from fem_lie._jit.packed_arrays import Integers1, Numbers3
 from fem_lie._jit.stack import matrix_at, stack
 from fem_lie.lie import directors
 from fem_lie.lie.node_types.all_nodes import push_all_forward

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit.fixed_arrays import FixedArrays
+from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie._state import attributes
 from fem_lie.contact.impact.records import FRICTION, IMPACT
 from fem_lie.linear.equilibrated import SingularMatrixError
@@ -62,7 +62,7 @@ class Run(Newton):
     def __init__(self, options: Options, equations: Equations, step: float) -> None:
         """Start the run of a scene from its initial state."""
         super().__init__(options, equations, step)
-        known, rule = equations.tables, self.decisions.rule
+        known, rule = equations.arrays, self.decisions.rule
         # the only condition for steps in the compiled loop
         compiled = rule is not None and not self._projects and not self._turned
         compiled = compiled and not equations.shared.several
@@ -89,9 +89,9 @@ class Run(Newton):
             self._contacts.set_rule(self._end_rule)
 
     @cached_property
-    def _packed(self) -> FixedArrays:
-        known, s, balance = self.equations.tables, self.s, self.balance
-        forces = _NOWHERE if self.forces.table is None else self.forces.table
+    def _packed(self) -> PackedArrays:
+        known, s, balance = self.equations.arrays, self.s, self.balance
+        forces = _NOWHERE if self.forces.addresses is None else self.forces.addresses
         stored = (_NOWHERE, _NOTHING) if known.stored is None else known.stored
         packed = Packed(
             *s.plain,
@@ -102,7 +102,7 @@ class Run(Newton):
             self.r,
             self.dx,
             forces,
-            balance.table,
+            balance.addresses,
             balance.total,
             balance.targets,
             (known.joints, known.probes),
@@ -111,7 +111,7 @@ class Run(Newton):
             self.progress,
             self.decisions.known,
         )
-        return FixedArrays(packed)
+        return PackedArrays(packed)
 
     @property
     def _ends(self) -> bool:
@@ -205,7 +205,7 @@ class Run(Newton):
             last, wanted = min(history.next_stop(index), index + most), _NOTHING
         self._go_to_time((index + 1) * self.h)
         progress.row, progress.wanted, progress.total = history.row, 0, history.count
-        made = self._go(last, wanted, (history.scene, history.arrays.table), ends=True)
+        made = self._go(last, wanted, (history.scene, history.arrays.addresses), ends=True)
         filled = progress.wanted
         self._filled = int(wanted[filled - 1]) if filled else -1
         history.row, history.count = int(progress.row), int(progress.total)
@@ -237,7 +237,7 @@ class Run(Newton):
             here = self._guided or self._secants is not None
             solution = Solution.none() if here else self.solver.by_call
             how = self._plain[0], solution.plain, self._how(ends), self._rule
-            code = loop.run(self._packed.table, *how, results, wanted, last)
+            code = loop.run(self._packed.addresses, *how, results, wanted, last)
             if code == loop.DONE:
                 return True
             if code == loop.FAILED or not self._served(code):
@@ -250,11 +250,11 @@ class Run(Newton):
             finest=self._finest,
             limit=options.max_iterations,
             factor=self._factor,
-            summed=self.equations.tables.in_one_sum,
+            summed=self.equations.arrays.in_one_sum,
             missing=self._missing,
             checked=self.equations.matrix.redundant,
             ended=ends,
-            turns=self.equations.tables.turns,
+            turns=self.equations.arrays.turns,
             accounts=not balance.empty,
             loads=balance.looks[0],
             joints=balance.looks[1],

@@ -117,19 +117,19 @@ def _check_parts(composition: Composition) -> None:
 
 def _refuse(equations: Equations) -> None:
     """Raise ``ValueError`` for scenes that cannot be integrated back in time."""
-    tables, unknowns = equations.tables, equations.unknowns
-    pairs = tables.pairs_of_all
-    of_all = [tables.joints, *([] if pairs is None else [pairs.joints])]
+    arrays, unknowns = equations.arrays, equations.unknowns
+    pairs = arrays.pairs_of_all
+    of_all = [arrays.joints, *([] if pairs is None else [pairs.joints])]
     dampers = np.concatenate([joint_arrays(joints).springs[:, 1] for joints in of_all])
     reasons = {
-        "damping of materials": any(term.viscosity is not None for _, term in tables.assemblies),
-        "damping in proportion to mass": len(tables.damping.indptr) > 0,
+        "damping of materials": any(term.viscosity is not None for _, term in arrays.assemblies),
+        "damping in proportion to mass": len(arrays.damping.indptr) > 0,
         "dampers in connections": bool(np.any(dampers != 0.0)),
     }
     refuse(
         "Composed",
         {
-            "contacts by penalty": any(term.over_step is not None for term in tables.terms),
+            "contacts by penalty": any(term.over_step is not None for term in arrays.terms),
             "strains that change in time (Temperature, Eigenstrain with a history)": (
                 unknowns.strains_change
             ),

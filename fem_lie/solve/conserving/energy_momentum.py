@@ -67,7 +67,7 @@ def refuse_scene(equations: Equations) -> None:
     Raises:
         ValueError: The message names the feature.
     """
-    unknowns, known = equations.unknowns, equations.tables
+    unknowns, known = equations.unknowns, equations.arrays
     vectors, drilling = has_vector_nodes(equations), ", ".join(unknowns.drilling)
     rotated = {body.label for each in equations.scene.contacts for body in each.pair.rotated}
     forces = any(term.over_step is not None for term in known.terms)
@@ -97,7 +97,7 @@ def refuse_scene(equations: Equations) -> None:
 
 def _refuse_joints(equations: Equations) -> None:
     """Raise an error for joints that are not supported with nodes without frames."""
-    pairs = equations.tables.pairs_of_all
+    pairs = equations.arrays.pairs_of_all
     reasons = {
         "velocity constraints, joints that slide or roll, or joints between the nodes of a Beam": (
             pairs is None
@@ -185,7 +185,7 @@ class EnergyMomentum(Integrator):
         self, scene: Scene, plan: ChosenSteps
     ) -> Callable[[Equations, Control], Stepper[Any]]:
         def begin(equations: Equations, control: Control) -> ConservingSteps:
-            if any(term.over_step is not None for term in equations.tables.terms):
+            if any(term.over_step is not None for term in equations.arrays.terms):
                 raise ValueError(
                     "conserving schemes support contacts by penalty with constant steps only: "
                     "expected the step size as a number and a scene without discontinuities"

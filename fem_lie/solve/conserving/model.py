@@ -136,13 +136,13 @@ def has_vector_nodes(equations: Equations) -> bool:
 
 def products_of(equations: Equations) -> tuple[int, int]:
     """Number of modal coordinates (each has products with inertia), and of reduced-order bodies."""
-    sizes = equations.tables.floating.sizes
+    sizes = equations.arrays.floating.sizes
     return int(sizes.sum()), len(sizes)
 
 
 def assemblies_of_frames(equations: Equations) -> list[tuple[slice, BodyTerm]]:
     """Assemblies of bodies whose nodes are frames with inertia of their own."""
-    known = equations.tables
+    known = equations.arrays
     kinds = known.kinds[known.master]
     return [
         (at, term)
@@ -153,8 +153,8 @@ def assemblies_of_frames(equations: Equations) -> list[tuple[slice, BodyTerm]]:
 
 def vector_cells_of(equations: Equations) -> VectorCells:
     """Cells of all terms on nodes with vector coordinates, with their initial metric."""
-    kinds = equations.tables.kinds
-    tables = [term.tables for term in equations.tables.terms if not term.load]
+    kinds = equations.arrays.kinds
+    tables = [term.tables for term in equations.arrays.terms if not term.load]
     parts = [both for both in tables if both is not None]
     parts = [both for both in parts if (kinds[both[0].nodes] >= POSITION_GRADIENT).all()]
     forces, energy = (
@@ -178,7 +178,7 @@ def vector_cells_of(equations: Equations) -> VectorCells:
 
 def end_forces_of(equations: Equations) -> EndForces:
     """Terms whose forces over a step are secants."""
-    known = equations.tables
+    known = equations.arrays
     return EndForces(known.terms, known.master, known.offset, equations.unknowns.moving)
 
 
@@ -202,7 +202,7 @@ def model_of(
     incidences: Incidences,
 ) -> Model:
     """Constant arrays of the scene for steps."""
-    known, unknowns = equations.tables, equations.unknowns
+    known, unknowns = equations.arrays, equations.unknowns
     n, m = unknowns.moving, unknowns.m
     loads = Loads(*(array.copy() for array in known.loads))
     mass = inertia_with_products(known.inertia, known.floating)
@@ -243,7 +243,7 @@ def model_of(
 
 def _without_inertia(equations: Equations) -> Array:
     """Projectors on the rotations of frames that have no inertia, (n, 3, 3), or (0, 3, 3)."""
-    unknowns, mass = equations.unknowns, equations.tables.inertia
+    unknowns, mass = equations.unknowns, equations.arrays.inertia
     rows = np.repeat(np.arange(unknowns.moving), np.diff(mass.indptr[: unknowns.moving + 1]))
     own = (rows == mass.indices[: len(rows)]) & (unknowns.kinds[rows] < POSITION_GRADIENT)
     E = np.zeros((unknowns.moving, 3, 3))
@@ -261,7 +261,7 @@ def _without_inertia(equations: Equations) -> Array:
 
 def _of_frames(equations: Equations) -> Array:
     """Norm weights of unknowns of frames and of constraints between frames only, else zero."""
-    unknowns, vectors = equations.unknowns, equations.tables.kinds >= POSITION_GRADIENT
+    unknowns, vectors = equations.unknowns, equations.arrays.kinds >= POSITION_GRADIENT
     incidences, touched = equations.matrix.incidences, np.zeros(unknowns.m, dtype=bool)
     touched[incidences.rows[vectors[incidences.nodes]]] = True
     return np.where(np.append(np.repeat(vectors, 6), touched), 0.0, unknown_scaling(unknowns))

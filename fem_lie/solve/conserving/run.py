@@ -66,14 +66,14 @@ class Run(Steps):
     @property
     def _alone(self) -> bool:
         """Whether the compiled loop can make and record the next steps by itself."""
-        tables, s = self.equations.tables, self.s
+        arrays, s = self.equations.arrays, self.s
         ruled = self.rule is not None and self._factors is not None
         known = len(s.multipliers) == 0 or s.sizes[-1] > 0.0
         return (
             ruled
             and not (self.unpredicted or self.division.level)
             and known
-            and tables.complete
+            and arrays.complete
             and (not self._held or self._table is not None)
             and not (self._changing or self._each)
         )
@@ -86,7 +86,7 @@ class Run(Steps):
         assert self.rule is not None
         most = max(1, _AT_A_TIME // self.equations.unknowns.size)
         last, wanted = history.steps_in_loop(self.index, most)
-        results = self._filled.scene, history.arrays.table, wanted
+        results = self._filled.scene, history.arrays.addresses, wanted
         supports = self._supports(history)
         progress, packed = self.progress, self._packed
         progress.row, progress.wanted, progress.near = history.row, 0, 0
@@ -111,18 +111,18 @@ class Run(Steps):
 
     def _supports(self, history: History) -> steps.PlainSupports:
         """Supports whose reactions the compiled loop fills in."""
-        unknowns, tables = self.equations.unknowns, self.equations.tables
+        unknowns, arrays = self.equations.unknowns, self.equations.arrays
         wanted = self._held and Record.FORCES in history.filled
         rows = history.reactions if wanted else np.empty((0, 0, 6))
         table = np.empty((0, 5), dtype=np.int64) if self._table is None else self._table
         ones = np.ones(unknowns.m)
         held = unknowns.held, unknowns.supported
-        return (*steps.Supports(table, tables.turning, *held, rows, ones),)
+        return (*steps.Supports(table, arrays.turning, *held, rows, ones),)
 
     @property
     def _table(self) -> Indices | None:
         """Packed arrays of the sum of all forces, if they are one compiled sum."""
-        return self._found.table if self.equations.tables.in_one_sum else None
+        return self._found.addresses if self.equations.arrays.in_one_sum else None
 
     def _failure(self, steps: int) -> str:
         increment = float(self.progress.increment)
@@ -206,7 +206,7 @@ class Run(Steps):
         s, (end, v, rates) = self.s, np.empty((3, self.moving, 6))
         rates_at_end(s.rates, s.sizes, end)
         V = s.V[: self.moving]
-        twists(self._kinds, self.equations.tables.turning, s.H, V, end, v, rates)
+        twists(self._kinds, self.equations.arrays.turning, s.H, V, end, v, rates)
         return self.equations.report(s.H, v, rates, multipliers, linearised=False).reactions
 
     # --- checkpoints ---

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit.fixed_arrays import FixedArrays
+from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie._state import ChangingArrays, attributes, put_back, saved
 from fem_lie.bodies.balances import WORK
 from fem_lie.forms.cells import Cells, evaluate
@@ -120,9 +120,9 @@ class RunState(DividedIntegration[History]):
         self.options, self.rule, self.size = options, options.policy.rule(), self.h
         self.moving, self._changing = equations.unknowns.moving, equations.unknowns.time_dependent
         self._held = len(equations.unknowns.supported) > 0
-        kinds = equations.tables.kinds
+        kinds = equations.arrays.kinds
         self._kinds, self._vectors = kinds, np.flatnonzero(kinds >= POSITION_GRADIENT)
-        of_all = kinds[equations.tables.master] < POSITION_GRADIENT
+        of_all = kinds[equations.arrays.master] < POSITION_GRADIENT
         # a full slice makes no copy
         self._framed = self._framed_rows = slice(None)
         if len(self._vectors):
@@ -154,14 +154,14 @@ class RunState(DividedIntegration[History]):
         )
         # convected axes are rotated after each step, and constraint violations of joints are
         # reduced
-        known, turns = equations.tables, len(self._vectors) > 0
+        known, turns = equations.arrays, len(self._vectors) > 0
         turns &= known.drills or len(known.around[0]) > 0
         self._each = turns or self._python_forces.between or options.policy.secants > 0
         if options.policy.secants > 0:
             self._python_forces.learn(Secants(options.policy.secants, self._node_measure))
         self._packed = Packed(self.model, self.s, self.this)
         self.progress = corrections.PROGRESS()
-        self._progress_at = FixedArrays((self.progress,)).table
+        self._progress_at = PackedArrays((self.progress,)).addresses
         self.counts, self.unpredicted = np.zeros(2, dtype=np.int64), 0
         self._factors: Factors | None = None
         self._kept = -1  # last step whose row the compiled loop has filled in
@@ -195,7 +195,7 @@ class RunState(DividedIntegration[History]):
         These are twists of frames, and rates of the coordinate vectors of other nodes.
         """
         out, unused, still = np.zeros((3, len(V), 6))
-        turning = self.equations.tables.turning
+        turning = self.equations.arrays.turning
         twists(self._kinds, turning, H, np.ascontiguousarray(V), still, out, unused)
         return out
 
@@ -310,14 +310,14 @@ class RunState(DividedIntegration[History]):
 
     def _take_loads(self) -> None:
         # the weight of products is constant
-        for array, value in zip(self.model.loads, self.equations.tables.loads, strict=True):
+        for array, value in zip(self.model.loads, self.equations.arrays.loads, strict=True):
             array[: self.moving] = value
 
     def _set_loads(self, time: float) -> None:
         """Forces of the loads at ``time``; initial strains do work when they change."""
         self.equations.prescribed(time).act()
         self._take_loads()
-        self.model.pressure.across[:] = segments_of(self.equations.tables.terms).across
+        self.model.pressure.across[:] = segments_of(self.equations.arrays.terms).across
         if self._strained:
             before = self.s.W.copy()
             self.cells.pack()

@@ -112,7 +112,7 @@ class AsynchronousRun(Integration[Recorder]):
         """
         super().__init__(FactoriseOnce(), equations, step)
         self.equations_state = equations.history_variables
-        n, known = equations.unknowns.moving, equations.tables
+        n, known = equations.unknowns.moving, equations.arrays
         tables = [term.tables[0] for term in known.terms if term.tables is not None]
         self._rows: Indices = np.concatenate([NO_ROWS, *(t[0] for t in tables)])
         at = np.cumsum([0, *(len(t[1]) for t in tables)])
@@ -221,18 +221,18 @@ class AsynchronousRun(Integration[Recorder]):
 
 def _refuse(equations: Equations) -> None:
     """Raise ``ValueError`` if the scheme does not support the scene."""
-    unknowns, tables = equations.unknowns, equations.tables
-    mass_damping = len(tables.damping.indptr) > 0
-    viscous = mass_damping or any(term.viscosity is not None for term in tables.terms)
-    massless = bool((tables.inertia.blocks[:, 0, 0] <= 0.0).any())
+    unknowns, arrays = equations.unknowns, equations.arrays
+    mass_damping = len(arrays.damping.indptr) > 0
+    viscous = mass_damping or any(term.viscosity is not None for term in arrays.terms)
+    massless = bool((arrays.inertia.blocks[:, 0, 0] <= 0.0).any())
     reasons = {
         "nodes with other unknowns than positions": bool((unknowns.kinds != POSITION).any()),
         "joints": unknowns.m > 0,
-        "springs between bodies": len(joint_arrays(tables.joints).springs) > 0,
+        "springs between bodies": len(joint_arrays(arrays.joints).springs) > 0,
         "damping": viscous,
         "nodes without mass": massless,
         "loads that change in time, following loads and moments": unknowns.time_dependent
         or not unknowns.has_potential,
-        "contact and pressure": any(t.tables is None for t in tables.terms),
+        "contact and pressure": any(t.tables is None for t in arrays.terms),
     }
     refuse("Asynchronous", reasons, "Explicit, where that supports the scene, or GeneralisedAlpha")

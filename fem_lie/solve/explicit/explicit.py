@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit.fixed_arrays import FixedArrays
+from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie._state import attributes
 from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.lie.motions import Group
@@ -84,7 +84,7 @@ class ExplicitRun(Integration[Recorder]):
         """
         super().__init__(FactoriseOnce(), equations, step)
         self.equations_state = equations.history_variables
-        unknowns, known = equations.unknowns, equations.tables
+        unknowns, known = equations.unknowns, equations.arrays
         n = unknowns.moving
         self.masses, self.limit, self._n = masses, limit, n
         self._changing = unknowns.time_dependent
@@ -97,7 +97,7 @@ class ExplicitRun(Integration[Recorder]):
         self.balance = equations.energy_balance()
         self._forces = equations.residual(self._instant, self._one, self.r)
         supports = np.flatnonzero(known.supported.any(axis=1))
-        balance, table = self.balance, self._forces.table
+        balance, table = self.balance, self._forces.addresses
         self._summed = known.in_one_sum and table is not None and not m
         self._supported = len(supports) > 0
         # points with convected axes of their surroundings; cables have those of the tangent
@@ -118,12 +118,12 @@ class ExplicitRun(Integration[Recorder]):
             (supports, known.supported[supports].astype(np.int64)),
             self.reaction,
             _NOWHERE if table is None else table,
-            balance.table,
+            balance.addresses,
             balance.total,
             self.progress,
             self._decay,
         )
-        self._packed = FixedArrays(packed)
+        self._packed = PackedArrays(packed)
 
     @property
     def _balance_in_loop(self) -> bool:
@@ -178,9 +178,9 @@ class ExplicitRun(Integration[Recorder]):
         self.balance.open(0.0, *self._moving)
         if self._balance_in_loop:
             # without supports, which are accounted for separately
-            loop.look(self._packed.table, self._how, 0.0)
+            loop.look(self._packed.addresses, self._how, 0.0)
         if self._how[1]:
-            loop.weigh(self._packed.table, self._balance_in_loop)
+            loop.weigh(self._packed.addresses, self._balance_in_loop)
         else:
             self.equations.residual(self._instant, self._one, self.r, self._forces)
 
@@ -200,7 +200,7 @@ class ExplicitRun(Integration[Recorder]):
         if self._joints is not None:
             return self._joined(self._joints)
         how, start = self._how, self.H.copy()
-        while loop.run(self._packed.table, how, last) == loop.RESIDUAL:
+        while loop.run(self._packed.addresses, how, last) == loop.RESIDUAL:
             self.equations.residual(self._instant, self._one, self.r, self._forces)
             if self._remembers:
                 if not self._accept_history(start):
@@ -324,8 +324,8 @@ class Explicit(Integrator):
 def _refuse(equations: Equations) -> None:
     """Raise ``ValueError`` if the scheme does not support the scene."""
     refuse_floating(equations)
-    unknowns, tables = equations.unknowns, equations.tables
-    dampers = bool(np.any(joint_arrays(tables.joints).springs[:, 1] != 0.0))
+    unknowns, arrays = equations.unknowns, equations.arrays
+    dampers = bool(np.any(joint_arrays(arrays.joints).springs[:, 1] != 0.0))
     reasons = {
         "velocity constraints (KnifeEdge, RollingDisc), whose motion makes no action stationary": (
             unknowns.of_velocities > 0
@@ -336,9 +336,9 @@ def _refuse(equations: Equations) -> None:
         "supports along axes fixed in space (Shell.roller)": bool(equations.supports),
         "damping by strain rates and dampers": dampers
         or any(
-            term.viscosity is not None and term.viscosity.rates is None for term in tables.terms
+            term.viscosity is not None and term.viscosity.rates is None for term in arrays.terms
         ),
         "strains that change in time": unknowns.strains_change,
-        "friction of penalties": any(term.has_friction for term in tables.terms),
+        "friction of penalties": any(term.has_friction for term in arrays.terms),
     }
     refuse("Explicit", reasons)

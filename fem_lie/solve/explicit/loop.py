@@ -8,7 +8,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
-from fem_lie._jit.fixed_arrays import (
+from fem_lie._jit.packed_arrays import (
     Integers1,
     Integers2,
     Numbers1,

@@ -19,7 +19,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie._jit.fixed_arrays import Integers1, Integers2, Numbers2, Numbers3
+from fem_lie._jit.packed_arrays import Integers1, Integers2, Numbers2, Numbers3
 from fem_lie.lie.directors import rotate_onto
 from fem_lie.lie.node_types import (
     POSITION,

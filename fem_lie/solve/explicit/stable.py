@@ -47,7 +47,7 @@ class StableStep(NamedTuple):
 def masses_of(equations: Equations) -> Masses:
     """Lumped inertia of the nodes; ``ValueError`` names unsupported ones."""
     kinds, held = equations.unknowns.kinds, equations.unknowns.held
-    G = equations.tables.inertia.blocks
+    G = equations.arrays.inertia.blocks
     n = len(kinds)
     m, s, E = G[:, 0, 0], G[:, 0, 1:], G[:, 1:, 1:]
     straight, still = kinds >= POSITION_GRADIENT, held.all(axis=1)
@@ -71,7 +71,7 @@ def masses_of(equations: Equations) -> Masses:
     inverse[director, 0, 0] = inverse[director, 1, 1] = 1.0 / J[director, 0, 0]
     inverse[axial, 0, 0] = 1.0 / J[axial, 0, 0]
     ones = np.zeros((n, 2)) + np.where(ways[:, np.newaxis] == STILL, 1.0, weights)
-    known = equations.tables
+    known = equations.arrays
     first, second = known.edges.T
     edges = np.ascontiguousarray(np.column_stack([known.master[first], known.master[second]]))
     ends = np.ascontiguousarray(known.offset[second, 0])
@@ -91,8 +91,8 @@ def damping_rates(equations: Equations, masses: Masses) -> Array:
     Raises:
         ValueError: Damping of a frame is not proportional to its inertia.
     """
-    D = equations.tables.damping
-    n, G = len(masses.kinds), equations.tables.inertia.blocks
+    D = equations.arrays.damping
+    n, G = len(masses.kinds), equations.arrays.inertia.blocks
     if not len(D.indptr):
         return np.zeros((0, 2))
     rates, own = np.zeros((n, 2)), (D.blocks, G)
@@ -167,7 +167,7 @@ def stable_step(equations: Equations, masses: Masses, H: Array) -> StableStep:
     """
     n, held = len(masses.kinds), equations.unknowns.held | (masses.ways == STILL)[:, np.newaxis]
     K = np.zeros((n, 6, 6))
-    for term in equations.tables.terms:
+    for term in equations.arrays.terms:
         rows, columns = term.pairs
         kept = term.workspace()
         term.add_forces(H, np.zeros((n, 6)), kept)

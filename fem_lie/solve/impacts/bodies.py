@@ -43,7 +43,7 @@ class CoupledBodies:
             rule: Relation of velocities and accelerations at the end of a step to its increment.
             kept: Factors of the iteration matrix; ``None`` for scenes without elements.
         """
-        unknowns, tables, start = equations.unknowns, equations.tables, equations.start
+        unknowns, arrays, start = equations.unknowns, equations.arrays, equations.start
         self._equations, self._rule, self._kept = equations, rule, kept
         self._h = rule.h
         self._n, self._m, self._kinds = unknowns.moving, unknowns.m, unknowns.kinds
@@ -54,7 +54,7 @@ class CoupledBodies:
             unknowns.bodies.__getitem__,
             np.full(self._rows, unknowns.length),
             start.frames,
-            partial(on_masters, master=tables.master, offset=tables.offset),
+            partial(on_masters, master=arrays.master, offset=arrays.offset),
         )
         sides = self.near.touch.a, self.near.touch.b
         self._width = sum(int((side.nodes >= 0).sum(axis=1).max()) for side in sides)

@@ -254,7 +254,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
         if (found := self.near.passed(self._H0, frames)) is None:
             return ""
         pair, way = found
-        master, own = self._equations.tables.master, self._equations.unknowns.bodies.items()
+        master, own = self._equations.arrays.master, self._equations.unknowns.bodies.items()
         who = self.near.names(pair, {body: master[nodes] for body, nodes in own})
         return str(PassedThroughError(" and ".join(who), *way))
 

@@ -91,7 +91,7 @@ class Impulses:
         self._equations, self._n, self._m = equations, 6 * unknowns.moving, unknowns.m
         self._inertia, self._first = _at_rest(equations, _TINY * step), step
         self._elastic: sp.csr_matrix | None = None
-        N = massless(equations.tables.inertia, unknowns.held)
+        N = massless(equations.arrays.inertia, unknowns.held)
         if N.count_nonzero():
             self._elastic = N @ (_at_rest(equations, step) - self._inertia) @ N
         self.resize(step)

@@ -32,7 +32,7 @@ def check_velocities(equations: Equations, step: float) -> None:
     Raises:
         ValueError: Velocities violate a clamp or a joint; the message names it.
     """
-    unknowns, master = equations.unknowns, equations.tables.master
+    unknowns, master = equations.unknowns, equations.arrays.master
     for clamp in equations.scene.clamps:
         body, node = clamp.point.body, clamp.point.node
         assert body is not None
@@ -56,7 +56,7 @@ def check_velocities(equations: Equations, step: float) -> None:
     rates = left / np.where(unknowns.angular, 1.0, unknowns.length)
     if (rates > bound).any():
         c = int(rates.argmax())
-        joint = equations.info.joints[int(equations.tables.owner[c])]
+        joint = equations.info.joints[int(equations.arrays.owner[c])]
         raise ValueError(
             f"the initial velocities break {joint.name}: its constraint changes at the rate "
             f"{first[c]:g}; give both bodies velocities that the joint allows"

@@ -66,9 +66,9 @@ def add_inertia_forces(
     rest.
     """
     work, kinds = np.empty_like(q), equations.unknowns.kinds
-    indptr, indices, blocks = equations.tables.inertia
+    indptr, indices, blocks = equations.arrays.inertia
     inertia.multiply(indptr, indices, blocks, q, work)
-    bodies, numbers = equations.tables.floating
+    bodies, numbers = equations.arrays.floating
     if bodies[0]:
         _add_floating(kinds, H, q, bodies, numbers, work)
     pull_all_back(kinds, H, work, factor, forces.reshape(-1))
@@ -149,7 +149,7 @@ class StepLog:
 
     def body(self, node: int) -> str:
         """Label of the body of a moving node."""
-        master = self.equations.tables.master
+        master = self.equations.arrays.master
         for body, nodes in self.equations.unknowns.bodies.items():
             if node in master[nodes]:
                 return body.label

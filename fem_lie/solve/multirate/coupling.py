@@ -81,9 +81,9 @@ class Coupling(Stateful):
             domains: Domains, which contain all moving nodes.
         """
         unknowns, n, m = between.unknowns, whole.unknowns.moving, between.unknowns.m
-        pairs = between.tables.pairs_of_all
-        self._joints = between.tables.joints if pairs is None else pairs.joints
-        self._domains, self._kinds = domains, between.tables.kinds
+        pairs = between.arrays.pairs_of_all
+        self._joints = between.arrays.joints if pairs is None else pairs.joints
+        self._domains, self._kinds = domains, between.arrays.kinds
         self._length, joined_nodes = unknowns.length, np.unique(between.matrix.incidences.nodes)
         self._at, self._ground = rows_of(between, whole), between.start.frames[n:]
         self._touched = self._at[joined_nodes]
@@ -92,7 +92,7 @@ class Coupling(Stateful):
         self.measure = constraint_scaling(unknowns)
         self.tries, self.found, self.left = 0, 0, np.inf
         self._start = 0.0
-        self._mass = float(between.tables.inertia.blocks[:, 0, 0].sum())
+        self._mass = float(between.arrays.inertia.blocks[:, 0, 0].sum())
         self._angular, self.unit = unknowns.angular, np.empty(m)
         self._guess_unit(domains[0].h * domains[0].count)
         self._moved, self._forces = np.zeros((n, 4, 3)), np.zeros((n, 4, 3))

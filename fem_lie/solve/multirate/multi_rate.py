@@ -80,9 +80,9 @@ class MultiRateRun(DividedIntegration[History]):
             Domain(options, part, step, count, rows_of(part, equations))
             for count, part in parts.items()
         )
-        bodies = equations.tables.floating
+        bodies = equations.arrays.floating
         self._products = [
-            product_numbers(part.tables.floating, domain.rows, bodies)
+            product_numbers(part.arrays.floating, domain.rows, bodies)
             for part, domain in zip(parts.values(), self._domains, strict=True)
         ]
         self._coupling = Coupling(between, equations, self._domains)
@@ -271,7 +271,7 @@ class MultiRate(Integrator):
         between = self.scheme.equations(joints)
         for part in (*parts.values(), between):
             _check_alike(part, equations)
-        pairs = between.tables.pairs_of_all
+        pairs = between.arrays.pairs_of_all
         drilling = ", ".join(between.unknowns.drilling)
         reasons = {
             "joints between bodies with steps of their own on shells with six parameters "

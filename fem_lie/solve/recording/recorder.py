@@ -251,7 +251,7 @@ class Recorder(History):
         self._held = Record.FORCES in self.filled and len(equations.unknowns.supported) > 0
         self.count = 0 if store is None or not store.state else int(store.state["count"])
         self.scene = self._filled.scene
-        self.whole = not self._held and equations.tables.complete
+        self.whole = not self._held and equations.arrays.complete
 
     def record(
         self,

@@ -12,14 +12,14 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
 from fem_lie._jit.copies import copy_blocks, copy_vector
-from fem_lie._jit.fixed_arrays import (
-    FixedArrays,
+from fem_lie._jit.packed_arrays import (
     Integers1,
     Integers2,
     Numbers1,
     Numbers2,
     Numbers3,
     Numbers4,
+    PackedArrays,
     unpacking,
 )
 from fem_lie.bodies.balances import COLUMNS
@@ -129,13 +129,13 @@ class ResultRow:
 
     def __init__(self, equations: Equations) -> None:
         """Pack the arrays of the equations."""
-        known = equations.tables
+        known = equations.arrays
         nodes = known.kinds, known.master, known.offset, *known.inertia, known.conservative
         joints = *known.joints, *known.probes, known.pairs, known.sides, known.owner
         self._equations, self._complete = equations, known.complete
         turns = known.limits, known.ends, known.whole, known.lengths, known.chords
-        self._fixed = FixedArrays([*nodes, *joints, *turns, known.turning, *known.floating])
-        self.scene = self._fixed.table
+        self._fixed = PackedArrays([*nodes, *joints, *turns, known.turning, *known.floating])
+        self.scene = self._fixed.addresses
 
     def by_twists(
         self, rows: Window, H: Array, v: Array, multipliers: Array, balance: Array
@@ -150,7 +150,7 @@ class ResultRow:
             balance: Energy balance and impulses, shape (15,).
         """
         row = rows.row
-        found = fill_by_twists(H, v, multipliers, balance, self.scene, rows.arrays.table, row)
+        found = fill_by_twists(H, v, multipliers, balance, self.scene, rows.arrays.addresses, row)
         self._fill_rest(rows, H, v, multipliers, found)
 
     def by_both(
@@ -171,7 +171,7 @@ class ResultRow:
             multipliers: Lagrange multipliers, shape (m,).
             balance: Energy balance and impulses, shape (15,).
         """
-        (V, v), arrays = motion, rows.arrays.table
+        (V, v), arrays = motion, rows.arrays.addresses
         found = fill_by_both(H, v, V, multipliers, balance, self.scene, arrays, rows.row)
         self._fill_rest(rows, H, v, multipliers, found)
 

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._jit.fixed_arrays import FixedArrays
+from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie.bodies import balances
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.results.record import INVARIANTS, WITH_BALANCE, Record, is_kept, row_shapes
@@ -124,7 +124,7 @@ class Window:
         joints = self.joint_forces, self.joint_coordinates, self.joint_violations
         others = self.invariants, self.balance, self.impulses
         numbers = self.potential, self.elastic, self.times, self.iterations
-        self.arrays = FixedArrays([self.frames, self.velocities, *joints, *others, *numbers])
+        self.arrays = PackedArrays([self.frames, self.velocities, *joints, *others, *numbers])
 
     @property
     def gap(self) -> float:

@@ -340,7 +340,7 @@ def buckling(
 
 def _check_stress(equations: Equations) -> None:
     """Raise ``ValueError`` if elements have no stress: their stiffness would not depend on it."""
-    for where, assembly in equations.tables.assemblies:
+    for where, assembly in equations.arrays.assemblies:
         if not assembly.stress_values.size:
             bodies = equations.unknowns.bodies.items()
             labels = [b.label for b, nodes in bodies if where.start <= nodes[0] < where.stop]

@@ -81,7 +81,7 @@ class Pursuit:
         if isinstance(control, DisplacementControl):
             assert control.point.body is not None
             of_all = unknowns.bodies[control.point.body][control.point.node]
-            node = int(np.count_nonzero(placed[: equations.tables.master[of_all]]))
+            node = int(np.count_nonzero(placed[: equations.arrays.master[of_all]]))
             gap = np.abs(self._positions[node] - control.point.position).max()
             if gap > 1e-9 * unknowns.length:
                 raise ValueError(

@@ -168,7 +168,7 @@ class FreeMotions:
             equations.supports.rotate(H, along)
             R[:, :, k] = along
         Z = R.reshape(-1, 6) / self._weight[:, np.newaxis]
-        at_supports = Z[(equations.tables.supported & owned[:, np.newaxis]).ravel()]
+        at_supports = Z[(equations.arrays.supported & owned[:, np.newaxis]).ravel()]
         B = equations.constraints(H).jacobian @ (self._weight[:, np.newaxis] * Z)
         values, motions = np.linalg.eigh(shared.total(at_supports.T @ at_supports + B.T @ B))
         allowed = motions[:, values <= _ULPS * values.max(initial=0.0)]

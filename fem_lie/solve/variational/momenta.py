@@ -14,7 +14,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie._jit.fixed_arrays import Numbers2, Numbers3
+from fem_lie._jit.packed_arrays import Numbers2, Numbers3
 from fem_lie.forms.fixed_arrays import put
 from fem_lie.joints.equations.joint_arrays import PackedJoints
 from fem_lie.lie.node_types import inertia

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._jit.fixed_arrays import FixedArrays
+from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie._state import put_back, saved
 from fem_lie.contact.impact.records import FRICTION, IMPACT
 from fem_lie.linear.equilibrated import SingularMatrixError
@@ -162,8 +162,8 @@ class VariationalRun(Newton):
     @property
     def _alone(self) -> bool:
         """Whether the compiled loop can make the next steps; the first ones have no matrix yet."""
-        tables, balance = self.equations.tables, self.balance
-        needs_python = self._changing or self._viscous or tables.turns or not tables.in_one_sum
+        arrays, balance = self.equations.arrays, self.balance
+        needs_python = self._changing or self._viscous or arrays.turns or not arrays.in_one_sum
         needs_python = needs_python or self._binding is not None or self._convects_axes
         needs_python = needs_python or self._contacts is not None
         needs_python = (
@@ -189,7 +189,7 @@ class VariationalRun(Newton):
         while code == loop.MATRIX:
             assert self._factors is not None
             how = self._factors.plain, rule.plain, given, accounts, last, asked
-            code = loop.run(self._fixed.table, *how)
+            code = loop.run(self._fixed.addresses, *how)
             self._made, self._iterations = int(progress.made), int(progress.total)
             self._increment, asked = float(packed.progress.increment), True
             if code == loop.MATRIX and not self._refactorised():
@@ -213,7 +213,7 @@ class VariationalRun(Newton):
     @cached_property
     def _packed(self) -> Packed:
         """Packed arrays for the compiled loop, once the state is set."""
-        table = self._found.table
+        table = self._found.addresses
         assert table is not None
         n, m = self._n, len(self.multipliers)
         return Packed(
@@ -243,11 +243,11 @@ class VariationalRun(Newton):
             self._measure,
             self.equations.unknowns.held.astype(np.int64).reshape(n, 6),
             self._mass,
-            self.equations.tables.joints,
+            self.equations.arrays.joints,
             self.decisions.known,
             loop.PROGRESS(),
             table,
-            self.balance.table,
+            self.balance.addresses,
             np.zeros((n, 6)),
             np.zeros((n, 6)),
             np.zeros(m),
@@ -257,8 +257,8 @@ class VariationalRun(Newton):
         )
 
     @cached_property
-    def _fixed(self) -> FixedArrays:
-        return FixedArrays(self._packed)
+    def _fixed(self) -> PackedArrays:
+        return PackedArrays(self._packed)
 
     def _accept(self, time: float) -> bool:
         """Make the end of the step, at ``time``, the start of the next.

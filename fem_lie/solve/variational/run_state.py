@@ -77,7 +77,7 @@ class RunState(DividedIntegration[Recorder]):
             step: Step size.
         """
         super().__init__(options.policy, equations, step)
-        unknowns, known = equations.unknowns, equations.tables
+        unknowns, known = equations.unknowns, equations.arrays
         n, m, z = unknowns.moving, unknowns.m, np.zeros
         self.options, self._n, self.size = options, n, self.h
         self._changing = unknowns.time_dependent
@@ -215,7 +215,7 @@ class RunState(DividedIntegration[Recorder]):
             accelerations(kinds, bodies, middle, v[:n], self._q)
             add_inertia(kinds, self._mass, bodies, middle, self._q, -1.0, self._forces)
         constraints = self._change, self._constraints
-        joints = equations.tables.joints
+        joints = equations.arrays.joints
         if self._binding is None:
             momenta.constrain(
                 self.H, coordinates, joints, self.multipliers, self._driven, constraints
@@ -257,6 +257,6 @@ class RunState(DividedIntegration[Recorder]):
 
 def _dissipates(equations: Equations) -> bool:
     """Whether forces depend on velocities."""
-    known = equations.tables
+    known = equations.arrays
     dampers = joint_arrays(known.joints).springs[:, 1].any()
     return bool(dampers) or len(known.damping.indptr) > 0 or any(t.viscosity for t in known.terms)

@@ -108,7 +108,7 @@ class Variational(Integrator):
         equations = self.equations(scene.without_impacts())
         if equations.scene.impacts:
             refuse_impacts(equations)
-            if massless(equations.tables.inertia, equations.unknowns.held).count_nonzero():
+            if massless(equations.arrays.inertia, equations.unknowns.held).count_nonzero():
                 raise ValueError(
                     "Variational computes velocities for impacts from momenta: expected "
                     "rotary inertia at all nodes, got a beam whose section has none; give its "
@@ -130,7 +130,7 @@ def _refuse(equations: Equations) -> None:
         ),
         "supports along axes fixed in space (Shell.roller)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
-        "friction of penalties": any(term.has_friction for term in equations.tables.terms),
+        "friction of penalties": any(term.has_friction for term in equations.arrays.terms),
         f"shells with six parameters ({drilling}), whose drilling has no inertia, so that no "
         "momentum gives its rate": bool(drilling),
     }

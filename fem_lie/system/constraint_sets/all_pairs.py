@@ -60,13 +60,17 @@ def all_pairs(
     tables = [each.arrays for each in parts if isinstance(each, RelativeMotions)]
     if len(tables) < len(sets) or len(attached) > 1:
         return None
-    attachments = attached[0].rows.attachments if attached else HeldAttachments([], numbering)
+    attachments = (
+        attached[0].constrained.attachments if attached else HeldAttachments([], numbering)
+    )
     if not all(kind.summed for kind in attachments.kinds):
         return None
     n, g = numbering.count, attachments.count
     rows = [np.concatenate([np.arange(n), np.arange(n, len(frames)) + g])]
     for each in attached:
-        rows.append(np.concatenate([each.rows.moving, n + np.arange(g), each.rows.fixed + g]))
+        rows.append(
+            np.concatenate([each.constrained.moving, n + np.arange(g), each.constrained.fixed + g])
+        )
     table = _joined(tables, rows)
     oriented = _oriented(
         table, n + g, _NO_ARM * float(np.ptp(frames[:, 0], axis=0).max(initial=0.0))

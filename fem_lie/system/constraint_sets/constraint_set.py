@@ -28,13 +28,13 @@ from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.nodes.numbering import Numbering
 
 
-class Rows(Protocol):
-    """Rows of frames: first those that move by themselves, then ground and prescribed motions.
+class ConstrainedFrames(Protocol):
+    """Frames on which constraints act: independent ones first, then ground and prescribed motions.
 
     Attributes:
-        count: Number of rows that move by themselves.
+        count: Number of independent frames.
         frames: Initial frames, shape (L, 4, 3).
-        still: Whether nothing can move a row, shape (L,).
+        still: Whether nothing can move a frame, shape (L,).
     """
 
     count: int
@@ -42,14 +42,21 @@ class Rows(Protocol):
     still: Flags
 
     def of(self, point: Point) -> int:
-        """Row of a point."""
+        """Number of the frame of a point."""
 
     def ends(self, beam: Beam) -> tuple[Indices, Array]:
-        """Rows of both ends of a beam's elements (e, 2), and end frames in them, (e, 2, 4, 3)."""
+        """Frames at both ends of a beam's elements.
+
+        Args:
+            beam: A beam with e elements.
+
+        Returns:
+            Their numbers, shape (e, 2), and the end frames relative to them, (e, 2, 4, 3).
+        """
 
 
-class SystemRows:
-    """Rows of a system: master nodes, ground, and prescribed motions.
+class SystemFrames:
+    """Frames of a system: master nodes, ground, and prescribed motions.
 
     Attributes:
         numbering: Numbering of the nodes.
@@ -58,33 +65,40 @@ class SystemRows:
     def __init__(
         self, numbering: Numbering, frames: Array, held: Flags, motions: Mapping[Point, int]
     ) -> None:
-        """Store the rows of a system.
+        """Store the frames of a system.
 
         Args:
             numbering: Numbering of the nodes.
             frames: Initial frames of all nodes, ground and prescribed motions.
             held: Unknowns of the moving nodes that are zero, shape (n, 6).
-            motions: Row of each point with a prescribed motion.
+            motions: Frame number of each point with a prescribed motion.
         """
         self.numbering, self.count, self.frames = numbering, numbering.count, frames
         self.still = np.append(held.all(axis=1), [True] * (len(frames) - numbering.count))
         self._motions = motions
 
     def of(self, point: Point) -> int:
-        """Row of a point."""
-        row = self._motions.get(point)
-        return self.numbering.node(point) if row is None else row
+        """Number of the frame of a point."""
+        number = self._motions.get(point)
+        return self.numbering.node(point) if number is None else number
 
     def ends(self, beam: Beam) -> tuple[Indices, Array]:
-        """Rows of both ends of a beam's elements (e, 2), and end frames in them, (e, 2, 4, 3)."""
+        """Frames at both ends of a beam's elements.
+
+        Args:
+            beam: A beam with e elements.
+
+        Returns:
+            Their numbers, shape (e, 2), and the end frames relative to them, (e, 2, 4, 3).
+        """
         master_map = self.numbering.master_map
         both = self.numbering.nodes[beam][beam.model.elements[:, :2]]
         return master_map.master[both], master_map.offset[both]
 
 
-def in_rows(rows: Rows, at: Indices, frames: Array) -> Array:
-    """Initial frames (…, 4, 3), given in global axes, relative to those of the rows ``at`` (…)."""
-    return lie.se3_compose(lie.se3_inverse(rows.frames[at]), frames)
+def relative_frames(constrained: ConstrainedFrames, at: Indices, frames: Array) -> Array:
+    """Global frames (…, 4, 3) relative to the initial constrained frames numbered ``at`` (…)."""
+    return lie.se3_compose(lie.se3_inverse(constrained.frames[at]), frames)
 
 
 _FORWARD = np.array(
@@ -215,7 +229,9 @@ class ConstraintSet(ABC):
     targets: Array
 
     @abstractmethod
-    def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
+    def __init__(
+        self, items: Sequence[Numbered], constrained: ConstrainedFrames, start: Start
+    ) -> None:
         """Take the connections of this type from the items."""
 
     @property

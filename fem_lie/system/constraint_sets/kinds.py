@@ -7,7 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fem_lie.system.constraint_sets.constraint_set import ConstraintSet, Numbered, Start, SystemRows
+from fem_lie.system.constraint_sets.constraint_set import (
+    ConstraintSet,
+    Numbered,
+    Start,
+    SystemFrames,
+)
 from fem_lie.system.constraint_sets.on_attachments import OnAttachments, on_attachments
 from fem_lie.system.constraint_sets.relative_motions import RelativeMotions
 from fem_lie.system.constraint_sets.rolls import Rolls
@@ -17,7 +22,7 @@ KINDS: tuple[type[ConstraintSet], ...] = (RelativeMotions, Slides, Rolls)
 
 
 def sets_of(
-    items: Sequence[Numbered], rows: SystemRows
+    items: Sequence[Numbered], constrained: SystemFrames
 ) -> tuple[RelativeMotions, list[ConstraintSet]]:
     """Sets of connections between nodes, and between attachment frames, type by type.
 
@@ -26,13 +31,13 @@ def sets_of(
     """
     attached = [item for item in items if on_attachments(item)]
     plain = [item for item in items if not on_attachments(item)] if attached else items
-    first = RelativeMotions(plain, rows, Start())
+    first = RelativeMotions(plain, constrained, Start())
     found: list[ConstraintSet] = [first]
     for kind in KINDS:
         if kind is not RelativeMotions:
-            _add(kind(plain, rows, _after(found)), found)
+            _add(kind(plain, constrained, _after(found)), found)
         if attached:
-            _add(OnAttachments(kind, attached, rows, _after(found)), found)
+            _add(OnAttachments(kind, attached, constrained, _after(found)), found)
     return first, found[1:]
 
 

@@ -20,63 +20,70 @@ from fem_lie.forms.term import add_at
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.averages import AveragedPairs
 from fem_lie.system.constraint_sets.constraint_set import (
+    ConstrainedFrames,
     ConstraintSet,
     HistoryKey,
     Means,
     Numbered,
-    Rows,
     Start,
-    SystemRows,
+    SystemFrames,
 )
 from fem_lie.system.nodes.held_attachments import HeldAttachments
 
 
-class AttachmentRows:
-    """Rows of a set on attachments.
+class FramesOnAttachments:
+    """Frames on which the constraints of a set on attachments act.
 
     Attributes:
         attachments: The attachments.
-        moving: Moving rows of the system on which items act directly, shape (k,).
-        fixed: Rows of the system that do not move by themselves, shape (f,).
+        moving: Independent frames of the system on which items act directly, shape (k,).
+        fixed: Frames of the system that are not independent, shape (f,).
     """
 
-    def __init__(self, items: Sequence[Numbered], rows: SystemRows) -> None:
+    def __init__(self, items: Sequence[Numbered], constrained: SystemFrames) -> None:
         """Collect the points of the items."""
         points = [point for item in items for point in item.item.points]
         self.attachments = HeldAttachments(
-            [p for p in points if p.joint_attachment is not None], rows.numbering
+            [p for p in points if p.joint_attachment is not None], constrained.numbering
         )
-        self._rows = rows
-        touched = {rows.of(point) for point in points if point.joint_attachment is None}
+        self._system = constrained
+        touched = {constrained.of(point) for point in points if point.joint_attachment is None}
         for item in items:
             if definition := item.item.sliding_definition():
-                touched.update(int(row) for row in rows.ends(definition.beam)[0].ravel())
+                touched.update(int(row) for row in constrained.ends(definition.beam)[0].ravel())
         order = np.array(sorted(touched), dtype=np.int64)
-        self.moving, self.fixed = order[order < rows.count], order[order >= rows.count]
+        self.moving, self.fixed = (
+            order[order < constrained.count],
+            order[order >= constrained.count],
+        )
         self.count = len(self.moving) + self.attachments.count
-        self.frames = self.inner_frames(rows.frames, self.attachments.locate(rows.frames)[0])
+        self.frames = self.inner_frames(
+            constrained.frames, self.attachments.locate(constrained.frames)[0]
+        )
         free = np.zeros(self.attachments.count, dtype=bool)
-        self.still = np.concatenate([rows.still[self.moving], free, rows.still[self.fixed]])
+        self.still = np.concatenate(
+            [constrained.still[self.moving], free, constrained.still[self.fixed]]
+        )
 
     def inner_frames(self, H: Array, attachments: Array) -> Array:
-        """Frames of all of these rows."""
+        """All of these frames in one array."""
         return np.concatenate([H[self.moving], attachments, H[self.fixed]])
 
     def of(self, point: Point) -> int:
-        """Row of a point."""
+        """Number of the frame of a point."""
         if point.joint_attachment is not None:
             return len(self.moving) + self.attachments.number(point)
-        return int(self._here(np.array(self._rows.of(point))))
+        return int(self._here(np.array(self._system.of(point))))
 
     def ends(self, beam: Beam) -> tuple[Indices, Array]:
-        """Rows of both ends of a beam's elements (e, 2), and end frames in them, (e, 2, 4, 3)."""
-        ends, offsets = self._rows.ends(beam)
+        """Frames at both ends of a beam's elements, see :meth:`.SystemFrames.ends`."""
+        ends, offsets = self._system.ends(beam)
         return self._here(ends), offsets
 
-    def _here(self, rows: Indices) -> Indices:
-        found = np.searchsorted(self.moving, rows)
-        beyond = self.count + np.searchsorted(self.fixed, rows)
-        return np.where(rows < self._rows.count, found, beyond)
+    def _here(self, numbers: Indices) -> Indices:
+        found = np.searchsorted(self.moving, numbers)
+        beyond = self.count + np.searchsorted(self.fixed, numbers)
+        return np.where(numbers < self._system.count, found, beyond)
 
 
 def on_attachments(item: Numbered) -> bool:
@@ -89,33 +96,37 @@ class OnAttachments(ConstraintSet):
 
     Attributes:
         inner: The set of the other type.
-        rows: Rows of that set.
+        constrained: Frames on which the constraints of that set act.
     """
 
     def __init__(
-        self, kind: type[ConstraintSet], items: Sequence[Numbered], rows: SystemRows, start: Start
+        self,
+        kind: type[ConstraintSet],
+        items: Sequence[Numbered],
+        constrained: SystemFrames,
+        start: Start,
     ) -> None:
-        """Build the inner set on rows of its own.
+        """Build the inner set on frames of its own.
 
         Args:
             kind: Type of the inner set.
             items: Items that act on attachments.
-            rows: Rows of the system.
+            constrained: Frames of the system.
             start: Numbers of the first constraint and incidence.
         """
-        self.start, self.rows = start, AttachmentRows(items, rows)
-        self._system_count, self._attachments = rows.count, self.rows.attachments
-        local: Rows = self.rows
+        self.start, self.constrained = start, FramesOnAttachments(items, constrained)
+        self._system_count, self._attachments = constrained.count, self.constrained.attachments
+        local: ConstrainedFrames = self.constrained
         self.inner = kind(items, local, Start())
         self.owner, self.angular = self.inner.owner, self.inner.angular
         self.targets = self.inner.targets
         self.what = f"{kind.what} on points that are not nodes"
         self.of_velocities = kind.of_velocities
-        k, g = len(self.rows.moving), self._attachments.count
+        k, g = len(self.constrained.moving), self._attachments.count
         self._by_itself = np.tile(np.eye(6), (k, 1, 1))
         # entries move each row of the set: the row itself, or the nodes of its attachment
         self._of = np.concatenate([np.arange(k), k + self._attachments.of])
-        self._nodes = np.concatenate([self.rows.moving, self._attachments.nodes])
+        self._nodes = np.concatenate([self.constrained.moving, self._attachments.nodes])
         self._entries = np.split(
             np.arange(len(self._of)), np.searchsorted(self._of, range(1, k + g))
         )
@@ -140,11 +151,11 @@ class OnAttachments(ConstraintSet):
     def _pair(self) -> None:
         """Node pairs between entries of coupled rows, within attachments, and of averaging ones."""
         rows, columns = self.inner.pairs
-        moves = (rows < self.rows.count) & (columns < self.rows.count)
+        moves = (rows < self.constrained.count) & (columns < self.constrained.count)
         self._inner_index = np.where(moves, np.cumsum(moves).reshape(moves.shape) - 1, -1)
         first, second = rows[moves], columns[moves]
         self._blocks = len(first)
-        averaged = np.append(np.full(len(self.rows.moving), -1), self._attachments.averaged)
+        averaged = np.append(np.full(len(self.constrained.moving), -1), self._attachments.averaged)
         both = (averaged[first] >= 0) & (averaged[second] >= 0)
         triples = [
             np.stack(np.broadcast_arrays(p, *np.ix_(self._entries[a], self._entries[b])))
@@ -178,7 +189,7 @@ class OnAttachments(ConstraintSet):
     @property
     def bound(self) -> Indices:
         """Rows on which it acts directly."""
-        return self.rows.moving
+        return self.constrained.moving
 
     @property
     def empty(self) -> bool:
@@ -190,11 +201,11 @@ class OnAttachments(ConstraintSet):
     def _inner_frames(self, H: Array) -> tuple[Array, Array]:
         """Frames of the inner rows, and the Jacobian of each row in each entry, (e, 6, 6)."""
         frames, J = self._attachments.locate(H)
-        return self.rows.inner_frames(H, frames), np.concatenate([self._by_itself, J])
+        return self.constrained.inner_frames(H, frames), np.concatenate([self._by_itself, J])
 
     def _twists(self, J: Array, v: Array) -> Array:
         """Twists of the inner rows."""
-        rows = self.rows
+        rows = self.constrained
         found = np.zeros((rows.count + len(rows.fixed), 6))
         np.add.at(found, self._of, np.einsum("eij,ej->ei", J, v[self._nodes]))
         given = rows.fixed < len(v)
@@ -203,7 +214,7 @@ class OnAttachments(ConstraintSet):
 
     def _give(self, J: Array, forces: Array, count: int, r: Array) -> None:
         """Add forces on inner rows to those of the system, of which ``count`` have forces."""
-        rows, target = self.rows, r[: 6 * count].reshape(-1, 6)
+        rows, target = self.constrained, r[: 6 * count].reshape(-1, 6)
         np.add.at(target, self._nodes, np.einsum("eij,ei->ej", J, forces[self._of]))
         given = rows.fixed < count
         target[rows.fixed[given]] += forces[rows.count :][given]
@@ -269,7 +280,7 @@ class OnAttachments(ConstraintSet):
         blocks, own = np.zeros((self._blocks, 6, 6)), multipliers[self.own]
         self.inner.geometric(frames, own, self._inner_index, blocks)
         forces, _ = self._forces(frames, np.zeros((0, 6)), own, np.ones(self.m))
-        return blocks, forces[len(self.rows.moving) : self.rows.count]
+        return blocks, forces[len(self.constrained.moving) : self.constrained.count]
 
     def mean_stiffness(self, H: Array, multipliers: Array) -> tuple[Array, Array]:
         """``S`` (e, r, 6) and the core ``C`` (w, r, w, r) of the geometric stiffness ``Sᵀ C S``."""
@@ -281,7 +292,9 @@ class OnAttachments(ConstraintSet):
         found, (by_change, unused) = np.zeros((2, self.m)), np.zeros((2, self.m))
         self.inner.rates(frames, self._twists(J, v), *found)
         change = np.zeros((len(frames), 6))
-        change[len(self.rows.moving) : self.rows.count] = self._attachments.changes(H, v)
+        change[len(self.constrained.moving) : self.constrained.count] = self._attachments.changes(
+            H, v
+        )
         self.inner.rates(frames, change, by_change, unused)
         first[self.own], second[self.own] = found[0], found[1] + by_change
 
@@ -371,7 +384,7 @@ class OnAttachments(ConstraintSet):
 
     def drawn(self) -> dict[int, tuple[int, Array]]:
         """Positions of items; on an attachment relative to its nearest node at the start."""
-        rows, found = self.rows, {}
+        rows, found = self.constrained, {}
         for item, (row, offset) in self.inner.drawn().items():
             if row >= rows.count:
                 found[item] = (int(rows.fixed[row - rows.count]), offset)

@@ -16,12 +16,12 @@ from fem_lie.joints.equations.turns import spring_changes
 from fem_lie.joints.joint import Joint
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.constraint_set import (
+    ConstrainedFrames,
     ConstraintSet,
     HistoryKey,
     Numbered,
-    Rows,
     Start,
-    in_rows,
+    relative_frames,
     stacked,
 )
 
@@ -116,15 +116,17 @@ class RelativeMotions(ConstraintSet):
 
     what = "joints"
 
-    def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
+    def __init__(
+        self, items: Sequence[Numbered], constrained: ConstrainedFrames, start: Start
+    ) -> None:
         """Build the arrays of all definitions."""
         assert start.row == 0, "compiled sums over all nodes count its constraints from zero"
-        self.start, self._count = start, rows.count
+        self.start, self._count = start, constrained.count
         sizes = np.array([item.size for item, _, _ in items], dtype=np.int64)
         numbers = np.array([number for _, number, _ in items], dtype=np.int64)
         first = np.cumsum(sizes) - sizes
         groups = [
-            [_pair(rows, definition, int(row)) for definition in item.definitions()]
+            [_pair(constrained, definition, int(row)) for definition in item.definitions()]
             for (item, _, _), row in zip(items, first, strict=True)
         ]
         pairs = [pair for group in groups for pair in group]
@@ -134,9 +136,9 @@ class RelativeMotions(ConstraintSet):
                 if row >= 0:
                     touched[row].update(pair.nodes)
         self.owner = np.repeat(numbers, sizes)
-        self.incidences = Incidences.of(touched, rows.count)
+        self.incidences = Incidences.of(touched, constrained.count)
         springs = [item.spring for item, _, _ in items if item.spring is not None]
-        self.packed = _packed(rows, pairs, self.m, springs, self.incidences, start.incidence)
+        self.packed = _packed(constrained, pairs, self.m, springs, self.incidences, start.incidence)
         self.arrays = views(self.packed)
         self.targets = self.arrays.targets
         self._rest = self.arrays.springs[:, 2].copy()
@@ -156,7 +158,7 @@ class RelativeMotions(ConstraintSet):
         self.tied = numbers[has]
         exchanged = [groups[k][0].exchanged for k in has]
         self.reported = (np.cumsum(counts) - counts)[has], np.array(exchanged, dtype=np.int64)
-        self._probe(items, rows)
+        self._probe(items, constrained)
         labels = [item.label for item, _, _ in items]
         of = np.repeat(np.arange(len(items)), counts)
         self._branches = Branches(self.arrays, self.probes, labels, of)
@@ -171,14 +173,16 @@ class RelativeMotions(ConstraintSet):
         self._preloaded = np.array([item.preloaded for item in sprung], dtype=bool)
         self._rest, self._start = self.arrays.springs[:, 2].copy(), np.empty(0)
 
-    def _probe(self, items: Sequence[Numbered], rows: Rows) -> None:
+    def _probe(self, items: Sequence[Numbered], constrained: ConstrainedFrames) -> None:
         definitions = [
             (c.definition, at + k)
             for item, _, at in items
             for k, c in enumerate(item.coordinates())
         ]
-        probes = [_pair(rows, definition, row) for row, (definition, _) in enumerate(definitions)]
-        self.packed_probes: PackedJoints = _packed(rows, probes, len(probes), [], None, 0)
+        probes = [
+            _pair(constrained, definition, row) for row, (definition, _) in enumerate(definitions)
+        ]
+        self.packed_probes: PackedJoints = _packed(constrained, probes, len(probes), [], None, 0)
         self.probes = views(self.packed_probes)
         self._index: Indices = np.array([at for _, at in definitions], dtype=np.int64)
         self.turns = bool(self.arrays.functions.any() or self.probes.functions.any())
@@ -351,17 +355,17 @@ def _keys(item: Connection, pairs: Sequence[Pair]) -> list[HistoryKey]:
     return [key if c else (item.label, "") for key, c in zip(found, counted, strict=True)]
 
 
-def _pair(rows: Rows, definition: ConstraintDefinition, first: int) -> Pair:
+def _pair(constrained: ConstrainedFrames, definition: ConstraintDefinition, first: int) -> Pair:
     """Pair with a moving side A, where terms of ``Δ`` alone have a constant Jacobian."""
-    nodes = rows.of(definition.a), rows.of(definition.b)
+    nodes = constrained.of(definition.a), constrained.of(definition.b)
     numbers = [first + row if row >= 0 else -1 for row in definition.rows]
-    if definition.reversible and rows.still[nodes[0]] and not rows.still[nodes[1]]:
+    if definition.reversible and constrained.still[nodes[0]] and not constrained.still[nodes[1]]:
         return Pair(definition.exchanged(), nodes[::-1], numbers, True)
     return Pair(definition, nodes, numbers, False)
 
 
 def _packed(
-    rows: Rows,
+    constrained: ConstrainedFrames,
     pairs: Sequence[Pair],
     m: int,
     springs: Sequence[tuple[float, float, float]],
@@ -379,7 +383,7 @@ def _packed(
     frames = np.array([pair.definition.frames for pair in pairs]).reshape(-1, 2, 4, 3)
     arrays = JointArrays(
         nodes=of_pairs,
-        frames=in_rows(rows, of_pairs, frames),
+        frames=relative_frames(constrained, of_pairs, frames),
         first=np.cumsum([0] + [len(pair.rows) for pair in pairs], dtype=np.int64),
         selection=stacked([pair.definition.selection for pair in pairs], 0, 12),
         functions=stacked([pair.definition.functions for pair in pairs], 0, 3),

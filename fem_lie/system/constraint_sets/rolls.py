@@ -12,11 +12,11 @@ from fem_lie.joints.equations import rolling
 from fem_lie.joints.equations.rolling import RollingArrays
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.constraint_set import (
+    ConstrainedFrames,
     ConstraintSet,
     Numbered,
-    Rows,
     Start,
-    in_rows,
+    relative_frames,
     stacked,
 )
 
@@ -31,26 +31,28 @@ class Rolls(ConstraintSet):
     what = "velocity constraints (KnifeEdge, RollingDisc)"
     of_velocities = True
 
-    def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
+    def __init__(
+        self, items: Sequence[Numbered], constrained: ConstrainedFrames, start: Start
+    ) -> None:
         """Build the arrays of all rolling discs and knife edges."""
         found = [
             (given.number, definition)
             for given in items
             for definition in given.item.velocity_definitions()
         ]
-        self.start, self._count = start, rows.count
+        self.start, self._count = start, constrained.count
         self._items: Indices = np.array([number for number, _ in found], dtype=np.int64)
         definitions = [definition for _, definition in found]
         self.owner = np.repeat(
             self._items, [len(definition.selection) for definition in definitions]
         )
         touched = [
-            {rows.of(definition.a), rows.of(definition.b)}
+            {constrained.of(definition.a), constrained.of(definition.b)}
             for definition in definitions
             for _ in definition.selection
         ]
-        self.incidences = Incidences.of(touched, rows.count)
-        self.arrays = _table(rows, definitions, self.incidences, start)
+        self.incidences = Incidences.of(touched, constrained.count)
+        self.arrays = _table(constrained, definitions, self.incidences, start)
         self.targets = np.zeros(self.m)
         # all constrained velocities are those of points
         self.angular = np.zeros(self.m, dtype=bool)
@@ -105,13 +107,16 @@ class Rolls(ConstraintSet):
 
 
 def _table(
-    rows: Rows,
+    constrained: ConstrainedFrames,
     definitions: Sequence[VelocityConstraintDefinition],
     incidences: Incidences,
     start: Start,
 ) -> RollingArrays:
     nodes = np.array(
-        [(rows.of(definition.a), rows.of(definition.b)) for definition in definitions],
+        [
+            (constrained.of(definition.a), constrained.of(definition.b))
+            for definition in definitions
+        ],
         dtype=np.int64,
     )
     nodes = nodes.reshape(-1, 2)
@@ -123,7 +128,7 @@ def _table(
     at = incidences.find(np.arange(len(of_rows)), of_rows)
     return RollingArrays(
         nodes=nodes,
-        frames=in_rows(rows, nodes, frames),
+        frames=relative_frames(constrained, nodes, frames),
         first=first,
         selection=stacked([definition.selection for definition in definitions], 0, 6),
         radius=np.array([definition.radius for definition in definitions], dtype=np.float64),

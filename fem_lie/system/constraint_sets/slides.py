@@ -13,12 +13,12 @@ from fem_lie.joints.equations import sliding
 from fem_lie.joints.equations.sliding import SlidingArrays
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.constraint_set import (
+    ConstrainedFrames,
     ConstraintSet,
     HistoryKey,
     Numbered,
-    Rows,
     Start,
-    in_rows,
+    relative_frames,
     stacked,
 )
 
@@ -32,14 +32,16 @@ class Slides(ConstraintSet):
 
     what = "joints that slide along a beam (Sliding, Collar, Sleeve)"
 
-    def __init__(self, items: Sequence[Numbered], rows: Rows, start: Start) -> None:
+    def __init__(
+        self, items: Sequence[Numbered], constrained: ConstrainedFrames, start: Start
+    ) -> None:
         """Build the arrays of all sliding joints."""
         found = [
             (given, definition)
             for given in items
             if (definition := given.item.sliding_definition())
         ]
-        self.start, self._count = start, rows.count
+        self.start, self._count = start, constrained.count
         self._items: Indices = np.array([given.number for given, _ in found], dtype=np.int64)
         self._index: Indices = np.array([given.coordinate for given, _ in found], dtype=np.int64)
         self._labels = [given.item.label for given, _ in found]
@@ -47,10 +49,12 @@ class Slides(ConstraintSet):
         sizes = [len(definition.selection) for definition in definitions]
         self.owner = np.repeat(self._items, sizes)
         touched = [
-            _touched(rows, definition) for definition in definitions for _ in definition.selection
+            _touched(constrained, definition)
+            for definition in definitions
+            for _ in definition.selection
         ]
-        self.incidences = Incidences.of(touched, rows.count)
-        self.arrays = _table(rows, definitions, self.incidences, start)
+        self.incidences = Incidences.of(touched, constrained.count)
+        self.arrays = _table(constrained, definitions, self.incidences, start)
         self.targets = self.arrays.targets
         arrays = self.arrays
         self.angular = ~(arrays.selection[:, :3].any(axis=1) | (arrays.advance != 0.0))
@@ -144,13 +148,16 @@ class Slides(ConstraintSet):
         return bool((self.arrays.nodes >= self._count).any())
 
 
-def _touched(rows: Rows, definition: SlidingConstraintDefinition) -> set[int]:
+def _touched(constrained: ConstrainedFrames, definition: SlidingConstraintDefinition) -> set[int]:
     """Rows of the sliding frame and of all ends of elements."""
-    return {rows.of(definition.b), *(int(row) for row in rows.ends(definition.beam)[0].ravel())}
+    return {
+        constrained.of(definition.b),
+        *(int(row) for row in constrained.ends(definition.beam)[0].ravel()),
+    }
 
 
 def _table(
-    rows: Rows,
+    constrained: ConstrainedFrames,
     definitions: Sequence[SlidingConstraintDefinition],
     incidences: Incidences,
     start: Start,
@@ -158,9 +165,9 @@ def _table(
     first = np.cumsum(
         [0] + [len(definition.selection) for definition in definitions], dtype=np.int64
     )
-    nodes = np.array([rows.of(definition.b) for definition in definitions], dtype=np.int64)
+    nodes = np.array([constrained.of(definition.b) for definition in definitions], dtype=np.int64)
     frames = np.array([definition.frame for definition in definitions]).reshape(-1, 4, 3)
-    ends = [rows.ends(definition.beam) for definition in definitions]
+    ends = [constrained.ends(definition.beam) for definition in definitions]
     # constraints of one definition have the same incidences, counted from the first of each
     slider = [
         _from_first(incidences, int(row), [int(node)])
@@ -172,7 +179,7 @@ def _table(
     ]
     return SlidingArrays(
         nodes=nodes,
-        frames=in_rows(rows, nodes, frames),
+        frames=relative_frames(constrained, nodes, frames),
         elements=np.cumsum(
             [0] + [len(definition.starts) for definition in definitions], dtype=np.int64
         ),

@@ -23,7 +23,7 @@ from fem_lie.system.balance import EnergyBalance
 from fem_lie.system.equations.history_variables import HistoryVariables
 from fem_lie.system.equations.prescribed import Prescribed
 from fem_lie.system.equations.report import ConstraintsAt, Report, contents
-from fem_lie.system.equations.unknowns import Start, Tables, Unknowns
+from fem_lie.system.equations.unknowns import Start, SystemArrays, Unknowns
 from fem_lie.system.nodes.fixed_axes import Supports
 from fem_lie.system.small_motions import SmallMotions, fill_steady
 from fem_lie.system.system import System
@@ -169,10 +169,10 @@ class Equations:
         self._terms = self._system.terms.chosen(lambda term: not term.within_joints)
         self._settles = any(term.local is not None for term in self._terms)
         self.unknowns = Unknowns.of(self._system)
-        rows, began = self._system.rows, self.scene.began
-        self.start = Start(rows.start_frames, rows.velocities, self._system.frames)
+        nodal, began = self._system.nodal_data, self.scene.began
+        self.start = Start(nodal.start_frames, nodal.velocities, self._system.frames)
         self._system.connections.remember(began.turned)
-        self.tables = Tables.of(self._system)
+        self.arrays = SystemArrays.of(self._system)
         self.matrix: KKT = self._system.kkt
         self.supports: Supports = self._system.supports
         self.info: SceneInfo = self._info()

@@ -118,7 +118,7 @@ class Prescribed:
         Raises:
             ValueError: A history, motion or drive is not finite.
         """
-        self._system.connections.preload(self._system.rows.start_frames, preload)
+        self._system.connections.preload(self._system.nodal_data.start_frames, preload)
         self._system.set_time(self._time, factor)
 
     def loads(self, H: Array) -> Array:
@@ -185,7 +185,7 @@ class Prescribed:
         system, time, here = self._system, self._time, self.frames
         if len(here) == 0:
             return np.zeros((0, 6)), np.zeros((0, 6))
-        step = min(self._step, system.rows.until_break(time) / 3.0)
+        step = min(self._step, system.nodal_data.until_break(time) / 3.0)
         later = [system.prescribed_frames(time + k * step) for k in (1, 2, 3)]
         d1, d2, d3 = (lie.se3_relative(here, frames) for frames in later)
         # d(t) = v t + v̇ t²/2 + j t³/6 through the three

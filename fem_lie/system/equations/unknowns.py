@@ -162,7 +162,7 @@ class Start(NamedTuple):
     unloaded: Array
 
 
-class Tables(NamedTuple):
+class SystemArrays(NamedTuple):
     """Packed arrays with fixed addresses, for compiled code that bypasses the interface.
 
     Attributes:
@@ -176,8 +176,8 @@ class Tables(NamedTuple):
         damping: Mass-proportional damping on (x, d₁, d₂, d₃); empty without.
         loads: Loads at the time that was set last.
         conservative: Loads with a potential on (x, d₁, d₂, d₃), (n, 4, 3).
-        joints: Table of joint constraints and springs.
-        probes: Table of the coordinates in results.
+        joints: Joint constraints and springs.
+        probes: Coordinates in results.
         pairs: Pairs of frames whose forces are reported, (f,).
         sides: Reported sides of these pairs, (f,).
         owner: Item of each constraint, (m,).
@@ -189,9 +189,9 @@ class Tables(NamedTuple):
         supported: Unknowns of the nodes held from outside, (n, 6).
         assemblies: Assemblies of elements, with their slice of all nodes.
         terms: All terms.
-        complete: Whether forces of joints follow from these tables and the multipliers alone.
-        in_one_sum: Whether a residual is the compiled sum of :attr:`.Forces.table` only, apart from
-            held unknowns.
+        complete: Whether joint forces follow from these arrays and the Lagrange multipliers only.
+        in_one_sum: Whether a residual is the compiled sum of :attr:`.Forces.addresses` only,
+            except for held unknowns.
         stored: Cells with all stored energy of bodies, as two arrays, see
             :class:`~fem_lie.forms.cell_forms.FormArrays`; ``None`` if there is more.
         pairs_of_all: Relative motions of nodes and attachments, if some nodes have vector
@@ -234,7 +234,7 @@ class Tables(NamedTuple):
     drills: bool
 
     @classmethod
-    def of(cls, system: System) -> Tables:
+    def of(cls, system: System) -> SystemArrays:
         """Packed arrays of a system."""
         master_map, connections = system.numbering.master_map, system.connections
         limits, ends, whole, lengths, chords = system.rotations.elements

@@ -8,7 +8,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit.fixed_arrays import Frames, Numbers2, Sixes
+from fem_lie._jit.packed_arrays import Frames, Numbers2, Sixes
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
 from fem_lie.forms.term import add_at

@@ -10,7 +10,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked, uncounted
 from fem_lie._jit.copies import copy_vector
-from fem_lie._jit.fixed_arrays import Integers1, Integers2, Numbers2, Numbers3, Numbers4, unpacking
+from fem_lie._jit.packed_arrays import Integers1, Integers2, Numbers2, Numbers3, Numbers4, unpacking
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.cell_forms import add_forces
 from fem_lie.forms.kernels.addresses import pointer

@@ -14,7 +14,7 @@ import numpy as np
 from fem_lie._arrays import Indices
 from fem_lie._jit import inlined, linked
 from fem_lie._jit.copies import copy_vector
-from fem_lie._jit.fixed_arrays import (
+from fem_lie._jit.packed_arrays import (
     Integers1,
     Integers2,
     Numbers1,

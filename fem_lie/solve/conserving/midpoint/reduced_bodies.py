@@ -35,7 +35,7 @@ from numba import types
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import callback, inlined, uncounted
 from fem_lie._jit.by_address import call_with_arrays
-from fem_lie._jit.fixed_arrays import Integers1, Numbers1
+from fem_lie._jit.packed_arrays import Integers1, Numbers1
 from fem_lie._jit.stack import blocks_at, matrix_at, stack, vector_at
 from fem_lie.lie.node_types.floating import Floating, elastic_of, nodes_of, parts_of
 from fem_lie.lie.node_types.floating_coordinates import (

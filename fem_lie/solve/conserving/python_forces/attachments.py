@@ -54,7 +54,7 @@ _STILL = 1e-12
 """``|s|²`` over the square of the size below which the correction is round-off."""
 
 
-class Rows(NamedTuple):
+class NodalSpan(NamedTuple):
     """Coordinates of all nodes over a step, (n, 4, 3).
 
     Attributes:
@@ -93,7 +93,7 @@ class AttachmentSpan(NamedTuple):
 
 
 @compiled
-def set_nodes(kinds: Indices, moved: Rows, step: Array, mean: Array, delta: Array) -> None:
+def set_nodes(kinds: Indices, moved: NodalSpan, step: Array, mean: Array, delta: Array) -> None:
     """Means and increments (n, 4, 3) of frames, and of positions of nodes with constant axes.
 
     Args:

@@ -206,7 +206,7 @@ class OtherConstraints(Stateful):
 
     def __init__(self, equations: Equations) -> None:
         """Set up before the first step."""
-        unknowns, joints, m = equations.unknowns, equations.tables.joints, equations.unknowns.m
+        unknowns, joints, m = equations.unknowns, equations.arrays.joints, equations.unknowns.m
         self._equations, self._joints, self._n = equations, joints, unknowns.moving
         rows = views(joints).rows
         self._own = slice(int(rows[rows < m].max(initial=-1)) + 1, m)
@@ -255,7 +255,7 @@ class OtherConstraints(Stateful):
     def _rates(self, H: Array, V: Array) -> Array:
         """First rates of all constraints at nodes ``H`` with the coordinate rates ``V``, (m,)."""
         v, unused, still = np.zeros((3, len(H), 6))
-        n, known = self._n, self._equations.tables
+        n, known = self._n, self._equations.arrays
         twists(known.kinds, known.turning, H, V[:n], still[:n], v[:n], unused[:n])
         return self._equations.constraints(H).rates(v)[0]
 

@@ -93,7 +93,7 @@ class PythonForces:
             contacts: Contacts of the scene.
             shared: Callbacks of another run with which the state is shared; default: none.
         """
-        known, n = equations.tables, equations.unknowns.moving
+        known, n = equations.arrays, equations.unknowns.moving
         self._run, self._kinds, vectors = run, known.kinds, known.kinds >= POSITION_GRADIENT
         self.joints: Joints | OtherConstraints | None = (
             joints_of(equations) if shared is None else shared.joints
@@ -202,7 +202,7 @@ class PythonForces:
 
 def joints_of(equations: Equations) -> Joints | OtherConstraints | None:
     """Joints of a scene, if some act on more than two frames or on nodes without frames."""
-    if (equations.tables.kinds < POSITION_GRADIENT).all():
+    if (equations.arrays.kinds < POSITION_GRADIENT).all():
         return OtherConstraints(equations) if equations.unknowns.other_constraints else None
     joints = Joints(equations)
     return joints if joints.needed else None

@@ -15,7 +15,7 @@ from fem_lie.joints.equations.terms import spring_energy, unwrap, violations
 from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.solve.conserving.python_forces.attachments import (
     AttachmentSpan,
-    Rows,
+    NodalSpan,
     give,
     set_attachments,
     set_nodes,
@@ -56,7 +56,7 @@ class _Nodes(NamedTuple):
 
     H: Array
     rest: Array
-    moved: Rows
+    moved: NodalSpan
     step: Array
 
 
@@ -135,11 +135,11 @@ class Joints:
 
     def __init__(self, equations: Equations) -> None:
         """Compute the initial metric of the attachments."""
-        pairs = equations.tables.pairs_of_all
+        pairs = equations.arrays.pairs_of_all
         assert pairs is not None, "refused before"
         self._pairs, self._attachments = pairs, pairs.attachments
         n, attachments = equations.unknowns.moving, pairs.attachments
-        self._n, self.kinds = n, equations.tables.kinds
+        self._n, self.kinds = n, equations.arrays.kinds
         held = views(pairs.joints).nodes
         straight = np.append(
             self.kinds >= POSITION_GRADIENT, np.ones(attachments.count, dtype=bool)
@@ -188,7 +188,7 @@ class Joints:
             span.end[:] = self._attachments.locate(along.end)[0]
         fixed = slice(len(rows.forces), None)
         rows.mean[fixed], rows.delta[fixed] = along.mean[n:], along.delta[n:]
-        moved = Rows(along.mean, along.delta, along.middle)
+        moved = NodalSpan(along.mean, along.delta, along.middle)
         nodes = _Nodes(state.H, state.rest, moved, this.step)
         sums = _Sums(this.change, this.losses, this.outer)
         packed, multipliers = self._pairs.joints, state.multipliers

@@ -15,7 +15,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie._jit.fixed_arrays import one, unpacking
+from fem_lie._jit.packed_arrays import one, unpacking
 from fem_lie._jit.records import Record, Records, record_type
 from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
 from fem_lie.solve.convergence import DIVERGED, contraction, to_come

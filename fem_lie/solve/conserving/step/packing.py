@@ -6,7 +6,7 @@ tuples.
 
 from __future__ import annotations
 
-from fem_lie._jit.fixed_arrays import FixedArrays, unpacking
+from fem_lie._jit.packed_arrays import PackedArrays, unpacking
 from fem_lie.solve.conserving.step.records import Model, State, Step
 
 
@@ -21,8 +21,8 @@ class Packed:
 
     def __init__(self, model: Model, state: State, step: Step) -> None:
         """Pack the records."""
-        self._fixed = tuple(FixedArrays(record) for record in (model, state, step))
-        self.model, self.state, self.step = (fixed.table for fixed in self._fixed)
+        self._fixed = tuple(PackedArrays(record) for record in (model, state, step))
+        self.model, self.state, self.step = (fixed.addresses for fixed in self._fixed)
 
     def set_scheme(self, model: Model) -> None:
         """Take the scheme of a ``model`` that differs in the scheme only."""

@@ -10,7 +10,7 @@ from typing import Annotated, NamedTuple
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined
-from fem_lie._jit.fixed_arrays import (
+from fem_lie._jit.packed_arrays import (
     Frames,
     Integers1,
     Integers2,

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, inlined_uncounted, uncounted
-from fem_lie._jit.fixed_arrays import Integers1, Integers3, Numbers1, Numbers2
+from fem_lie._jit.packed_arrays import Integers1, Integers3, Numbers1, Numbers2
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.cell_forms import coefficients
 from fem_lie.forms.kernels.addresses import Pointer, call_kernel, pointer

@@ -1,9 +1,9 @@
-"""Records of arrays at fixed addresses, passed to compiled functions as one table.
+"""Records of arrays at fixed addresses, passed to compiled functions as one array of addresses.
 
 Each array argument adds 0.15 µs to a call of a compiled function from Python: twenty arrays cost as
 much as the work on a small scene. Arrays that do not move during a run are passed by address. The
 annotations of a named tuple say how its arrays are laid out, and both sides follow them: what packs
-a record, :class:`FixedArrays`, and the compiled function that :func:`unpacking` makes.
+a record, :class:`PackedArrays`, and the compiled function that :func:`unpacking` makes.
 """
 
 from __future__ import annotations
@@ -68,13 +68,13 @@ def one(kind: type[Fields]) -> Layout:
     return Layout(kind.layout, (1,))
 
 
-class FixedArrays:
-    """Table of the arrays and numbers of a record, which it keeps alive.
+class PackedArrays:
+    """Addresses of the arrays and numbers of a record, which it keeps alive.
 
     None of the arrays may be replaced.
 
     Attributes:
-        table: Address and shape of each array, or value of each number, for compiled functions,
+        addresses: Address and shape of each array, or value of each number, for compiled functions,
             shape (k, 5).
     """
 
@@ -85,13 +85,13 @@ class FixedArrays:
             TypeError: An array is not contiguous, or not of doubles, 64-bit integers or records.
         """
         fields = tuple(_flat(record))
-        self.table = np.ones((len(fields), 1 + _MOST), dtype=np.int64)
+        self.addresses = np.ones((len(fields), 1 + _MOST), dtype=np.int64)
         self.set(fields)
 
     def set(self, record: Iterable[Any]) -> None:
-        """Take the fields of another record, into the same table."""
+        """Store the fields of another record in the same array of addresses."""
         self._fields = tuple(_flat(record))
-        for row, field in zip(self.table, self._fields, strict=True):
+        for row, field in zip(self.addresses, self._fields, strict=True):
             _describe(field, row)
 
 
@@ -123,7 +123,7 @@ RecordT = TypeVar("RecordT")
 
 
 def unpacking(kind: type[RecordT]) -> Callable[[Indices], RecordT]:
-    """Function that unpacks a table of :class:`FixedArrays`, for compiled code.
+    """Function that unpacks the addresses of :class:`PackedArrays`, for compiled code.
 
     Args:
         kind: Named tuple whose annotations are layouts such as :data:`Frames`, numbers, and tuples
