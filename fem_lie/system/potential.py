@@ -38,7 +38,7 @@ def _conserve(system: System) -> bool:
 
 
 def _symmetric(load: Term, system: System, H: Array) -> bool:
-    """Whether it stiffness is symmetric at frames ``H``, for nodes that move by ``x + R u``."""
+    """Whether the stiffness of a load is symmetric at ``H`` for nodes that move by ``x + R u``."""
     amplitude, load.amplitude = load.amplitude, 1.0
     A = system.tangent.alone(H, load)
     load.amplitude = amplitude

@@ -125,7 +125,7 @@ def first_jump(
 
 @inlined_uncounted
 def _between(a: Vector, b: Vector, separation: Vector) -> Vector:
-    """Vector from near the closest point of segment ``b`` to that of ``a``."""
+    """Vector between approximately closest points of two segments, from ``b`` to ``a``."""
     aa, bb, ab = dot(a, a), dot(b, b), dot(a, b)
     at, bt = dot(a, separation), dot(b, separation)
     bend = aa * bb - ab * ab

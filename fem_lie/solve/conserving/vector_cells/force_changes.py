@@ -127,7 +127,7 @@ def _weigh(cells: VectorCells, lengths: Flags, e: int, r: Array) -> None:
 
 @inlined
 def _shake(cells: VectorCells, e: int, r: Array, part: float, phase: float, out: Array) -> None:
-    """Set ``out`` to vectors ``r`` displaced by ``part`` of the cell's size, each differently.
+    """Displace vectors ``r`` differently by the fraction ``part`` of the cell's size, into ``out``.
 
     ``out`` may be ``r``.
     """
