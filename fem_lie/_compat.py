@@ -42,17 +42,18 @@ BRANCHING_IN_PARALLEL = VERSION >= (0, 10)
 def custom_form(
     spaces: Sequence[fem.FunctionSpace],
     kernel: int,
-    cells: npt.NDArray[np.int32],
+    kind: IntegralType,
+    entities: npt.NDArray[np.int32],
     coefficients: Sequence[fem.Function],
     constants: Sequence[fem.Constant],
     mesh: dolfinx.mesh.Mesh,
 ) -> fem.Form:
-    """A DOLFINx form over ``cells`` whose cell tensor is computed by the function at ``kernel``."""
+    """A DOLFINx form over ``entities`` whose cell tensor the function at ``kernel`` computes."""
     active = np.arange(len(coefficients), dtype=np.int8)
     arguments: list[Any] = [
         [V._cpp_object for V in spaces],
         # 0 is the integral's number: 0.11 counts from 0, 0.9 takes any
-        {IntegralType.cell: [(0, kernel, cells, active)]},
+        {kind: [(0, kernel, entities, active)]},
         [f._cpp_object for f in coefficients],
         [c._cpp_object for c in constants],
         False,
@@ -86,15 +87,18 @@ def expression(value: Expr, points: npt.ArrayLike) -> fem.Expression:
     )
 
 
-def integration_cells(form: fem.Form) -> npt.NDArray[np.int32]:
-    """Cells of the only integral of ``form``; a view that lives as long as the form.
+def integration_entities(form: fem.Form, kind: IntegralType) -> npt.NDArray[np.int32]:
+    """Cells, or pairs (cell, local facet) in one row, of all integrals of a kind in ``form``.
 
     In 0.9 integrals have ids of their own, in 0.11 they are counted from 0.
     """
-    cpp_form, number = form._cpp_object, 0
+    cpp_form = form._cpp_object
     if hasattr(cpp_form, "integral_ids"):  # can go with 0.9
-        (number,) = cpp_form.integral_ids(IntegralType.cell)
-    return cpp_form.domains(IntegralType.cell, number)
+        numbers = cpp_form.integral_ids(kind)
+    else:
+        numbers = range(cpp_form.num_integrals(kind, 0))
+    rows = [cpp_form.domains(kind, number).reshape(-1) for number in numbers]
+    return np.concatenate([np.empty(0, dtype=np.int32), *rows])
 
 
 def geometry_dofmap(mesh: dolfinx.mesh.Mesh) -> npt.NDArray[np.int32]:
@@ -146,14 +150,27 @@ def create_line_mesh(
 
 
 def check_branches(mesh: dolfinx.mesh.Mesh) -> None:
-    """Refuse a branching line mesh on several ranks if 0.9 may have cut it.
+    """Refuse a mesh that was cut where it branches, or may have been, on several ranks.
 
-    A mesh that was cut has two vertices at one point, as separate lines may have, and passes.
+    A mesh that was cut has two nodes made of one node of the input. With 0.9 it depends on the
+    partition whether a branching line mesh is cut, so all of them are refused.
 
     Raises:
-        ValueError: It branches; on every rank.
+        ValueError: It was cut, or branches with 0.9; on every rank.
     """
-    if mesh.comm.size == 1 or BRANCHING_IN_PARALLEL or mesh.topology.dim != 1:
+    if mesh.comm.size == 1:
+        return
+    geometry = mesh.geometry
+    owned = geometry.input_global_indices[: geometry.index_map().size_local]
+    nodes = np.concatenate(mesh.comm.allgather(owned))
+    cut = len(nodes) - len(np.unique(nodes))
+    if cut > 0:
+        option = "create it with max_facet_to_cell_links" if BRANCHING_IN_PARALLEL else "use one"
+        raise ValueError(
+            f"DOLFINx {dolfinx.__version__} cut the mesh on {mesh.comm.size} processes: {cut} of "
+            f"its nodes are two, got {len(nodes)} instead of {len(nodes) - cut}; {option}"
+        )
+    if BRANCHING_IN_PARALLEL or mesh.topology.dim != 1:
         return
     owned = mesh.topology.index_map(1).size_local
     vertices = mesh.topology.connectivity(1, 0).array[: 2 * owned]

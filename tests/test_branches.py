@@ -24,7 +24,20 @@ def test_branches_on_several_ranks_are_whole_or_refused(ranks, tmp_path):
     assert outcomes["ours 3"] == "25"
     if tuple(map(int, dolfinx.__version__.split(".")[:2])) >= (0, 10):
         return
-    # DOLFINx has cut a user's mesh into one more vertex, or has not, and then it is refused
-    if outcomes["of_dolfinx 3"] != "26":
-        assert outcomes["of_dolfinx 3"].startswith("3 cells meet at a vertex: DOLFINx 0.9")
-        assert outcomes["of_dolfinx 3"].endswith(f"got {ranks}; use one, or DOLFINx 0.10 or later")
+    refusal = outcomes["of_dolfinx 3"]
+    # DOLFINx has cut a user's mesh into one more vertex, or has not
+    assert refusal.startswith(
+        (
+            f"DOLFINx 0.9.0 cut the mesh on {ranks} processes: 1 of its nodes are two, got 26",
+            "3 cells meet at a vertex: DOLFINx 0.9",
+        )
+    )
+
+
+@pytest.mark.skipif(
+    tuple(map(int, dolfinx.__version__.split(".")[:2])) >= (0, 10), reason="cut by 0.9 only"
+)
+def test_mesh_that_two_ranks_cut_is_detected(tmp_path):
+    on_ranks(parallel_branches, 2, tmp_path / "out.json")
+    refusal = json.loads((tmp_path / "out.json").read_text())["of_dolfinx 3"]
+    assert refusal.endswith("1 of its nodes are two, got 26 instead of 25; use one")
