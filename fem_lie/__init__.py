@@ -32,6 +32,7 @@ from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.solids.solid import Solid
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
+from fem_lie.forms.problems.frame_problem import FrameProblem
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.ranks.together import end_together as _end_together
 from fem_lie.results.equilibrium import StaticResult
@@ -64,6 +65,7 @@ __all__ = [
     "EnergyDecaying",
     "EnergyMomentum",
     "Explicit",
+    "FrameProblem",
     "GeneralisedAlpha",
     "LineLoad",
     "Material",

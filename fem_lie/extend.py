@@ -5,7 +5,8 @@ scenes are in :mod:`fem_lie` itself; this module has what scenes do not show.
 
 * **Elements from a UFL energy**: :class:`CellData`, :func:`cellwise`, :func:`present_values`,
   :class:`NodalFrames`, :func:`local_frame_forms`, :class:`LocalFrameForms`, :class:`FrameMap` of
-  functions compiled by :func:`frame_function`, :class:`StrainEnergy`.
+  functions compiled by :func:`frame_function`, :class:`StrainEnergy`; loads beside them:
+  :func:`dead_force`, :func:`dead_moment`, :func:`follower_force`, :func:`follower_moment`.
 * **Elements from vectors, strains and a law**, on nodes of any type: :func:`element`,
   :func:`cell_data`, :class:`CellFunctions`, :data:`CELL_SIGNATURE`, the functions of :mod:`cell`,
   :class:`NodeType` and the compiled functions of all node types, the module :mod:`node_types`;
@@ -57,6 +58,12 @@ from fem_lie.elements.beams.element import CellData, cellwise, present_values
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.kernels.addresses import FrameMap, frame_function
 from fem_lie.forms.local_forms import LocalFrameForms
+from fem_lie.forms.problems.loads import (
+    dead_force,
+    dead_moment,
+    follower_force,
+    follower_moment,
+)
 from fem_lie.forms.small_energy import cell
 from fem_lie.forms.small_energy.assembly import CellFunctions
 from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
@@ -151,10 +158,14 @@ __all__ = [
     "check_kinds",
     "check_velocities",
     "compiled",
+    "dead_force",
+    "dead_moment",
     "element",
     "estimate",
     "evaluate",
     "failure",
+    "follower_force",
+    "follower_moment",
     "frame_function",
     "iterate",
     "move_all",

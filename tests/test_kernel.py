@@ -432,24 +432,30 @@ def test_strain_must_be_a_vector(frames):
 
 
 @pytest.mark.parametrize("measure", [ufl.ds, ufl.dS])
-def test_only_cell_integrals(frames, measure):
+def test_one_kind_of_integral(frames, measure):
     mesh = frames.function.function_space.mesh
     x = frames.position
     density = ufl.inner(x, x) if measure is ufl.ds else ufl.avg(ufl.inner(x, x))
-    with pytest.raises(ValueError, match="over cells"):
-        fl.local_frame_forms(density * measure(mesh), frames)
-    with pytest.raises(ValueError, match="over cells"):
+    with pytest.raises(ValueError, match=r"over cells \(dx\) or over exterior facets \(ds\), got"):
         fl.local_frame_forms(density * measure(mesh) + x[0] ** 2 * ufl.dx(mesh), frames)
+    if measure is ufl.dS:
+        with pytest.raises(ValueError, match="got interior_facet in"):
+            fl.local_frame_forms(density * measure(mesh), frames)
 
 
-def test_only_one_cell_integral(frames):
+def test_one_density_on_any_number_of_subdomains(frames):
     mesh = frames.function.function_space.mesh
     tags = dolfinx.mesh.meshtags(mesh, 1, np.arange(2, dtype=np.int32), np.array([1, 2]))
     dx = ufl.Measure("dx", domain=mesh, subdomain_data=tags)
     x = frames.position
-    for energy in (x[0] ** 2 * dx(1) + x[1] ** 2 * dx(2), x[0] ** 2 * dx((1, 2))):
-        with pytest.raises(ValueError, match="one cell integral, got 2"):
-            fl.local_frame_forms(energy, frames)
+    with pytest.raises(ValueError, match=r"one integral, got 2.*which fl.FrameProblem adds"):
+        fl.local_frame_forms(x[0] ** 2 * dx(1) + x[1] ** 2 * dx(2), frames)
+    both = fl.local_frame_forms(x[0] ** 2 * dx((1, 2)), frames)
+    whole = fl.local_frame_forms(x[0] ** 2 * ufl.dx(mesh), frames)
+    assert np.array_equal(
+        fem.assemble_matrix(both.tangent).to_dense(), fem.assemble_matrix(whole.tangent).to_dense()
+    )
+    assert fem.assemble_scalar(both.energy) == fem.assemble_scalar(whole.energy) > 0
 
 
 def test_energy_that_does_not_depend_on_the_frames(frames):

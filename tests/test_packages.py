@@ -56,6 +56,7 @@ MAY_IMPORT = {
     "attachments": {"forms"},
     "forms.kernels": set(),
     "forms": {"forms.kernels", "lie.node_types"},
+    "forms.problems": {"forms"},
     "forms.small_energy": {"forms"},
     "elements.beams": {"forms", "attachments"},
     "elements.shells": {"forms.small_energy", "mesh"},

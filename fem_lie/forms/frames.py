@@ -96,17 +96,16 @@ class NodalFrames:
     def __init__(self, msh: mesh.Mesh, degree: int = 1) -> None:
         """Create the frames at the nodes of the mesh, with ``R = I``.
 
-        In parallel, a line mesh must not branch with DOLFINx up to 0.9, and must be created with
-        ``max_facet_to_cell_links`` from 0.10 on. Otherwise DOLFINx may have cut it silently, which
-        cannot be detected later: the parts are then not connected.
+        In parallel, a mesh that branches must be created with ``max_facet_to_cell_links`` from
+        DOLFINx 0.10 on; line meshes must not branch with DOLFINx 0.9.
 
         Args:
             msh: Mesh in space (``gdim`` 3), with any cells.
             degree: Degree of the Lagrange nodes.
 
         Raises:
-            ValueError: The mesh is not in three-dimensional space, or branches where DOLFINx does
-                not support it.
+            ValueError: The mesh is not in three-dimensional space, or branches where DOLFINx cuts
+                it or may have cut it; on every rank.
         """
         if msh.geometry.dim != 3:
             raise ValueError(f"nodal frames need a mesh with gdim 3, got gdim {msh.geometry.dim}")
@@ -162,7 +161,8 @@ def local_frame_forms(
     """DOLFINx forms along nodal frames of an energy in positions and directors.
 
     Args:
-        energy: UFL form ``W`` in ``q.position`` and ``q.directors``, or a :class:`StrainEnergy`.
+        energy: UFL form ``W`` in ``q.position`` and ``q.directors``; a :class:`StrainEnergy`; or a
+            virtual work in ``δx = ufl.derivative(q.position, q.function)`` and those of directors.
         q: Nodal frames; see :class:`NodalFrames` for branching meshes in parallel.
         local: Element-local fields of ``W``, discontinuous between cells; the kernel condenses
             them.

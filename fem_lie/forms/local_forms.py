@@ -46,7 +46,7 @@ class LocalFrameForms:
     remain to be added at their owners (``scatter_reverse``).
 
     Attributes:
-        energy: Strain energy, rank 0.
+        energy: Strain energy, rank 0; absent if a virtual work is given.
         residual: Forces and moments along nodal frames, rank 1, on the space of ``increment``.
         residual_kernel: Kernel of ``residual``.
         found_energy: Function of the form to which that kernel writes the energy of a cell, or
@@ -88,8 +88,9 @@ class LocalFrameForms:
         """Differentiate, compile and wrap the energy.
 
         Args:
-            energy: ``W(y)``, or ``W(y, s)`` with element-local fields, as a UFL form; or a
-                :class:`StrainEnergy`.
+            energy: ``W(y)``, or ``W(y, s)`` with element-local fields, as a UFL form over cells or
+                exterior facets; a :class:`StrainEnergy`; or a virtual work ``f(y)·δy``, linear in
+                ``δy``, of forces without energy.
             state: Stored nodal coordinates, ``frame_map.values`` doubles per node.
             increment: Function on the space of the unknowns along nodal frames.
             frame_map: Variation of ``coordinates`` for twists of the nodes.
@@ -100,9 +101,9 @@ class LocalFrameForms:
 
         Raises:
             ValueError: The local fields are continuous between cells, the measure has no quadrature
-                degree, the energy has no or several cell integrals or does not depend on ``y``, a
-                :class:`StrainEnergy` is given with local fields, or the function spaces do not
-                match the map.
+                degree, the energy has no or several integrals or does not depend on ``y``, a
+                :class:`StrainEnergy` or a virtual work is given with local fields, the virtual work
+                is in another space than ``y``, or the function spaces do not match the map.
         """
         _check_spaces(state, increment, frame_map, coordinates)
         if local is not None:
@@ -112,7 +113,9 @@ class LocalFrameForms:
         y = state if coordinates is None else coordinates
         self.local_size = 0 if local is None else packed_size(local.function_space)
         self._wrapping = Wrapping(frame_map, state, y, increment, self.local_size)
-        if not isinstance(energy, StrainEnergy):
+        if isinstance(energy, ufl.Form) and energy.arguments():
+            self._build_virtual_work(energy, y)
+        elif isinstance(energy, ufl.Form):
             self._build_plain(energy, y)
         elif local is None:
             self._build_with_stress(energy, y)
@@ -145,6 +148,19 @@ class LocalFrameForms:
         )
         extra = [self.increment, dy]
         self._update_stress = self._wrapping.form(kernels.local_kernel, [S], [changed, own], extra)
+
+    def _build_virtual_work(self, work: ufl.Form, y: fem.Function) -> None:
+        if self.local is not None:
+            raise ValueError("local fields need an energy, got a virtual work (a linear form)")
+        spaces = [argument.ufl_function_space() for argument in work.arguments()]
+        if spaces != [y.function_space]:
+            raise ValueError(
+                "a virtual work must be linear in one variation of the coordinates, such as "
+                f"ufl.derivative(q.position, q.function), got arguments in {spaces}"
+            )
+        force = CompiledForm(work)
+        stiffness = CompiledForm(ufl.derivative(work, y, ufl.TrialFunction(y.function_space)))
+        self._wrap(None, [force], [stiffness, force])
 
     def _build_with_stress(self, energy: StrainEnergy, y: fem.Function) -> None:
         space, points = y.function_space, energy.quadrature_element()
@@ -197,15 +213,16 @@ class LocalFrameForms:
 
     def _wrap(
         self,
-        energy: CompiledForm,
+        energy: CompiledForm | None,
         residual: Sequence[CompiledForm],
         tangent: Sequence[CompiledForm],
         forces: Forces | None = None,
     ) -> None:
         forces = Forces(kernels.residual_kernel) if forces is None else forces
         V, form = self.increment.function_space, self._wrapping.form
-        self._stored = energy
-        self.energy = form(kernels.energy_kernel, [], [energy])
+        self._stored = residual[0] if energy is None else energy
+        if energy is not None:
+            self.energy = form(kernels.energy_kernel, [], [energy])
         self.residual_kernel, self.found_energy = forces.kernel, forces.energy
         self.residual = form(forces.kernel, [V], residual, forces.reads)
         self.tangent = form(kernels.tangent_kernel, [V, V], tangent)

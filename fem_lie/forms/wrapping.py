@@ -7,14 +7,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import ufl
 from dolfinx import fem
+from dolfinx.fem import IntegralType
 
 from fem_lie import _compat
 from fem_lie._form_cache import compile_form
 from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.kernels.addresses import FrameMap
+
+KINDS = {"cell": IntegralType.cell, "exterior_facet": IntegralType.exterior_facet}
+"""Kinds of integrals that can be wrapped, by UFL's names."""
 
 
 def packed_size(V: fem.FunctionSpace) -> int:
@@ -26,7 +29,8 @@ class CompiledForm:
     """UFL form compiled by FFCx, with the data for a header.
 
     Attributes:
-        cells: Cells of the integral; empty if the form is zero.
+        kind: Integral over cells (dx) or exterior facets (ds).
+        entities: Cells, or pairs (cell, local facet) in one row; empty if the form is zero.
         coefficients: Functions in the order in which FFCx's function expects them.
         constants: Constants in that order.
         address: Address of FFCx's function; 0 if the form is zero, as second derivatives may be.
@@ -34,27 +38,35 @@ class CompiledForm:
     """
 
     def __init__(self, form: ufl.Form) -> None:
-        if {integral.integral_type() for integral in form.integrals()} != {"cell"}:
-            raise ValueError(f"the energy must be integrated over cells (dx) only, got {form}")
+        names = {integral.integral_type() for integral in form.integrals()}
+        if len(names) != 1 or not names <= set(KINDS):
+            raise ValueError(
+                "the energy must be integrated over cells (dx) or over exterior facets (ds), got "
+                f"{' and '.join(sorted(names))} in {form}; a sum over both is two LocalFrameForms, "
+                "which fl.FrameProblem adds"
+            )
+        self.kind = KINDS[names.pop()]
         self._form = compile_form(form)
         data = self._form.ufcx_form
-        count = data.form_integral_offsets[1] - data.form_integral_offsets[0]
-        if count > 1:
+        count = data.form_integral_offsets[len(KINDS)] - data.form_integral_offsets[0]
+        # dx((1, 2)) has one function for both subdomains
+        addresses = {
+            int(self._form.module.ffi.cast("uintptr_t", integral.tabulate_tensor_float64))
+            for integral in (data.form_integrals[i] for i in range(count))
+        }
+        if len(addresses) > 1:
             raise ValueError(
-                f"the energy must have one cell integral, got {count}: use one dx (or dx(tag)) "
-                "and DG0 coefficients for data that differ between parts of the mesh"
+                f"the energy must have one integral, got {count}: make LocalFrameForms of the "
+                "energy of each subdomain, dx(1) and dx(2), which fl.FrameProblem adds, or use one "
+                "dx and DG0 coefficients"
             )
         given = form.coefficients()
         positions = [data.original_coefficient_positions[i] for i in range(data.num_coefficients)]
         self.coefficients = [given[i] for i in positions]
         self.constants = list(form.constants())
         self.signature = self._form.module.ffi.string(data.signature).decode()
-        self.address = 0
-        self.cells: npt.NDArray[np.int32] = np.empty(0, dtype=np.int32)
-        if count == 1:
-            self.cells = _compat.integration_cells(self._form)
-            kernel = data.form_integrals[0].tabulate_tensor_float64
-            self.address = int(self._form.module.ffi.cast("uintptr_t", kernel))
+        self.address = max(addresses, default=0)
+        self.entities = _compat.integration_entities(self._form, self.kind)
 
     def description(self, offsets: dict[fem.Function, int], constants_at: int) -> list[int]:
         """Header entries: address, constants, size of ``w``, offset and length of segments."""
@@ -122,8 +134,10 @@ class Wrapping:
         # constants are doubles; kernels reinterpret the bits as integers
         bits = np.array(self._header(inner, offsets, extra), dtype=np.int64).view(np.float64)
         constants.insert(0, fem.Constant(mesh, bits))
-        cells = max((part.cells for part in inner), key=len)  # a zero form has none
-        return _compat.custom_form(spaces, kernel.address, cells, list(functions), constants, mesh)
+        entities = max((part.entities for part in inner), key=len)  # a zero form has none
+        return _compat.custom_form(
+            spaces, kernel.address, inner[0].kind, entities, list(functions), constants, mesh
+        )
 
     def _header(
         self,

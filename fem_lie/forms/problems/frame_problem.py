@@ -1,0 +1,158 @@
+"""Equilibrium of the user's forms for PETSc's SNES and DOLFINx's NewtonSolver."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.fem import petsc
+
+from fem_lie._form_cache import compile_form
+from fem_lie.forms.frames import NodalFrames
+from fem_lie.forms.local_forms import LocalFrameForms
+
+
+class FrameProblem:
+    """Sum of forms along nodal frames, whose solver increments move the frames.
+
+    The solver's unknown ``x`` is a sum of increments along nodal frames, of which only differences
+    matter: with the frames ``H`` at which the tangent was last assembled, where the unknown was
+    ``x₀``, a residual at ``x`` is that of ``H exp(x − x₀)``. A solver may therefore evaluate any
+    number of trial points, as line searches do, and reject them. The independent stress and local
+    fields are updated for each trial point, too, from their values at ``H``.
+
+    A new load step starts from the frames and the ``x`` of the last one.
+
+    Attributes:
+        x: Unknown of the solver, six values per node.
+        a: Form from which the matrix is created: ``fem.petsc.create_matrix(problem.a)``.
+        L: Form from which the vector is created: ``fem.petsc.create_vector(problem.L)``.
+    """
+
+    def __init__(
+        self,
+        forms: LocalFrameForms | Sequence[LocalFrameForms],
+        q: NodalFrames,
+        bcs: Sequence[fem.DirichletBC] = (),
+    ) -> None:
+        """Collect forms and supports.
+
+        Args:
+            forms: Forms whose residuals and tangents add, all of the frames ``q``: energies of
+                several measures, loads.
+            q: Nodal frames that the solver moves.
+            bcs: Supports on the space of ``q.increment``. Nodes that do not move have zeros.
+
+        Raises:
+            ValueError: There are no forms, forms of other frames, or supports in another space.
+        """
+        self.forms = [forms] if isinstance(forms, LocalFrameForms) else list(forms)
+        self.q, self.bcs = q, list(bcs)
+        V = q.increment.function_space
+        if not self.forms:
+            raise ValueError("expected forms, got an empty sequence")
+        for form in self.forms:
+            if form.increment is not q.increment:
+                raise ValueError("expected forms of the frames q, got forms of other frames")
+        for bc in self.bcs:
+            if bc.function_space != V._cpp_object:
+                raise ValueError("expected bcs on q.increment.function_space, got another space")
+        self.x = fem.Function(V, name="sum of increments")
+        u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
+        # a form may be over few cells: the matrix gets entries of all cells
+        self.a = compile_form(ufl.inner(u, v) * ufl.dx(degree=0))
+        self.L = self.forms[0].residual
+        self.restart()
+
+    def restart(self) -> None:
+        """Count increments from the present frames, if something else has changed these."""
+        fields = [f for form in self.forms for f in (form.stress, form.local) if f is not None]
+        self._fields = [(f, f.x.array.copy()) for f in fields]
+        self._frames = self.q.function.x.array.copy()
+        self._x = self.x.x.array.copy()
+
+    def residual(self, snes: PETSc.SNES, x: PETSc.Vec, b: PETSc.Vec) -> None:
+        """Residual for ``SNES.setFunction``, see :meth:`F`.
+
+        Args:
+            snes: Solver that calls this.
+            x: Trial point of the solver.
+            b: Residual, overwritten.
+        """
+        self.form(x)
+        self.F(x, b)
+
+    def jacobian(self, snes: PETSc.SNES, x: PETSc.Vec, A: PETSc.Mat, P: PETSc.Mat) -> None:
+        """Tangent for ``SNES.setJacobian``, see :meth:`J`.
+
+        Args:
+            snes: Solver that calls this.
+            x: Point of the solver.
+            A: Matrix of the solver, the same as ``P``.
+            P: Matrix that is factorised, overwritten.
+        """
+        self.form(x)
+        self.J(x, P)
+
+    def F(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
+        """Move the frames to ``x`` and compute the residual there.
+
+        Args:
+            x: Trial point of the solver, with ghosts.
+            b: Residual, overwritten.
+        """
+        self._move(x)
+        with b.localForm() as local:
+            local.set(0.0)
+        for form in self.forms:
+            petsc.assemble_vector(b, form.residual)
+            petsc.apply_lifting(b, [form.tangent], [self.bcs], x0=[x], alpha=-1.0)
+        b.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+        petsc.set_bc(b, self.bcs, x, -1.0)
+
+    def J(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
+        """Compute the tangent at ``x``, from where increments are counted then.
+
+        Args:
+            x: Point of the solver, with ghosts.
+            A: Matrix, overwritten.
+        """
+        self._move(x)
+        self.restart()
+        with x.localForm() as local:
+            self._x = local.array_r.copy()
+        A.zeroEntries()
+        for form in self.forms:
+            petsc.assemble_matrix(A, form.tangent, self.bcs)
+            # ones on the diagonal are inserted, entries of the next form added; a final assembly
+            # would drop the entries that only the next form has
+            A.assemble(PETSc.Mat.AssemblyType.FLUSH)
+        A.assemble()
+
+    def form(self, x: PETSc.Vec) -> None:
+        """Update the ghosts of ``x``: what DOLFINx's NewtonSolver calls before :meth:`F`.
+
+        Args:
+            x: Trial point of the solver.
+        """
+        x.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
+
+    def _move(self, x: PETSc.Vec) -> None:
+        """Set frames and element-local fields for the trial point ``x``."""
+        with x.localForm() as local:
+            h = local.array_r - self._x
+        self.q.function.x.array[:] = self._frames
+        for field, values in self._fields:
+            field.x.array[:] = values
+        self.q.increment.x.array[:] = h
+        moved = bool(np.any(h != 0.0))
+        if not self.x.function_space.mesh.comm.allreduce(moved, MPI.LOR):
+            return  # the independent stress stays as it is
+        for form in self.forms:
+            form.update_stress()
+        self.q.update(h)

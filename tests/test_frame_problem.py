@@ -1,0 +1,182 @@
+"""Sums of forms along nodal frames: loads with tangents, and solvers that reject trial points."""
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import dolfinx
+import models
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem
+from dolfinx.fem import petsc
+from own_meshes import own_mesh
+
+import fem_lie as fl
+
+LOADS = {
+    "dead_force": fl.extend.dead_force,
+    "dead_moment": fl.extend.dead_moment,
+    "follower_force": fl.extend.follower_force,
+    "follower_moment": fl.extend.follower_moment,
+}
+
+
+def deformed(q: fl.NodalFrames, seed: int = 0) -> np.ndarray:
+    h = np.random.default_rng(seed).uniform(-0.5, 0.5, 6 * len(q.frames))
+    q.update(h)
+    return q.function.x.array.copy()
+
+
+def ends(mesh: dolfinx.mesh.Mesh, x: float) -> ufl.Measure:
+    """Measure ``ds(1)`` of the vertex at ``x``."""
+    found = dolfinx.mesh.locate_entities_boundary(mesh, 0, lambda y: np.isclose(y[0], x))
+    tags = dolfinx.mesh.meshtags(mesh, 0, found, np.ones(len(found), dtype=np.int32))
+    return ufl.Measure("ds", domain=mesh, subdomain_data=tags)(1)
+
+
+@pytest.mark.parametrize("where", ["dx", "ds"])
+@pytest.mark.parametrize("name", LOADS)
+def test_tangents_of_loads(name, where):
+    mesh = models.line(MPI.COMM_SELF, 2, 3)
+    q = fl.NodalFrames(mesh, degree=2)
+    measure = ufl.dx(mesh, degree=4) if where == "dx" else ufl.ds(mesh)
+    forms = LOADS[name](fem.Constant(mesh, (0.7, -0.4, 1.1)), measure, q)
+    H, n = deformed(q), q.increment.x.array.size
+    K = fem.assemble_matrix(forms.tangent).to_dense()
+    numeric = np.empty((n, n))
+    for j in range(n):
+        sides = []
+        for sign in (1, -1):
+            q.function.x.array[:] = H
+            h = np.zeros(n)
+            h[j] = sign * 1e-5
+            q.update(h)
+            sides.append(fem.assemble_vector(forms.residual).array.copy())
+        numeric[:, j] = (sides[0] - sides[1]) / 2e-5
+    # a follower at a vertex is constant in the frame of its node
+    assert (np.abs(K).max() > 1e-3) == (where == "dx" or name.startswith("dead"))
+    np.testing.assert_allclose(K, numeric, rtol=1e-8, atol=1e-8)
+
+
+@pytest.mark.parametrize("name", LOADS)
+def test_resultants_of_loads_at_a_vertex(name):
+    """Forces and moments of the node at the end, along its frame."""
+    mesh = models.line(MPI.COMM_SELF, 1, 3)
+    q = fl.NodalFrames(mesh)
+    x = q.function.function_space.tabulate_dof_coordinates()[:, 0]
+    value = np.array([0.7, -0.4, 1.1])
+    forms = LOADS[name](fem.Constant(mesh, value), ends(mesh, x.max()), q)
+    deformed(q)
+    residual = fem.assemble_vector(forms.residual).array.reshape(-1, 6)
+    end = np.argmax(x)
+    R = q.frames[end, 1:].T
+    components = R.T @ value if name.startswith("dead") else value
+    expected = np.zeros_like(residual)
+    expected[end, slice(0, 3) if name.endswith("force") else slice(3, 6)] = -components
+    np.testing.assert_allclose(residual, expected, atol=1e-14)
+
+
+def test_loads_need_vectors():
+    mesh = models.line(MPI.COMM_SELF, 1, 1)
+    q = fl.NodalFrames(mesh)
+    with pytest.raises(ValueError, match=r"expected force as a UFL vector of shape \(3,\)"):
+        fl.extend.dead_force((0.0, 0.0, 1.0), ufl.dx(mesh), q)
+
+
+def test_virtual_work_is_linear_in_the_variation():
+    mesh = models.line(MPI.COMM_SELF, 1, 1)
+    q = fl.NodalFrames(mesh)
+    with pytest.raises(ValueError, match="linear in one variation of the coordinates"):
+        fl.local_frame_forms(ufl.TestFunction(q.increment.function_space)[0] * ufl.dx(mesh), q)
+
+
+# --- solvers --------------------------------------------------------------------------------------
+
+
+def cantilever(carried: bool, axial: float = 1e4) -> tuple[fl.NodalFrames, fl.FrameProblem]:
+    """Eight elements, a quarter of a circle by a moment at the end; EI = 1."""
+    points = np.zeros((9, 3))
+    points[:, 0] = np.linspace(0, 1, 9)
+    cells = np.column_stack([np.arange(8), np.arange(1, 9)])
+    mesh = own_mesh(points, cells, "interval", MPI.COMM_SELF)
+    q = fl.NodalFrames(mesh)
+    stretch, curvature = fl.elements.director_strains(q)
+    strain = ufl.as_vector([stretch[0] - 1, stretch[1], stretch[2], *curvature])
+    C = ufl.diag(ufl.as_vector([axial, axial / 2, axial / 2, 1.0, 1.0, 1.0]))
+    dx = ufl.dx(mesh, degree=1)
+    energy = fl.extend.StrainEnergy(strain, lambda e: ufl.inner(e, C * e) / 2, dx)
+    moment = fem.Constant(mesh, (0.0, 0.0, np.pi / 2))
+    forms = [
+        fl.local_frame_forms(energy if carried else energy.form(), q),
+        fl.extend.dead_moment(moment, ends(mesh, 1.0), q),
+    ]
+    V = q.increment.function_space
+    held = fem.locate_dofs_geometrical(V, lambda y: np.isclose(y[0], 0.0))
+    return q, fl.FrameProblem(forms, q, [fem.dirichletbc(np.zeros(6), held, V)])
+
+
+def by_snes(problem: fl.FrameProblem, line_search: str) -> PETSc.SNES:
+    snes = PETSc.SNES().create(MPI.COMM_SELF)
+    snes.setFunction(problem.residual, petsc.create_vector(problem.L))
+    snes.setJacobian(problem.jacobian, petsc.create_matrix(problem.a))
+    snes.setOptionsPrefix("frames_")
+    options = PETSc.Options("frames_")
+    options["snes_linesearch_type"] = line_search
+    options["snes_divergence_tolerance"] = 1e12  # the first step stretches a stiff axis
+    snes.setFromOptions()
+    snes.getKSP().setType("preonly")
+    snes.getKSP().getPC().setType("lu")
+    snes.setTolerances(rtol=0.0, atol=1e-9, max_it=100)
+    snes.solve(None, problem.x.x.petsc_vec)
+    return snes
+
+
+@pytest.mark.parametrize("line_search", ["bt", "cp", "l2"])
+@pytest.mark.parametrize("carried", [True, False])
+def test_line_search_rejects_trial_points(carried, line_search):
+    """A line search ends in the frames that full steps reach: no increment is applied twice."""
+    q, problem = cantilever(carried, axial=20.0)
+    assert by_snes(problem, "basic").getConvergedReason() > 0
+    full = q.frames.copy()
+    q, problem = cantilever(carried, axial=20.0)
+    snes = by_snes(problem, line_search)
+    assert snes.getConvergedReason() > 0
+    assert snes.getFunctionEvaluations() > 1 + snes.getIterationNumber()
+    np.testing.assert_allclose(q.frames, full, atol=1e-8)
+
+
+def test_next_load_step_starts_from_the_last():
+    q, problem = cantilever(True)
+    assert by_snes(problem, "basic").getIterationNumber() == 4
+    reached = q.frames.copy()
+    assert by_snes(problem, "basic").getIterationNumber() == 0
+    assert np.array_equal(q.frames, reached)
+
+
+def test_newton_solver_of_dolfinx_takes_the_same_iterations():
+    nls = pytest.importorskip("dolfinx.nls.petsc")
+    if not hasattr(nls, "NewtonSolver"):
+        pytest.skip("no NewtonSolver in this DOLFINx")
+    q, problem = cantilever(True)
+    by_snes(problem, "basic")
+    full = q.frames.copy()
+    q, problem = cantilever(True)
+    solver = nls.NewtonSolver(MPI.COMM_SELF, problem)
+    solver.rtol, solver.atol = 1e-12, 1e-9
+    solver.krylov_solver.setType("preonly")
+    solver.krylov_solver.getPC().setType("lu")
+    iterations, converged = solver.solve(problem.x)
+    assert converged and iterations == 4
+    np.testing.assert_allclose(q.frames, full, atol=1e-12)
+
+
+def test_forms_of_other_frames_are_refused():
+    (q, problem), (other, _) = cantilever(False), cantilever(False)
+    with pytest.raises(ValueError, match="got forms of other frames"):
+        fl.FrameProblem(problem.forms, other)
+    with pytest.raises(ValueError, match="got an empty sequence"):
+        fl.FrameProblem([], q)
+    held = fem.dirichletbc(np.zeros(12), np.array([0], np.int32), q.function.function_space)
+    with pytest.raises(ValueError, match=r"expected bcs on q\.increment"):
+        fl.FrameProblem(problem.forms, q, [held])
