@@ -1,0 +1,1 @@
+"""Elements of one's own: energies in UFL, and solvers of PETSc and DOLFINx."""

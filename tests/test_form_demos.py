@@ -1,0 +1,54 @@
+"""The examples in demos/forms beside their closed forms or literature, on one and two ranks."""
+
+import json
+
+from mpi4py import MPI
+
+import numpy as np
+import parallel_form_demos
+import pytest
+from parallel_form_demos import DEMOS
+from ranks import on_ranks
+
+BOUNDS = {
+    "edge_energy": {"tip_error": 1e-8},
+    "two_measures": {"tip_error": 1e-7},
+    "selective_integration": {"error": 1.1e-3},  # h²/4 of the bending energy of linear elements
+    "dead_force": {"tip_error": 2e-5},  # five digits are tabulated
+    "follower_force": {"tip_error": 2e-5},
+}
+
+
+@pytest.fixture(scope="module")
+def records() -> dict:
+    return parallel_form_demos.results(MPI.COMM_SELF)
+
+
+@pytest.mark.parametrize("demo", BOUNDS)
+def test_errors(demo, records):
+    for name, bound in BOUNDS[demo].items():
+        assert 0 <= records[demo][name] <= bound
+
+
+def test_bounds_are_of_all_demos():
+    assert set(BOUNDS) == set(DEMOS)
+
+
+def test_shear_locks_as_predicted_without_selective_integration(records):
+    record = records["selective_integration"]
+    assert record["locking"] == pytest.approx(record["expected_locking"], rel=1e-6)
+
+
+@pytest.mark.parametrize("demo", DEMOS)
+def test_examples_are_short(demo):
+    lines = (parallel_form_demos.FOLDER / f"{demo}.py").read_text().splitlines()
+    code = lines[next(k for k, line in enumerate(lines) if line.startswith("from __future__")) :]
+    assert sum(1 for line in code if line.strip()) <= 60
+
+
+def test_two_ranks(records, tmp_path):
+    on_ranks(parallel_form_demos, 2, tmp_path / "out.json")
+    parallel = json.loads((tmp_path / "out.json").read_text())
+    for demo, record in records.items():
+        for name, value in record.items():
+            np.testing.assert_allclose(parallel[demo][name], value, rtol=1e-9, atol=1e-9)
