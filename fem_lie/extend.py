@@ -30,7 +30,7 @@ scenes are in :mod:`fem_lie` itself; this module has what scenes do not show.
   convergence
   (:func:`unknown_scaling`, :func:`estimate`, :func:`failure`); consistent initial accelerations
   (:func:`accelerations`, :func:`check_velocities`).
-* **Diagrams** beside those of results: :data:`COLOURS`, in which these draw their curves.
+* **Diagrams** in addition to those of results: :data:`COLOURS`, in which these draw their curves.
 """
 
 from typing import TYPE_CHECKING

@@ -73,7 +73,7 @@ def test_shell_surfaces_that_conserving_steps_refuse():
         (
             True,
             fl.contact.Penalty(1e6),
-            "by penalty that rotate nodes of shells with six parameters",
+            "by penalty that rotate nodes of shells with drilling rotations",
         ),
         (False, fl.contact.Penalty(1e6, friction=0.3), "contacts by penalty with friction"),
         (

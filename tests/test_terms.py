@@ -414,12 +414,12 @@ TERMS: dict[str, Case] = {
     "quadratic shell": Case(
         lambda: shell(fl.elements.DisplacementBased(), "triangle", 2), "elements"
     ),
-    "shell with six parameters": Case(
+    "shell with drilling rotations": Case(
         lambda: shell(fl.elements.HellingerReissner(), drilling=True), "elements"
     ),
     "drilling": Case(
         lambda: shell(fl.elements.HellingerReissner(), drilling=True),
-        "drilling of shells with six parameters",
+        "drilling of shells with drilling rotations",
     ),
     "pressure on a beam": Case(lambda: pressed(beam()), "pressure on beams"),
     "pressure on a branch": Case(lambda: pressed(branch()), "pressure on beams"),

@@ -213,7 +213,7 @@ class Scene(Summarised):
     def has_drilling(self, body: Body) -> bool:
         """Whether the nodes of a body have a drilling rotation in this scene.
 
-        For a shell: whether it has six parameters per node here.
+        For a shell: whether its nodes have drilling rotations here.
 
         Args:
             body: A body of the scene.

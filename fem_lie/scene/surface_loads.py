@@ -27,10 +27,11 @@ class EdgeLoad(NodalLoad):
         force: Three components per length: global if fixed in space; if following, along the edge
             with the shell on its left, seen against the directors, outward across the edge, and
             along the director, all in the unloaded configuration.
-        moment: About these axes; about the director it does no work on nodes of five parameters.
+        moment: About these axes; about the director it does no work on nodes without drilling
+            rotation.
         history: Factor as a function of time.
-        following: Whether the load rotates with the nodal frames. Frames of five parameters follow
-            the directors and do not rotate about them.
+        following: Whether the load rotates with the nodal frames. Frames without drilling rotation
+            rotate with the directors and not about them.
 
     Example:
         >>> mesh = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))

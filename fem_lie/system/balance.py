@@ -165,7 +165,7 @@ class HeldForces:
 def supported(system: System) -> Flags:
     """Unknowns held from outside, shape (n, 6).
 
-    The drilling rotations that a shell of five parameters holds are no supports, and neither are
+    The drilling rotations that a shell holds are no supports, and neither are
     missing unknowns.
     """
     held = system.held & ~system.numbering.missing_unknowns

@@ -27,14 +27,16 @@ def in_one_line(
     total, n = numbering.total, numbering.count
     flat, others = int(on_r3(kinds).sum()), int((kinds >= POSITION_GRADIENT).sum())
     shells = [
-        (body, six) for body, six in numbering.has_drilling.items() if body.model.separates_director
+        (body, drills)
+        for body, drills in numbering.has_drilling.items()
+        if body.model.separates_director
     ]
     parts = [
         f"{total} nodes, {total - n} of them rigidly attached, {m} constraints",
         f"{n - flat - others} nodes on SE(3), {flat} on R³×SO(3), all with three rotations; "
         f"{others} with vector coordinates",
-        f"shells with five parameters: {[b.label for b, six in shells if not six]}, with six: "
-        f"{[b.label for b, six in shells if six]}",
+        f"shells without drilling rotations: {[b.label for b, drills in shells if not drills]}, "
+        f"with them: {[b.label for b, drills in shells if drills]}",
         "terms: " + (", ".join(dict.fromkeys(term.label for term in terms)) or "none"),
         "viscous: " + (", ".join(terms.viscous_labels) or "none"),
         f"loads or motions in time: {'yes' if time_dependent else 'no'}",

@@ -46,7 +46,7 @@ def rigid_motions(system: System, H: Array, weight: Array) -> list[RigidMotions]
     pieces, label = connected_components(graph, directed=False)
     number = np.cumsum(~system.held.ravel()) - 1
     held = system.held.copy()
-    # the drilling rotations that shells of five parameters hold are no supports
+    # drilling rotations that shells hold are no supports
     drills = held & system.numbering.held & system.separates_director[:, np.newaxis]
     drills[:, :5] = False
     found = []

@@ -53,7 +53,7 @@ class ShellCells:
         increment: Unknowns along nodal frames, five or six per node.
         y: Flat coordinates: positions and directors, or whole frames, of the nodes of each cell.
         strain: ``(E₁₁, E₂₂, 2E₁₂, K₁₁, K₂₂, 2K₁₂, γ₁, γ₂)`` at the quadrature point.
-        drilling: Drilling strain ``c`` at that point, or ``None`` with five parameters.
+        drilling: Drilling strain ``c`` at that point, or ``None`` without drilling rotations.
         drilling_stiffness: Drilling stiffness γ, or ``None``.
         dx: Measure of the mid-surface.
         point: Reference coordinates of the quadrature point.
@@ -74,7 +74,7 @@ class ShellCells:
             frames: Nodal frames of a surface mesh, the director third.
             measures: Strain measures.
             drilling_stiffness: γ of :mod:`fem_lie.elements.shells.drilling`, force per length, one
-                or one for each cell, shape (cells,), for six parameters per node.
+                or one for each cell, shape (cells,), for nodes with drilling rotations.
             directions: Vector of each cell, shape (cells, 3), whose projection onto the surface is
                 e₁ of strains and stresses; default: the first edge direction.
 

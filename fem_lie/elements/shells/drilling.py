@@ -162,7 +162,7 @@ def stress_of_cell(A: Pointer, w: Pointer, c: Pointer, h: Pointer) -> None:
 class DrillingAssembly(ElementCells):
     """Forces, tangent and energy of drilling on the nodes of an assembly of shells."""
 
-    label, of_bodies, conserved = "drilling of shells with six parameters", True, True
+    label, of_bodies, conserved = "drilling of shells with drilling rotations", True, True
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""Maps of shells: positions and directors as functions of nodes with five or six parameters.
+"""Maps of shells: positions and directors as functions of nodes with or without drilling rotations.
 
 Nodes store frames ``(x, d₁, d₂, d₃)``; the director is ``t = d₃``. Unknowns are ``(u, η)``, and the
 state is updated by :func:`retract`, ``x ← x + R u``, ``R ← R exp(η₁, η₂, 0) exp(0, 0, η₃)``.

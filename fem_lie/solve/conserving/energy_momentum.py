@@ -83,10 +83,10 @@ def refuse_scene(equations: Equations) -> None:
         ),
         "supports along axes fixed in space (Shell.roller)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
-        "velocity constraints (KnifeEdge, RollingDisc) beside shells with six parameters "
-        f"({drilling}), whose drilling has no inertia": bool(drilling)
+        "velocity constraints (KnifeEdge, RollingDisc) together with shells with drilling "
+        f"rotations ({drilling}), whose drilling has no inertia": bool(drilling)
         and unknowns.of_velocities > 0,
-        "contacts by penalty that rotate nodes of shells with six parameters "
+        "contacts by penalty that rotate nodes of shells with drilling rotations "
         f"({touched}), whose drilling has no inertia": bool(touched),
         ", ".join(dict.fromkeys(apart)): bool(apart),
     }

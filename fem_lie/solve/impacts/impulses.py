@@ -1,7 +1,7 @@
 """Impulses with the saddle-point mass matrix, and projection of velocities onto constraints.
 
-Some directions have no inertia: the drilling rotation of a shell with six parameters, the rotation
-of a node whose section has no rotary inertia. Only elastic forces within the step balance an
+Some directions have no inertia: the drilling rotation of a shell, the rotation of
+a node whose section has no rotary inertia. Only elastic forces within the step balance an
 impulse there: the mass matrix is singular, and velocities would be round-off over zero. In these
 directions ``h² K/4`` of the step is added, as for accelerations at the start
 (:func:`~fem_lie.solve.motion.consistent.accelerations`).

@@ -274,7 +274,7 @@ class MultiRate(Integrator):
         pairs = between.arrays.pairs_of_all
         drilling = ", ".join(between.unknowns.drilling)
         reasons = {
-            "joints between bodies with steps of their own on shells with six parameters "
+            "joints between bodies with steps of their own on shells with drilling rotations "
             f"({drilling}), whose drilling has no inertia": bool(drilling and between.unknowns.m),
             "joints on points that are not nodes between bodies with steps of their own": (
                 pairs is not None and pairs.attachments.count > 0

@@ -131,7 +131,7 @@ def _refuse(equations: Equations) -> None:
         "supports along axes fixed in space (Shell.roller)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
         "friction of penalties": any(term.has_friction for term in equations.arrays.terms),
-        f"shells with six parameters ({drilling}), whose drilling has no inertia, so that no "
+        f"shells with drilling rotations ({drilling}), whose drilling has no inertia, so that no "
         "momentum gives its rate": bool(drilling),
     }
     refuse("Variational", reasons)
