@@ -1,8 +1,8 @@
 """Subdomains of a scene: cells and joints distributed among ranks, and the subdomain matrix.
 
-Every rank has the whole scene. It fills the matrix of its own cells in addition to that of all cells.
-Contributions that are not sums over cells (inertia, mass-proportional damping, rotating loads) are
-distributed among the subdomains in proportion to the number of cells at a pair of nodes.
+Every rank has the whole scene. It fills the matrix of its own cells in addition to that of all
+cells. Contributions that are not sums over cells (inertia, mass-proportional damping, rotating
+loads) are distributed among the subdomains in proportion to the number of cells at a pair of nodes.
 """
 
 from __future__ import annotations

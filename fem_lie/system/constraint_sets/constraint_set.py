@@ -6,8 +6,8 @@ ground and of prescribed motions, Lagrange multipliers, the constraint Jacobian.
 constraint is one file with such a class, and an entry in :mod:`.kinds`.
 
 All constraints are equalities, ``Φ = 0`` or ``W V = 0``. Inequalities would need a *bound* of each
-constraint, in addition to ``angular`` and ``owner``: "equal", "not negative" or "in the cone of the next
-ones"; iterations and the saddle-point matrix would read it.
+constraint, in addition to ``angular`` and ``owner``: "equal", "not negative" or "in the cone of the
+next ones"; iterations and the saddle-point matrix would read it.
 """
 
 from __future__ import annotations
