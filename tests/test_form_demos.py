@@ -16,6 +16,12 @@ BOUNDS = {
     "selective_integration": {"error": 1.1e-3},  # h²/4 of the bending energy of linear elements
     "dead_force": {"tip_error": 2e-5},  # five digits are tabulated
     "follower_force": {"tip_error": 2e-5},
+    "hellinger_reissner_beam": {"tip_error": 2e-3, "difference_to_displacement": 1e-10},
+    "hellinger_reissner_shell": {"tip_error": 1e-3},  # four digits are tabulated
+    "hu_washizu_beam": {"tip_error": 3e-3},
+    "hu_washizu_shell": {"tip_error": 5e-5},
+    "newton_and_snes": {"tip_error": 6e-3, "difference": 1e-8},
+    "transient_element": {"difference": 1e-12},
 }
 
 
@@ -28,6 +34,22 @@ def records() -> dict:
 def test_errors(demo, records):
     for name, bound in BOUNDS[demo].items():
         assert 0 <= records[demo][name] <= bound
+
+
+@pytest.mark.parametrize("demo", ["hellinger_reissner_beam", "hu_washizu_beam"])
+def test_mixed_beams_are_of_second_order(demo, records):
+    assert records[demo]["ratio_of_errors"] == pytest.approx(4.0, abs=0.1)
+
+
+def test_independent_stress_saves_iterations(records):
+    record = records["hellinger_reissner_beam"]
+    assert 4 * record["iterations"] < record["plain_iterations"]
+
+
+def test_full_steps_are_fastest(records):
+    record = records["newton_and_snes"]
+    assert record["newton"] == record["basic"] <= 5
+    assert record["basic"] < min(record["bt"], record["cp"])
 
 
 def test_bounds_are_of_all_demos():

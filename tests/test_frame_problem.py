@@ -118,7 +118,7 @@ def cantilever(carried: bool, axial: float = 1e4) -> tuple[fl.NodalFrames, fl.Fr
 
 def by_snes(problem: fl.FrameProblem, line_search: str) -> PETSc.SNES:
     snes = PETSc.SNES().create(MPI.COMM_SELF)
-    snes.setFunction(problem.residual, petsc.create_vector(problem.L))
+    snes.setFunction(problem.residual, problem.x.x.petsc_vec.duplicate())
     snes.setJacobian(problem.jacobian, petsc.create_matrix(problem.a))
     snes.setOptionsPrefix("frames_")
     options = PETSc.Options("frames_")

@@ -56,7 +56,7 @@ def problem(q: fl.NodalFrames, forms: Sequence[fl.extend.LocalFrameForms]) -> fl
 def newton(equilibrium: fl.FrameProblem, line_search: str = "basic") -> int:
     """Iterations of SNES; full steps by default."""
     snes = PETSc.SNES().create(equilibrium.x.function_space.mesh.comm)
-    snes.setFunction(equilibrium.residual, petsc.create_vector(equilibrium.L))
+    snes.setFunction(equilibrium.residual, equilibrium.x.x.petsc_vec.duplicate())
     snes.setJacobian(equilibrium.jacobian, petsc.create_matrix(equilibrium.a))
     snes.setOptionsPrefix("frames_")
     options = PETSc.Options("frames_")
@@ -97,6 +97,29 @@ def simo_strains(q: fl.NodalFrames) -> ufl.core.expr.Expr:
     """Strains (Γ, κ) of a beam along the x axis."""
     stretch, curvature = fl.elements.director_strains(q)
     return ufl.as_vector([stretch[0] - 1, stretch[1], stretch[2], *curvature])
+
+
+def plate_strains(q: fl.NodalFrames) -> tuple[ufl.core.expr.Expr, ...]:
+    """Strains of a plate in the x-y plane: membrane, bending, shear, and drilling.
+
+    Membrane and bending have the components (11, 22, 2 12).
+    """
+    x, d = q.position, q.directors
+    a, b = ([ufl.grad(f)[:, k] for k in range(2)] for f in (x, d[2]))
+
+    def symmetric(c: list, f: list, unit: float) -> ufl.core.expr.Expr:
+        twice = ufl.inner(c[0], f[1]) + ufl.inner(c[1], f[0])
+        return ufl.as_vector([ufl.inner(c[0], f[0]) - unit, ufl.inner(c[1], f[1]) - unit, twice])
+
+    shear = ufl.as_vector([ufl.inner(a[0], d[2]), ufl.inner(a[1], d[2])])
+    drilling = (ufl.inner(a[0], d[1]) - ufl.inner(a[1], d[0])) / 2
+    membrane = symmetric(a, a, 1.0)
+    return (
+        ufl.diag(ufl.as_vector([0.5, 0.5, 1.0])) * membrane,
+        symmetric(a, b, 0.0),
+        shear,
+        drilling,
+    )
 
 
 def diagonal(*stiffness: float) -> ufl.core.expr.Expr:
