@@ -9,7 +9,7 @@ its ends: a slack cable is drawn as a straight line, as if it were short.
 The numbers: unknowns are those of nodes, three of each of cables and six of bars, constraints
 those of joints; k_updates and phi_updates count every matrix of mass and stiffness and every
 Jacobian of constraints, the first included; solver_iterations are solutions of the linear system
-per step, which is solved directly, with kept factors. width is the largest distance of a vertical
+per step, which is solved directly, with frozen factors. width is the largest distance of a vertical
 from the axis at the end; off_posture how far the tops are then from where rigid bars would have
 them, but for a motion of all along the axis; asymmetry by how much radii of the tops differ, and
 heights of those that go up and of those that go down, at any time kept.

@@ -1,4 +1,4 @@
-"""Conserving schemes through postures in which constraints lose rank: kept matrices mislead there.
+"""Conserving schemes where constraints lose rank: there frozen matrices are misleading.
 
 A frozen matrix has the constraints of an older posture, and next to a flat one the digits in which
 the bars are not parallel grow with each iteration by the ratio of the two. A step that ends so is

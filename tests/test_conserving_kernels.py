@@ -33,7 +33,7 @@ def run(dense: int, whole: int, monkeypatch: pytest.MonkeyPatch) -> fl.Result:
 
 @pytest.mark.parametrize("whole", [0, model.WHOLE], ids=["solution", "columns"])
 def test_the_dense_matrix_changes_neither_motion_nor_conservation(whole, monkeypatch):
-    """Joints turn: kept matrices have the constraints of other postures."""
+    """Joints rotate: frozen matrices have the constraints of other configurations."""
     solved, small = run(0, 0, monkeypatch), run(60, whole, monkeypatch)
     gap = solved.position("bar II.end") - small.position("bar II.end")
     moved = np.ptp(small.position("bar II.end"), axis=0).max()

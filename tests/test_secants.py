@@ -92,7 +92,7 @@ def test_what_is_forgotten_is_not_used():
     np.testing.assert_array_equal(first, [0.2, 0.1])
 
 
-def slackening() -> fl.Scene:
+def going_slack() -> fl.Scene:
     """A net that is let go by all but three corners: its cables go slack and taut."""
     points = np.array([[i / 4, j / 4, 0.0] for i in range(5) for j in range(5)])
     cables = [[5 * i + j for j in range(5)] for i in range(5)]
@@ -116,7 +116,7 @@ PLAN = {"duration": 0.1, "step": 5e-3}
 
 def test_motion_is_the_same_with_fewer_iterations():
     """Of a tension-only net, within what iterations leave."""
-    plain, better = (scheme(secants).run(slackening(), **PLAN) for secants in (0, 3))
+    plain, better = (scheme(secants).run(going_slack(), **PLAN) for secants in (0, 3))
     positions, others = (result.frames[:, :, 0] for result in (plain, better))
     assert np.abs(positions - others).max() < 1e-6 * np.abs(positions - positions[0]).max()
     assert better.iterations[-1] < plain.iterations[-1]
@@ -124,7 +124,7 @@ def test_motion_is_the_same_with_fewer_iterations():
 
 def test_a_restart_agrees_to_the_last_bit(tmp_path):
     """For nothing is kept beyond a step."""
-    resumed_as_whole(scheme(3), slackening, PLAN, tmp_path / "run.h5")
+    resumed_as_whole(scheme(3), going_slack, PLAN, tmp_path / "run.h5")
 
 
 def thrown() -> fl.Scene:

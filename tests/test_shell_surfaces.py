@@ -217,7 +217,9 @@ def test_what_shell_surfaces_refuse():
 # --- friction ---
 
 
-def rubbing(start: float, drop: float = -1e-4 * THICK, friction: float = 0.2) -> fl.Scene:
+def sliding_with_friction(
+    start: float, drop: float = -1e-4 * THICK, friction: float = 0.2
+) -> fl.Scene:
     """A sheet that lies on another one, or falls, between edges of its cells, and slides aslant."""
     lower, upper = plate(0, (4, 3)), plate(THICK + drop, (2, 2), 0.21, 0.4)
     lower.clamp("a=0")
@@ -239,7 +241,7 @@ def rubbing(start: float, drop: float = -1e-4 * THICK, friction: float = 0.2) ->
 @pytest.mark.parametrize(("speed", "drop", "friction"), [(1e-3, -5e-6, 0.2), (0.0, 1e-3, 0.4)])
 def test_tractions_do_not_drill(speed, drop, friction):
     """A sheet that lies, or falls, on another: tractions have no moment arms along the sheets."""
-    scene = rubbing(speed, drop, friction)
+    scene = sliding_with_friction(speed, drop, friction)
     scheme = fl.GeneralisedAlpha(radius=0.8)
     result = scheme.run(scene, duration=0.025, step=2.5e-4, progress=False)
     turned = result.frames[:, :, 1] @ [0, 1, 0]
@@ -279,9 +281,9 @@ def test_a_restart_during_slip_and_stick_agrees_to_the_last_bit(tmp_path, start)
     """From a checkpoint between steps in which it slides, or begins to."""
     scheme = fl.GeneralisedAlpha(radius=0.8)
     options = {"duration": 5e-3, "step": 2.5e-4, "checkpoint_every": 13, "progress": False}
-    whole = scheme.run(rubbing(start), **options, file=tmp_path / "whole.h5")
-    scheme.run(rubbing(start), **options, file=tmp_path / "run.h5")
-    resumed = scheme.resume(rubbing(start), tmp_path / "run.h5", progress=False)
+    whole = scheme.run(sliding_with_friction(start), **options, file=tmp_path / "whole.h5")
+    scheme.run(sliding_with_friction(start), **options, file=tmp_path / "run.h5")
+    resumed = scheme.resume(sliding_with_friction(start), tmp_path / "run.h5", progress=False)
     for name in ("frames", "velocities", "balance", "iterations"):
         np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
 

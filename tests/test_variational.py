@@ -244,7 +244,7 @@ def test_a_step_that_fails():
 
 
 def test_the_compiled_loop_rescues_a_step():
-    """What kept matrices do not solve is made with new ones; without these it fails."""
+    """Steps that frozen matrices do not solve are solved with new ones; without these it fails."""
     plan = {"duration": 0.3, "step": 1e-2}
     result = fl.schemes.Variational(max_iterations=12).run(rigid_pendulum(), **plan)
     assert result.joint_violations.max() <= 1e-12

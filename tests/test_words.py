@@ -13,9 +13,9 @@ ROOT = Path(__file__).parents[1]
 FOLDERS = "benchmarks", "demos", "docs", "fem_lie", "notebooks", "studies", "tests", "tools"
 SUFFIXES = ".py", ".md", ".ipynb", ".bash"
 WORDS = re.compile(
-    r"(?<![A-Za-z])(?:told|tells|tellings|few shapes|legs?|grips?|rubs?|slackens?|booked|made anew"
-    r"|goes on from|begins_at|stir(?:s|red)?|half-way|gram|CROSSING|straight nodes|kept matrix"
-    r"|turn_axes)(?![A-Za-z])"
+    r"(?<![A-Za-z])(?:told|tells|tellings|few shapes|legs?|gripp?(?:s|ed|ing)?|rub(?:s|bed|bing)?"
+    r"|slacken(?:s|ed|ing)?|booked|made anew|goes on from|begins_at|stir(?:s|red|ring)?|half-way"
+    r"|grams?|CROSSING|straight nodes?|kept (?:matrix|matrices)|turn_axes)(?![A-Za-z])"
 )
 MADE = "docs/lessons", "docs/reference", "docs/_pages", "docs/_mathjax"
 """Folders of pages that are made of sources when the site is."""
