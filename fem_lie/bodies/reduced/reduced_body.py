@@ -171,7 +171,7 @@ class ReducedOrderModel(BodyModel):
         initial = lie.se3_compose(lie.se3_inverse(self.frames[0]), self.full.frames)
         moved = np.tile(initial, (len(h), 1, 1, 1))
         moved[:, :, 0] += h[:, :, :3]
-        # rows are directors: each is turned within the frame
+        # rows are directors: each is rotated within the frame
         moved[:, :, 1:] = np.einsum("snij,nkj->snki", lie.so3_exp(h[:, :, 3:]), initial[:, 1:])
         found = lie.se3_compose(frames[:, :1], moved)
         found[:, self.interfaces] = frames[:, : len(self.interfaces)]

@@ -3,7 +3,7 @@
 ``Γ = Rᵀ x′ − Γ₀``, ``κ = axial(Rᵀ R′) − κ₀`` with ``R = [d₁ d₂ d₃]`` interpolated as it is (Simo &
 Vu-Quoc, CMAME 58 (1986) 79; Romero & Armero, IJNME 54 (2002) 1683). With one-point quadrature on
 two nodes, or two-point on three, there is no shear locking. Both measures are invariant under
-superposed rigid motion, as products of vectors that turn together.
+superposed rigid motion, as products of vectors that rotate together.
 
 Interpolated directors are not orthonormal between the nodes. With two nodes that rotate by θ
 against each other, the middle has ``κ ∝ sin θ`` and shrinks ``Γ`` by ``cos θ/2``: too soft.

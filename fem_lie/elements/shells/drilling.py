@@ -199,7 +199,7 @@ class DrillingAssembly(ElementCells):
         m, (g, k) = len(cells), N.shape
         T = np.zeros((m, g, 4, k, 4))
         T[:, :, _X1 : _X2 + 1, :, 0] = np.einsum("mgba,agk->mgbk", inverse, table[1:, :-1])
-        # what nodes carry are the axes of the centre
+        # nodes have the axes of the centre
         A = np.einsum("mbj,mkdj->mkbd", axes[:, -1], frames[cells, 1:])
         T[:, :, _A1 : _A2 + 1, :, 1:] = np.einsum("gk,mkbd->mgbkd", N, A)
         weight = w * np.linalg.norm(normal[:, :-1], axis=-1) * stiffness[:, np.newaxis]
