@@ -6,7 +6,8 @@ scenes are in :mod:`fem_lie` itself; this module has what scenes do not show.
 * **Elements from a UFL energy**: :class:`CellData`, :func:`cellwise`, :func:`present_values`,
   :class:`NodalFrames`, :func:`local_frame_forms`, :class:`LocalFrameForms`, :class:`FrameMap` of
   functions compiled by :func:`frame_function`, :class:`StrainEnergy`; loads beside them:
-  :func:`dead_force`, :func:`dead_moment`, :func:`follower_force`, :func:`follower_moment`.
+  :func:`dead_force`, :func:`dead_moment`, :func:`follower_force`, :func:`follower_moment`;
+  other fields: :func:`derivative_in_field`, :func:`derivative_in_frames`.
 * **Elements from vectors, strains and a law**, on nodes of any type: :func:`element`,
   :func:`cell_data`, :class:`CellFunctions`, :data:`CELL_SIGNATURE`, the functions of :mod:`cell`,
   :class:`NodeType` and the compiled functions of all node types, the module :mod:`node_types`;
@@ -58,6 +59,7 @@ from fem_lie.elements.beams.element import CellData, cellwise, present_values
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.kernels.addresses import FrameMap, frame_function
 from fem_lie.forms.local_forms import LocalFrameForms
+from fem_lie.forms.problems.coupling import derivative_in_field, derivative_in_frames
 from fem_lie.forms.problems.loads import (
     dead_force,
     dead_moment,
@@ -160,6 +162,8 @@ __all__ = [
     "compiled",
     "dead_force",
     "dead_moment",
+    "derivative_in_field",
+    "derivative_in_frames",
     "element",
     "estimate",
     "evaluate",

@@ -21,6 +21,7 @@ BOUNDS = {
     "hu_washizu_beam": {"tip_error": 3e-3},
     "hu_washizu_shell": {"tip_error": 5e-5},
     "newton_and_snes": {"tip_error": 6e-3, "difference": 1e-8},
+    "temperature": {"tip_error": 3e-4},
     "transient_element": {"difference": 1e-12},
 }
 

@@ -180,3 +180,70 @@ def test_forms_of_other_frames_are_refused():
     held = fem.dirichletbc(np.zeros(12), np.array([0], np.int32), q.function.function_space)
     with pytest.raises(ValueError, match=r"expected bcs on q\.increment"):
         fl.FrameProblem(problem.forms, q, [held])
+
+
+# --- another field on the same mesh ---------------------------------------------------------------
+
+
+def numeric_columns(residual: fem.Form, move, n: int) -> np.ndarray:
+    """Central differences of an assembled vector in ``n`` unknowns."""
+    sides = []
+    for sign in (1, -1):
+        columns = []
+        for j in range(n):
+            h = np.zeros(n)
+            h[j] = sign * 1e-5
+            move(h)
+            columns.append(fem.assemble_vector(residual).array.copy())
+        sides.append(np.array(columns).T)
+    return (sides[0] - sides[1]) / 2e-5
+
+
+def dense(form: fem.Form) -> np.ndarray:
+    A = petsc.assemble_matrix(form)
+    A.assemble()
+    whole = A.convert("dense")
+    return whole.getDenseArray().copy()  # a view of memory that ends with the matrix
+
+
+@pytest.mark.parametrize("measure", [ufl.dx, ufl.ds])
+def test_blocks_of_another_field(measure):
+    mesh = models.line(MPI.COMM_SELF, 2, 3)
+    q = fl.NodalFrames(mesh, degree=2)
+    T = fem.Function(fem.functionspace(mesh, ("Lagrange", 1)))
+    T.interpolate(lambda x: 1 + x[0] ** 2)
+    x, d, τ = q.position, q.directors, ufl.TestFunction(T.function_space)
+    over = measure(mesh, metadata={"quadrature_degree": 6})
+    W = (T**2 * ufl.inner(x, d[0]) + ufl.inner(d[1], d[1]) * x[1] ** 2) * over
+    heat = T**2 * τ * x[2] * d[0][1] * over + ufl.inner(ufl.grad(T), ufl.grad(τ)) * ufl.dx(mesh)
+    forms = fl.local_frame_forms(W, q)
+    H, values = deformed(q), T.x.array.copy()
+
+    def move_field(h):
+        T.x.array[:] = values + h
+
+    def move_frames(h):
+        q.function.x.array[:] = H
+        q.update(h)
+
+    columns = dense(fl.extend.derivative_in_field(W, q, T))
+    rows = dense(fl.extend.derivative_in_frames(heat, q))
+    assert min(np.abs(columns).max(), np.abs(rows).max()) > 1e-2
+    numeric = numeric_columns(forms.residual, move_field, len(values))
+    np.testing.assert_allclose(columns, numeric, rtol=1e-7, atol=1e-8)
+    move_field(0.0)
+    numeric = numeric_columns(fem.form(heat), move_frames, q.increment.x.array.size)
+    np.testing.assert_allclose(rows, numeric, rtol=1e-7, atol=1e-8)
+
+
+def test_fields_that_are_not_coupled():
+    mesh = models.line(MPI.COMM_SELF, 1, 1)
+    q = fl.NodalFrames(mesh)
+    T = fem.Function(fem.functionspace(mesh, ("Lagrange", 1)))
+    energy = ufl.inner(q.position, q.position) * ufl.dx(mesh)
+    with pytest.raises(ValueError, match="the energy does not depend on"):
+        fl.extend.derivative_in_field(energy, q, T)
+    with pytest.raises(ValueError, match="the residual does not depend on"):
+        fl.extend.derivative_in_frames(ufl.TestFunction(T.function_space) * ufl.dx(mesh), q)
+    with pytest.raises(ValueError, match="one test function, got 0"):
+        fl.extend.derivative_in_frames(energy, q)

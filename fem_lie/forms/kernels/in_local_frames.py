@@ -269,3 +269,41 @@ def local_kernel(
     out = numba.carray(A, (n_s,))
     for k in range(n_s):
         out[k] -= z[k, 0]
+
+
+# --- blocks of other fields; their number of unknowns per cell is in N_S --------------------------
+
+
+@callback(UFCX_SIGNATURE)
+def field_columns_kernel(
+    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
+) -> None:
+    """Rank 2: ``Lᵀ ∂f_y/∂t`` for a field ``t``."""
+    head, state, y = _prepare(w, c)
+    n_y, n_t, n_h, nodes = head[N_Y], head[N_S], head[N_H], head[NODES]
+    K, column, pulled = stack(n_y * n_t), stack(n_y), stack(n_h)
+    _clear(K, n_y * n_t)
+    _inner(head, head[FIRST], K, w, c, x, entity, permutation)
+    columns, out = numba.carray(K, (n_y, n_t)), numba.carray(A, (n_h, n_t))
+    column_values, pulled_values = numba.carray(column, (n_y,)), numba.carray(pulled, (n_h,))
+    for j in range(n_t):
+        for i in range(n_y):
+            column_values[i] = columns[i, j]
+        _clear(pulled, n_h)
+        apply(head[PULL_BACK], state, y, column, pulled, nodes)
+        for i in range(n_h):
+            out[i, j] += pulled_values[i]
+
+
+@callback(UFCX_SIGNATURE)
+def field_rows_kernel(
+    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
+) -> None:
+    """Rank 2: ``∂R_t/∂y L`` for the residual ``R_t`` of a field."""
+    head, state, y = _prepare(w, c)
+    n_y, n_t, n_h = head[N_Y], head[N_S], head[N_H]
+    K = stack(n_y * n_t)
+    _clear(K, n_y * n_t)
+    _inner(head, head[FIRST], K, w, c, x, entity, permutation)
+    for i in range(n_t):
+        apply(head[PULL_BACK], state, y, shift(K, i * n_y), shift(A, i * n_h), head[NODES])
