@@ -54,6 +54,8 @@ from fem_lie.solve.stability.vibrations import vibrations
 from fem_lie.solve.statics.follow import follow_loads
 from fem_lie.solve.statics.statics import statics
 
+__version__ = "0.1.0"
+
 __all__ = [
     "AncfBeam",
     "AncfShell",

@@ -1,0 +1,28 @@
+"""What an installed package and a source distribution have."""
+
+import re
+from pathlib import Path
+
+import fem_lie
+
+ROOT = Path(__file__).parents[1]
+
+
+def test_one_version():
+    citation = (ROOT / "CITATION.cff").read_text("utf-8")
+    assert re.search(r"^version: (.*)$", citation, re.MULTILINE)[1] == fem_lie.__version__
+    assert re.fullmatch(r"\d+\.\d+\.\d+", fem_lie.__version__)
+    # the build reads it from the sources, and must find it in one place
+    project = (ROOT / "pyproject.toml").read_text("utf-8")
+    assert 'version = { attr = "fem_lie.__version__" }' in project
+    assert not re.search(r'^version = "', project, re.MULTILINE)
+
+
+def test_types_reach_those_who_install():
+    assert (Path(fem_lie.__file__).parent / "py.typed").exists()
+
+
+def test_every_folder_of_the_sources_is_in_a_source_distribution():
+    manifest = (ROOT / "MANIFEST.in").read_text("utf-8").split()
+    for folder in ("benchmarks", "demos", "docs", "meshes", "notebooks", "studies", "tests"):
+        assert (ROOT / folder).is_dir() and folder in manifest
