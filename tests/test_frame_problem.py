@@ -146,6 +146,21 @@ def test_line_search_rejects_trial_points(carried, line_search):
     np.testing.assert_allclose(q.frames, full, atol=1e-8)
 
 
+def test_force_in_space_needs_its_tangent():
+    """Residuals are along nodal frames: without −[Rᵀf]× Newton's method fails."""
+    outcomes = []
+    for complete in (True, False):
+        q, problem = cantilever(True)
+        mesh = q.function.function_space.mesh
+        force = fem.Constant(mesh, (0.0, 3.0, 0.0))
+        load = fl.extend.dead_force(force, ends(mesh, 1.0), q)
+        if not complete:
+            load.tangent = fl.extend.follower_force(force, ends(mesh, 1.0), q).tangent
+        outcomes.append(by_snes(fl.FrameProblem([problem.forms[0], load], q, problem.bcs), "basic"))
+    assert outcomes[0].getConvergedReason() > 0 and outcomes[0].getIterationNumber() <= 6
+    assert outcomes[1].getConvergedReason() < 0
+
+
 def test_next_load_step_starts_from_the_last():
     q, problem = cantilever(True)
     assert by_snes(problem, "basic").getIterationNumber() == 4
