@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -242,9 +242,28 @@ class Cones(NamedTuple):
     least: Array
 
 
-def cones_of(rows: BlockRows, responses: BlockRows, n: int) -> Cones:
-    """A problem of at most as many contacts as ``rows`` has, with ``n`` nodes; all else is zero."""
+Workspaces: TypeAlias = tuple[Dense, Past]
+"""Workspaces of both methods, which problems of one size share if they are solved in turn."""
+
+
+def workspaces_of(m: int, n: int) -> Workspaces:
+    """Workspaces of a problem of at most ``m`` contacts of ``n`` nodes."""
+    return dense_of(m), past_of(m, n)
+
+
+def cones_of(
+    rows: BlockRows, responses: BlockRows, n: int, workspaces: Workspaces | None = None
+) -> Cones:
+    """A problem of at most as many contacts as ``rows`` has, with ``n`` nodes; all else is zero.
+
+    Args:
+        rows: ``B``.
+        responses: Rows of ``M⁻¹ B̄ᵀ``.
+        n: Number of nodes.
+        workspaces: Workspaces of a problem of this size; default: new ones.
+    """
     m, z = len(rows.first) - 1, np.zeros
+    dense, past = workspaces_of(m, n) if workspaces is None else workspaces
     return Cones(
         rows,
         responses,
@@ -254,8 +273,8 @@ def cones_of(rows: BlockRows, responses: BlockRows, n: int) -> Cones:
         friction=z(m),
         r=z((m, 3)),
         W=z((n, 6)),
-        dense=dense_of(m),
-        past=past_of(m, n),
+        dense=dense,
+        past=past,
         least=z(1),
     )
 

@@ -21,7 +21,7 @@ from fem_lie.contact.impact.jacobian import (
     add_local_forces,
     take_local_velocities,
 )
-from fem_lie.contact.impact.sweeps import Cones, begin, cones_of
+from fem_lie.contact.impact.sweeps import Cones, begin, cones_of, workspaces_of
 from fem_lie.linear.saddle_point import KKT
 
 _YIELD = 1e-10
@@ -91,6 +91,7 @@ class Delassus:
         at = np.arange(counts.sum()) + skipped
         ends = np.concatenate([[0], np.cumsum(np.bincount(who, stop - start, k).astype(np.int64))])
         self._pushes, self._numbers = (ends, at), np.repeat(number[order], counts)
+        self._workspaces = workspaces_of(k, len(touched))
 
     def solve(
         self, forces: Array, H: Array, solve: Callable[[Array], tuple[Array, Array]]
@@ -118,7 +119,7 @@ class Delassus:
         ``q`` and ``r`` are zero.
         """
         own = BlockRows(*self._rows, rows[self._moving])
-        problem = cones_of(own, responses.pushes, len(self.touched))
+        problem = cones_of(own, responses.pushes, len(self.touched), self._workspaces)
         problem.friction[:] = friction
         begin(problem, len(problem.friction))
         traces = np.abs(np.trace(problem.own, axis1=1, axis2=2))
