@@ -16,8 +16,8 @@ NAMES = re.compile(
     r"|\b([a-z]+(?:_[a-z]+)+)\b"  # like a function or an argument
     r"|\b([A-Z][a-z]+[A-Z]\w+)\b"  # like a class
 )
-OF_OTHERS = {"DefineConstant", "Measure", "as_vector", "SuperLU"}
-"""Names of gmsh, UFL and SciPy."""
+OF_OTHERS = {"Constant", "DefineConstant", "Measure", "SuperLU", "as_vector", "function_space"}
+"""Names of DOLFINx, gmsh, UFL and SciPy."""
 
 
 def messages(tree):
