@@ -295,6 +295,25 @@ def vector(value: npt.ArrayLike, size: int, what: str) -> Array:
     return array
 
 
+def vectors_at(
+    function: Callable[[Array], npt.ArrayLike], points: Array, size: int, what: str
+) -> Array:
+    """Values of a user's function at points, (n, 3), as finite numbers of shape (n, size).
+
+    Raises:
+        ValueError: A value is not; the message names the argument and the point.
+    """
+    found = np.empty((len(points), size))
+    for k in range(len(points)):
+        x = points[k]
+        value = function(x)
+        try:
+            found[k] = vector(value, size, what)
+        except ValueError:  # the text of a point takes longer to make than its value
+            found[k] = vector(value, size, f"{what} at {x}")
+    return found
+
+
 def direction(value: npt.ArrayLike, what: str) -> Array:
     """Unit vector along ``value``, shape (3,), for any length of ``value``.
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from fem_lie import _compat, lie
-from fem_lie._arrays import Array, Indices, indices_of, instance, vector
+from fem_lie._arrays import Array, Indices, indices_of, instance, vectors_at
 from fem_lie.adaptivity.estimates.estimate import Estimated
 from fem_lie.adaptivity.quadrilaterals import cut_quadrilaterals
 from fem_lie.bodies.beams.beam import Beam
@@ -230,7 +230,7 @@ def _children(groups: Mapping[str, Indices], parents: Indices) -> dict[str, Indi
 def _moved(points: Array, onto: Onto | None) -> Array:
     if onto is None:
         return points
-    return np.array([vector(onto(x), 3, f"onto at {x}") for x in points]).reshape(-1, 3)
+    return vectors_at(onto, points, 3, "onto")
 
 
 _LARGEST = 1.2  # largest size over the target size

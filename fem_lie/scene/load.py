@@ -19,7 +19,17 @@ from typing import Any, ClassVar, NamedTuple, Protocol, TypeAlias, cast
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices, at_time, flag, history, instance, text, vector
+from fem_lie._arrays import (
+    Array,
+    Indices,
+    at_time,
+    flag,
+    history,
+    instance,
+    text,
+    vector,
+    vectors_at,
+)
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.forms.term import Term
@@ -57,8 +67,7 @@ def at_points(force: Field, positions: Array, what: str) -> Array:
     """
     if not callable(force):
         return np.broadcast_to(vector(force, 3, what), positions.shape)
-    values = [vector(force(x), 3, f"{what} at {x}") for x in positions.reshape(-1, 3)]
-    return np.array(values).reshape(positions.shape)
+    return vectors_at(force, positions.reshape(-1, 3), 3, what).reshape(positions.shape)
 
 
 class Sum(Protocol):

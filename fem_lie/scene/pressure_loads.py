@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, direction, number, vector
+from fem_lie._arrays import Array, direction, number, vector, vectors_at
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.thin_shells.smooth_surface import SmoothSurface
@@ -156,10 +156,12 @@ class SurfacePressure(Load):
             centres = shell.model.cell_centres()
         else:
             centres = shell.model.mesh.points[shell.model.mesh.corners].mean(axis=1)
-        for row, cell in enumerate(chosen):
-            centre = centres[cell]
-            given = self.pressure(centre) if callable(self.pressure) else self.pressure
-            values[row, 0] = vector([given], 1, f"pressure on {self.shell.label} at {centre}")[0]
+        given = self.pressure
+        if callable(given):
+            what = f"pressure on {shell.label}"
+            values[:, :1] = vectors_at(lambda x: [given(x)], centres[chosen], 1, what)
+        else:
+            values[:, :1] = vector([given], 1, f"pressure on {shell.label}")
         if isinstance(shell, SmoothSurface):
             return values
         return sides_of(shell)[chosen, np.newaxis] * values

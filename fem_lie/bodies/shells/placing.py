@@ -8,7 +8,7 @@ from math import cos, degrees, pi
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, direction, instance, vector
+from fem_lie._arrays import Array, direction, instance, vectors_at
 from fem_lie.bodies.per_cell import of_groups
 from fem_lie.mesh.patches import Patches
 from fem_lie.mesh.surfaces import SurfaceMesh
@@ -75,7 +75,7 @@ def given_directors(
             "a director as a function of the position needs a surface without branches; it "
             f"branches at {mesh.points[patches.split[0]]}"
         )
-    found = np.array([vector(director(x), 3, f"director at {x}") for x in mesh.points])
+    found = vectors_at(director, mesh.points, 3, "director")
     size = np.linalg.norm(found, axis=1, keepdims=True)
     bad = np.flatnonzero(np.abs(size - 1.0) > 1e-6)
     if len(bad):
