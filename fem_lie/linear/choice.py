@@ -31,7 +31,14 @@ from fem_lie._jit import compiled
 from fem_lie.linear.condensed.elimination import plan_of
 from fem_lie.linear.condensed.schur import MOST
 from fem_lie.linear.domains.interface import WAYS
-from fem_lie.linear.packages import Alone, ByChains, BySchurComplement, Domains, Method
+from fem_lie.linear.packages import (
+    Alone,
+    ByChains,
+    ByMinimumDegree,
+    BySchurComplement,
+    Domains,
+    Method,
+)
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.ranks.together import several
 
@@ -195,9 +202,6 @@ LARGE = 20_000
 CHAINS = ByChains("lu", "mumps"), Method("lu", "mumps"), Method("lu", "umfpack")
 """Methods for large nets and trusses, most nodes of which are within cables and bars."""
 
-ON_PARTS = Method("cholesky", "mumps"), Method("lu", "mumps")
-"""Methods for the sum of matrices on several ranks."""
-
 _FEW = 300  # unknowns up to which KLU is the fastest for any ordering
 _CHAIN = 2  # largest width of a chain, a tree or a ring
 _FILLS = 1e9  # operations from which several ranks factorise together
@@ -205,6 +209,7 @@ _SCHUR = 2e7  # operations from which a Schur complement costs less than unsymme
 _COSTLY = 5e9  # operations from which UMFPACK is slower in total
 _JOINTED, _LEAVES = 0.02, 2e7  # constraints over unknowns, operations: UMFPACK minds both
 _WORSE = 2.0  # operations by minimum degree over those by dissection, UMFPACK's over MUMPS'
+_NEARLY = 1.3  # the same, up to which a faster search for the ordering is worth more
 _UNKNOWN, _OPERATION = 1e-6, 1.2e-9  # seconds for each, if the package keeps the ordering
 
 _DOMAINS, _PACKAGE = "domains", "pc_factor_mat_solver_type"
@@ -245,7 +250,7 @@ def choose(kkt: KKT, prefix: str, solutions: Solutions) -> Choice:
         ValueError: The option asks for impossible subdomains.
     """
     if kkt.shared.several:
-        return _logged(Choice(ON_PARTS), kkt, "the scene is divided among ranks")
+        return _on_parts(kkt)
     if asked := _on_domains(prefix) or _by_option(prefix):
         return Choice(asked)
     if len(kkt.indptr) > LARGE and 2 * len(plan_of(kkt).order) > len(kkt.indptr):
@@ -254,6 +259,16 @@ def choose(kkt: KKT, prefix: str, solutions: Solutions) -> Choice:
     if free <= _FEW:
         return _logged(Choice((Alone("lu", "klu"),)), kkt, f"{free} unknowns are few")
     return _by_fill(kkt, solutions)
+
+
+def _on_parts(kkt: KKT) -> Choice:
+    """Choice for the sum of the matrices of all ranks, by the cost of all parts; collective."""
+    graph = Graph.of(kkt.indptr, kkt.indices, kkt.incidences, kkt.held)
+    own = np.array([graph.cost(ordering).operations for ordering in (MINIMUM_DEGREE, DISSECTION)])
+    degree, dissection = kkt.shared.total(own)
+    kind = ByMinimumDegree if degree <= _NEARLY * dissection else Method
+    why = f"divided among ranks, operations {degree:.1e} by degree, {dissection:.1e} by dissection"
+    return _logged(Choice((kind("cholesky", "mumps"), kind("lu", "mumps"))), kkt, why)
 
 
 def _by_fill(kkt: KKT, solutions: Solutions) -> Choice:

@@ -108,8 +108,9 @@ class DirectSolver:
         self._shares = several and shared(size, prefix, spreads=first.spreads)
         self._rescues = RESCUES
         if self._shares or self._divided:
-            kinds = dict.fromkeys(method.kind for method in self._methods)
-            self._methods = tuple(Method(kind, "mumps") for kind in kinds)
+            if self._shares or methods:
+                kinds = dict.fromkeys(method.kind for method in self._methods)
+                self._methods = tuple(Method(kind, "mumps") for kind in kinds)
             self._rescues = tuple(method for method in RESCUES if method.package in ON_RANKS)
         others = (each for each in self._rescues if each not in self._methods)
         self._order = (*self._methods, *others)

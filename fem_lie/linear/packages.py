@@ -89,6 +89,19 @@ class Alone(Method):
     spreads: ClassVar[bool] = False
 
 
+class ByMinimumDegree(Method):
+    """MUMPS with a minimum-degree ordering, found in a tenth of the time of a dissection.
+
+    PETSc's option ``mat_mumps_icntl_7`` takes precedence.
+    """
+
+    def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
+        """Set up ``pc`` to factorise the equilibrated copy ``own`` of ``kkt``."""
+        super().put(pc, kkt, own)
+        pc.setFactorSetUpSolverType()
+        pc.getFactorMatrix().setMumpsIcntl(*_QUASI_DENSE)
+
+
 class ByChains(Alone):
     """Elimination of chains of nodes first, see :mod:`fem_lie.linear.condensed`."""
 
@@ -166,6 +179,9 @@ RESCUES: tuple[Method, ...] = (Method("lu", "mumps"), Method("lu", "superlu"))
 
 ON_RANKS = ("mumps",)
 """Packages that factorise on several ranks together."""
+
+_QUASI_DENSE = 7, 6
+"""MUMPS' ICNTL of the ordering, and minimum degree that detects dense rows, as of multipliers."""
 
 NEGATIVE = 12
 """MUMPS' INFOG of the number of negative pivots."""
