@@ -12,6 +12,7 @@ from ranks import on_ranks
 import fem_lie as fl
 from fem_lie.linear.domains.division import Links, divided
 from fem_lie.linear.domains.interface import Interface
+from fem_lie.linear.packages import ByMinimumDegree
 from fem_lie.parts.part_scene import connections_of, part_of
 
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -275,3 +276,17 @@ def test_each_connection_and_each_point_load_is_in_one_part(build):
         for one in (scene, *(part.scene for part in found))
     ]
     assert at_points[0] == sum(at_points[1:])
+
+
+def test_an_ordering_of_mumps_is_an_option_while_it_factorises_unless_given():
+    method, options = ByMinimumDegree("cholesky", "mumps"), PETSc.Options("test_ordering_")
+    with method.options("test_ordering_"):
+        assert options.getInt("mat_mumps_icntl_7") == 6
+    assert "mat_mumps_icntl_7" not in options
+    options["mat_mumps_icntl_7"] = 2
+    try:
+        with method.options("test_ordering_"):
+            assert options.getInt("mat_mumps_icntl_7") == 2
+        assert "mat_mumps_icntl_7" in options
+    finally:
+        options.delValue("mat_mumps_icntl_7")

@@ -204,7 +204,8 @@ class DirectSolver:
         self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, method.symmetric)
         ksp.setOperators(self._matrix)
         try:
-            ksp.setUp()
+            with method.options(self._prefix):
+                ksp.setUp()
         except (PETSc.Error, ArithmeticError, MemoryError) as error:
             raised = error
         failure: Exception | None = raised

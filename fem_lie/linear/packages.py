@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -28,6 +30,7 @@ class Method:
         together: Whether all ranks solve together by its own means.
         accurate: See :data:`~.equilibrated.ACCURATE`.
         takes_low_rank: Whether it costs less with low-rank parts outside of the pattern.
+        defaults: PETSc options that hold while it factorises, unless they are given.
     """
 
     kind: str
@@ -36,6 +39,7 @@ class Method:
     together: ClassVar[bool] = False
     accurate: ClassVar[float] = ACCURATE
     takes_low_rank: ClassVar[bool] = False
+    defaults: ClassVar[Mapping[str, int]] = {}
 
     @property
     def symmetric(self) -> bool:
@@ -74,6 +78,23 @@ class Method:
         pc.setType(self.kind)
         pc.setFactorSolverType(self.package)
 
+    @contextmanager
+    def options(self, prefix: str) -> Iterator[None]:
+        """Context in which :attr:`defaults` are options that are not given otherwise.
+
+        Args:
+            prefix: Prefix of PETSc's options.
+        """
+        known = PETSc.Options(prefix)
+        added = {name: value for name, value in self.defaults.items() if name not in known}
+        for name, value in added.items():
+            known[name] = value
+        try:
+            yield
+        finally:
+            for name in added:
+                known.delValue(name)
+
     def factorising(self, pc: PETSc.PC) -> PETSc.PC | None:
         """Preconditioner within ``pc`` that has the factors of the package, or ``None``.
 
@@ -92,14 +113,10 @@ class Alone(Method):
 class ByMinimumDegree(Method):
     """MUMPS with a minimum-degree ordering, found in a tenth of the time of a dissection.
 
-    PETSc's option ``mat_mumps_icntl_7`` takes precedence.
+    The ordering detects dense rows, as of multipliers.
     """
 
-    def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
-        """Set up ``pc`` to factorise the equilibrated copy ``own`` of ``kkt``."""
-        super().put(pc, kkt, own)
-        pc.setFactorSetUpSolverType()
-        pc.getFactorMatrix().setMumpsIcntl(*_QUASI_DENSE)
+    defaults: ClassVar[Mapping[str, int]] = {"mat_mumps_icntl_7": 6}
 
 
 class ByChains(Alone):
@@ -179,9 +196,6 @@ RESCUES: tuple[Method, ...] = (Method("lu", "mumps"), Method("lu", "superlu"))
 
 ON_RANKS = ("mumps",)
 """Packages that factorise on several ranks together."""
-
-_QUASI_DENSE = 7, 6
-"""MUMPS' ICNTL of the ordering, and minimum degree that detects dense rows, as of multipliers."""
 
 NEGATIVE = 12
 """MUMPS' INFOG of the number of negative pivots."""
