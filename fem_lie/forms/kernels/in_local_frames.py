@@ -140,6 +140,24 @@ def _prepare(w: Pointer, c: Pointer) -> tuple[Indices, Pointer, Pointer]:
     return head, state, y
 
 
+@compiled
+def _pull_back_columns(
+    head: Indices, state: Pointer, y: Pointer, K: Pointer, m: int, A: Pointer
+) -> None:
+    """Add ``Lᵀ K``, with ``K`` of (n_y, m), to ``A`` of (n_h, m)."""
+    n_y, n_h = head[N_Y], head[N_H]
+    column, pulled = stack(n_y), stack(n_h)
+    columns, out = numba.carray(K, (n_y, m)), numba.carray(A, (n_h, m))
+    column_values, pulled_values = numba.carray(column, (n_y,)), numba.carray(pulled, (n_h,))
+    for j in range(m):
+        for i in range(n_y):
+            column_values[i] = columns[i, j]
+        _clear(pulled, n_h)
+        apply(head[PULL_BACK], state, y, column, pulled, head[NODES])
+        for i in range(n_h):
+            out[i, j] += pulled_values[i]
+
+
 @callback(UFCX_SIGNATURE)
 def energy_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
@@ -211,17 +229,7 @@ def tangent_kernel(
     _clear(KL, n_y * n_h)
     for i in range(n_y):
         apply(head[PULL_BACK], state, y, shift(K, i * n_y), shift(KL, i * n_h), nodes)
-    columns = numba.carray(KL, (n_y, n_h))
-    column, pulled = stack(n_y), stack(n_h)
-    column_values, pulled_values = numba.carray(column, (n_y,)), numba.carray(pulled, (n_h,))
-    out = numba.carray(A, (n_h, n_h))
-    for j in range(n_h):
-        for i in range(n_y):
-            column_values[i] = columns[i, j]
-        _clear(pulled, n_h)
-        apply(head[PULL_BACK], state, y, column, pulled, nodes)
-        for i in range(n_h):
-            out[i, j] += pulled_values[i]
+    _pull_back_columns(head, state, y, KL, n_h, A)
 
 
 @callback(UFCX_SIGNATURE)
@@ -280,19 +288,11 @@ def field_columns_kernel(
 ) -> None:
     """Rank 2: ``Lᵀ ∂f_y/∂t`` for a field ``t``."""
     head, state, y = _prepare(w, c)
-    n_y, n_t, n_h, nodes = head[N_Y], head[N_S], head[N_H], head[NODES]
-    K, column, pulled = stack(n_y * n_t), stack(n_y), stack(n_h)
+    n_y, n_t = head[N_Y], head[N_S]
+    K = stack(n_y * n_t)
     _clear(K, n_y * n_t)
     _inner(head, head[FIRST], K, w, c, x, entity, permutation)
-    columns, out = numba.carray(K, (n_y, n_t)), numba.carray(A, (n_h, n_t))
-    column_values, pulled_values = numba.carray(column, (n_y,)), numba.carray(pulled, (n_h,))
-    for j in range(n_t):
-        for i in range(n_y):
-            column_values[i] = columns[i, j]
-        _clear(pulled, n_h)
-        apply(head[PULL_BACK], state, y, column, pulled, nodes)
-        for i in range(n_h):
-            out[i, j] += pulled_values[i]
+    _pull_back_columns(head, state, y, K, n_t, A)
 
 
 @callback(UFCX_SIGNATURE)
