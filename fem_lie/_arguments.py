@@ -117,14 +117,23 @@ def _explained(function: Callable[..., Any], *, bound: bool = False) -> Any:
     def call(*args: Any, **kwargs: Any) -> Any:
         try:
             return function(*args, **kwargs)
-        except TypeError as error:
-            if error.__traceback__ is None or error.__traceback__.tb_next is not None:
+        except TypeError:
+            if _takes(function, args, kwargs):
                 raise  # an error of the function, not of the call
             if bound:
                 raise explanation(_name(function, args[0]), function, args, kwargs, 1) from None
             raise explanation(function.__name__, function, args, kwargs) from None
 
     return call
+
+
+def _takes(function: Callable[..., Any], args: Sequence[Any], kwargs: Mapping[str, Any]) -> bool:
+    """Whether a function, below its decorators, has all parameters that a call passes."""
+    try:
+        inspect.signature(function).bind(*args, **kwargs)
+    except TypeError:
+        return False
+    return True
 
 
 def _name(function: Callable[..., Any], owner: Any) -> str:
