@@ -103,6 +103,33 @@ def test_knock_down_by_a_mode_is_koiters():
     assert found["load"] == pytest.approx(theory, abs=0.015)
 
 
+def test_located_load_is_where_the_smallest_eigenvalue_is_zero():
+    """The root of a polynomial through its values at 7 to 12 states far from the bifurcation."""
+    module = importlib.import_module("studies.cylinder_knock_down")
+    _, tau = module.koiter_pattern(0.1)
+    found = module.knock_down(500.0, 6, 0.1, tau)
+    assert found["kind"] == "bifurcation"
+    assert found["load"] == pytest.approx(0.58164370427, rel=5e-7)
+
+
+@pytest.mark.parametrize(("ratio", "mesh"), [(100.0, 4), (1000.0, 5)])
+def test_close_states_stay_on_the_path_between_two_bifurcations(ratio, mesh):
+    """States this near to a bifurcation could converge to the crossing path, and add limits."""
+    scene = demo("thin_cylinder").cell(1 / ratio, mesh)
+    ends = fl.stability.PathEnds(1.1, critical_points=2)
+    coarse = fl.follow_path(scene, ends)
+    tight = fl.stability.ArcLength(tolerance=1e-11)
+    fine = fl.follow_path(
+        scene, ends, options=fl.stability.PathOptions(locate=1e-8, arc_length=tight)
+    )
+    for path in (coarse, fine):
+        assert [point.negative_pivots for point in path.bifurcations] == [(0, 1), (1, 2)]
+        assert not path.limits
+    loads = [[point.factor for point in path.critical] for path in (coarse, fine)]
+    assert loads[0] == pytest.approx(loads[1], rel=5e-7)
+    assert fine.locating_iterations <= 3 * coarse.locating_iterations
+
+
 def test_spherical_cap_snaps_where_its_meridian_does():
     record = demo("spherical_cap").main(mesh=10, pictures=False)
     assert abs(record["error"]) <= 5e-3

@@ -5,6 +5,11 @@ critical point between them. It is bracketed by these marks, which is robust, an
 secant method for a function that is zero there: the rate of the load along the path at a limit
 point, the smallest eigenvalue of the tangent stiffness at a bifurcation. (R. Seydel, Practical
 Bifurcation and Stability Analysis, 2010, ch. 5.)
+
+Close to a bifurcation the tangent stiffness is nearly singular, and residuals within the tolerance
+leave a part of the critical mode in a state. The next state, if it started there, would converge to
+the crossing path. All states are therefore computed from others whose smallest eigenvalue is not
+small.
 """
 
 from __future__ import annotations
@@ -23,6 +28,7 @@ from fem_lie.solve.stability.path_step import LostError, Walker
 _TRIALS = 60
 _WIDTH = 1e-3  # over the step: accuracy at a load without slope
 _SLOW = 3  # successive secants that do not halve the bracket, after which it is halved
+_SINGULAR = 1e-2  # over the largest eigenvalue of the states of a step: start from none below
 
 Mark = Callable[[Station], Any]
 Value = Callable[[Station], float]
@@ -38,6 +44,7 @@ class Bracket:
         arc: Metric that determines the forward direction and the largest distance.
         at: Distances of the two states from the origin.
         ends: The states.
+        known: All states of the step so far, with their distances; shared by its brackets.
     """
 
     origin: Station
@@ -45,6 +52,26 @@ class Bracket:
     arc: Arc
     at: tuple[float, float]
     ends: tuple[Station, Station]
+    known: list[tuple[float, Station]]
+
+    @classmethod
+    def of_step(
+        cls, here: Station, control: Control, arc: Arc, length: float, new: Station
+    ) -> Bracket:
+        """The bracket of a whole step of that length, from ``here`` to ``new``."""
+        known = [(0.0, here), (length, new)]
+        return cls(here, control, arc, (0.0, length), (here, new), known)
+
+    def nearest(self, at: float) -> Station:
+        """The nearest state to a distance whose smallest eigenvalue, if known, is not small."""
+        tests = [abs(station.test) for _, station in self.known]
+        largest = np.fmax.reduce([0.0, *tests])
+        regular = [
+            (abs(distance - at), k)
+            for k, (distance, _) in enumerate(self.known)
+            if not tests[k] < _SINGULAR * largest
+        ]
+        return self.known[min(regular)[1]][1]
 
 
 def critical(walker: Walker, whole: Bracket, tolerance: float) -> list[Bracket]:
@@ -56,13 +83,7 @@ def critical(walker: Walker, whole: Bracket, tolerance: float) -> list[Bracket]:
     first, last = whole.ends
     while _mark(first) != _mark(last):
         turning = first.sign != last.sign
-        part = Bracket(
-            whole.origin,
-            whole.control,
-            whole.arc,
-            (_reached(whole, found), whole.at[1]),
-            (first, last),
-        )
+        part = replace(whole, at=(_reached(whole, found), whole.at[1]), ends=(first, last))
         narrow = bisect(
             walker,
             part,
@@ -148,7 +169,7 @@ def bisect(
             t = fa / (fa - fb)
             t = float(np.clip(t + (pad if t < 0.5 else -pad), pad, 1.0 - pad))
         at = a + t * (b - a)
-        near = first if t < 0.5 else last
+        near = bracket.nearest(at)
         try:
             station = walker.step(
                 bracket.origin,
@@ -159,10 +180,11 @@ def bisect(
                 probe=probe,
             )
         except LostError:
-            if near is bracket.origin or t == 0.5:
+            if t == 0.5:
                 break
             slow = _SLOW
             continue
+        bracket.known.append((at, station))
         if before(station):
             a, first, fa = at, station, value(station)
         else:
@@ -170,7 +192,7 @@ def bisect(
         slow = slow + 1 if abs(b - a) > 0.5 * abs(width) else 0
         slow = 0 if slow > _SLOW else slow
         width = b - a
-    return Bracket(bracket.origin, bracket.control, bracket.arc, (a, b), (first, last))
+    return replace(bracket, at=(a, b), ends=(first, last))
 
 
 def _wanted(

@@ -128,7 +128,7 @@ class Pursuit:
                 raise ValueError(f"the path has no start: {free}")
             used = length
             length = min(self._resolution, used * self._growth(here, new, arc))
-            whole = Bracket(here, self._control(arc), arc, (0.0, used), (here, new))
+            whole = Bracket.of_step(here, self._control(arc), arc, used, new)
             here = self._accept(whole)
             show(f"load factor {here.factor:.4g}, {here.negative} negative pivots")
             wanted = self._ends.critical_points
