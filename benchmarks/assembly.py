@@ -25,7 +25,7 @@ from dolfinx import fem
 from dolfinx.fem import petsc
 
 import fem_lie as fl
-from demos.own_energy import line
+from demos.forms.clamped import line
 from fem_lie.bodies.beams.assembly import BeamAssembly
 
 CELLS = (20, 20_000)
@@ -63,7 +63,7 @@ def beam(cells: int) -> Iterator[tuple[str, Callable[[], object]]]:
 
 
 def directors(cells: int) -> Iterator[tuple[str, Callable[[], object]]]:
-    q = fl.NodalFrames(line(MPI.COMM_SELF, cells))
+    q = fl.NodalFrames(line(cells, comm=MPI.COMM_SELF))
     stretch, kappa = fl.elements.director_strains(q)
     strain = ufl.as_vector([stretch[0] - 1, stretch[1], stretch[2], *kappa])
     D = ufl.as_vector([float(d) for d in STIFFNESS])

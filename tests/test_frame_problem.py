@@ -117,19 +117,25 @@ def cantilever(carried: bool, axial: float = 1e4) -> tuple[fl.NodalFrames, fl.Fr
 
 
 def by_snes(problem: fl.FrameProblem, line_search: str) -> PETSc.SNES:
-    snes = PETSc.SNES().create(MPI.COMM_SELF)
-    snes.setFunction(problem.residual, problem.x.x.petsc_vec.duplicate())
-    snes.setJacobian(problem.jacobian, petsc.create_matrix(problem.a))
-    snes.setOptionsPrefix("frames_")
-    options = PETSc.Options("frames_")
-    options["snes_linesearch_type"] = line_search
-    options["snes_divergence_tolerance"] = 1e12  # the first step stretches a stiff axis
-    snes.setFromOptions()
-    snes.getKSP().setType("preonly")
-    snes.getKSP().getPC().setType("lu")
+    snes = problem.snes(line_search=line_search)
     snes.setTolerances(rtol=0.0, atol=1e-9, max_it=100)
     snes.solve(None, problem.x.x.petsc_vec)
     return snes
+
+
+def test_options_overrule_the_solver():
+    """Options of the user's prefix hold; the choice of the line search leaves none behind."""
+    _, problem = cantilever(True)
+    options = PETSc.Options("own_")
+    options["snes_max_it"], options["snes_linesearch_type"] = 3, "cp"
+    before = set(PETSc.Options().getAll())
+    snes = problem.snes(prefix="own_")
+    assert snes.getTolerances()[3] == 3
+    assert set(PETSc.Options().getAll()) == before
+    snes.solve(None, problem.x.x.petsc_vec)
+    assert snes.getConvergedReason() == PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT
+    assert snes.getFunctionEvaluations() > 1 + snes.getIterationNumber()  # cp looks for a zero
+    del options["snes_max_it"], options["snes_linesearch_type"]
 
 
 @pytest.mark.parametrize("line_search", ["bt", "cp", "l2"])

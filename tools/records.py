@@ -35,7 +35,6 @@ HELPERS = (
     "goal_problems",
     "moving_meshes",
     "net_scene",
-    "newton_on_frames",
     "records",
     "rigid",
     "shell_errors",

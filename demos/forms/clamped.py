@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mpi4py import MPI
-from petsc4py import PETSc
 
 import basix.ufl
 import numpy as np
 import ufl
 from dolfinx import fem, mesh
-from dolfinx.fem import petsc
 
 import fem_lie as fl
 
@@ -55,17 +53,7 @@ def problem(q: fl.NodalFrames, forms: Sequence[fl.extend.LocalFrameForms]) -> fl
 
 def newton(equilibrium: fl.FrameProblem, line_search: str = "basic") -> int:
     """Iterations of SNES; full steps by default."""
-    snes = PETSc.SNES().create(equilibrium.x.function_space.mesh.comm)
-    snes.setFunction(equilibrium.residual, equilibrium.x.x.petsc_vec.duplicate())
-    snes.setJacobian(equilibrium.jacobian, petsc.create_matrix(equilibrium.a))
-    snes.setOptionsPrefix("frames_")
-    options = PETSc.Options("frames_")
-    options["snes_linesearch_type"] = line_search
-    options["snes_divergence_tolerance"] = 1e12  # the first step stretches a stiff axis
-    snes.setFromOptions()
-    snes.getKSP().setType("preonly")
-    snes.getKSP().getPC().setType("lu")
-    snes.getKSP().getPC().setFactorSolverType("mumps")
+    snes = equilibrium.snes(line_search=line_search)
     snes.setTolerances(rtol=0.0, atol=1e-9, stol=1e-10, max_it=60)
     snes.solve(None, equilibrium.x.x.petsc_vec)
     if snes.getConvergedReason() <= 0:

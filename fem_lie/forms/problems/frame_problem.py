@@ -16,6 +16,12 @@ from fem_lie._form_cache import compile_form
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.local_forms import LocalFrameForms
 
+_NO_LIMIT = 1e100
+"""Divergence tolerance of SNES that no residual exceeds; PETSc's mark for none has changed."""
+
+_LINE_SEARCH = "fem_lie_line_search_"
+"""Prefix of the option by which a line search is chosen."""
+
 
 class FrameProblem:
     """Sum of forms along nodal frames, whose solver increments move the frames.
@@ -75,6 +81,36 @@ class FrameProblem:
         self._fields = [(f, f.x.array.copy()) for f in fields]
         self._frames = self.q.function.x.array.copy()
         self._x = self.x.x.array.copy()
+
+    def snes(self, *, line_search: str = "basic", prefix: str = "") -> PETSc.SNES:
+        """New solver with full steps and a direct factorisation, with the tolerances of PETSc.
+
+        ``snes.solve(None, problem.x.x.petsc_vec)`` moves the frames. A right increment stretches a
+        slender body at first, and the residual grows a thousandfold before it vanishes: line
+        searches that want it to fall stall then, and so PETSc's limit of divergence is switched
+        off.
+
+        Args:
+            line_search: Type of the line search, as in PETSc's ``-snes_linesearch_type``.
+            prefix: Prefix of options in PETSc's database, which overrule all of this.
+        """
+        snes = PETSc.SNES().create(self.x.function_space.mesh.comm)
+        snes.setFunction(self.residual, petsc.create_vector(self.L))
+        snes.setJacobian(self.jacobian, petsc.create_matrix(self.a))
+        snes.setDivergenceTolerance(_NO_LIMIT)
+        ksp = snes.getKSP()
+        ksp.setType(PETSc.KSP.Type.PREONLY)
+        ksp.getPC().setType(PETSc.PC.Type.LU)
+        ksp.getPC().setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+        # PETSc for Python reaches line searches through options only
+        snes.setOptionsPrefix(_LINE_SEARCH)
+        options, name = PETSc.Options(_LINE_SEARCH), "snes_linesearch_type"
+        options[name] = line_search
+        snes.setFromOptions()
+        del options[name]
+        snes.setOptionsPrefix(prefix)
+        snes.setFromOptions()
+        return snes
 
     def residual(self, snes: PETSc.SNES, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Residual for ``SNES.setFunction``, see :meth:`F`.
