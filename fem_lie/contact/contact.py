@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from zlib import crc32
 
@@ -13,9 +13,9 @@ import numpy as np
 from fem_lie._arrays import flag, instance, text
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.model import HeldRotation
-from fem_lie.contact.laws.law import ContactTerm, Impact, Penalty
+from fem_lie.contact.laws.law import ContactLaw, ContactTerm
 from fem_lie.contact.pairs import known  # noqa: F401  (registers the pairs of the package)
-from fem_lie.contact.pairs.pair import ContactPair, Law, bodies_of, pair_class, pair_of
+from fem_lie.contact.pairs.pair import ContactPair, bodies_of, pair_class, pair_of
 from fem_lie.contact.sides.surfaces import ContactSurface
 from fem_lie.contact.sides.table import Nodes
 from fem_lie.contact.stiffness import chosen_stiffness
@@ -48,7 +48,7 @@ class Contact:
 
     a: ContactSurface
     b: ContactSurface
-    law: Law
+    law: ContactLaw
     name: str = ""
     ignore_initial: bool = False
 
@@ -56,14 +56,17 @@ class Contact:
         """Raise ``TypeError`` if an argument has the wrong type."""
         for side, given in (("a", self.a), ("b", self.b)):
             instance(given, ContactSurface, f"Contact: {side}", "a surface such as Plane or Sphere")
-        instance(self.law, Law, "Contact: law", "a law such as Penalty(1e6) or Impact()")
+        instance(self.law, ContactLaw, "Contact: law", "a law such as Penalty(1e6) or Impact()")
         text(self.name, "Contact: name")
         flag(self.ignore_initial, "Contact: ignore_initial")
-        if isinstance(self.law, Penalty) and self.law.stiffness is None:
-            power = pair_class(self.a, self.b, self.law, self.label)[0].power
-            k = chosen_stiffness(self.bodies, power, self.label)
-            object.__setattr__(self, "law", replace(self.law, stiffness=k))
-            _log.info("%s: stiffness %g was chosen", self.label, k)
+        object.__setattr__(self, "law", self.law.with_stiffness(self._chosen_stiffness))
+
+    def _chosen_stiffness(self) -> float:
+        """Stiffness of a penalty for these bodies and kinds of surfaces."""
+        power = pair_class(self.a, self.b, self.law, self.label)[0].power
+        k = chosen_stiffness(self.bodies, power, self.label)
+        _log.info("%s: stiffness %g was chosen", self.label, k)
+        return k
 
     @property
     def label(self) -> str:
@@ -105,7 +108,7 @@ class Contact:
         self.b.check()
         if self.ignore_initial and not self.pair.ignores_initial:
             raise ValueError(f"{self.label}: ignore_initial is for points, balls, boxes and planes")
-        if isinstance(self.law, Impact):
+        if self.law.impulsive:
             _ = self.pair.impact
         self.pair.check()
 

@@ -17,7 +17,6 @@ from fem_lie.bodies.body import Body
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.bodies.model import Holds
 from fem_lie.contact.contact import Contact
-from fem_lie.contact.laws.law import Impact
 from fem_lie.joints.connection import Connection
 from fem_lie.joints.joint import Joint
 from fem_lie.joints.redundant import RedundantConstraints
@@ -294,12 +293,12 @@ class Scene(Summarised):
 
         Nodes of shells keep their drilling rotations as in this scene.
         """
-        if not any(isinstance(each.law, Impact) for each in self.contacts):
+        if not any(each.law.impulsive for each in self.contacts):
             return self
         scene = self._copy(self.connections)
         scene.loads = list(self.loads)
-        scene.contacts = [each for each in self.contacts if not isinstance(each.law, Impact)]
-        scene.impacts = [each for each in self.contacts if isinstance(each.law, Impact)]
+        scene.contacts = [each for each in self.contacts if not each.law.impulsive]
+        scene.impacts = [each for each in self.contacts if each.law.impulsive]
         return scene
 
     def picture(

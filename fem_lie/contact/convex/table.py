@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.contact.convex.polyhedron import Hull, hull_of
-from fem_lie.contact.sides.surfaces import Ball, Face, Polyhedron
+from fem_lie.contact.sides.surfaces import Ball, Face, Owner, Polyhedron
 from fem_lie.contact.sides.table import Nodes, Side, balls_side, planes_side
 
 BITS = 2**24
@@ -63,31 +66,106 @@ class Polyhedra(NamedTuple):
     known: Indices
 
 
-class PolyhedronPair(NamedTuple):
-    """A polyhedron, and a ball or polyhedron that touches it.
+class ConvexSolid(ABC):
+    """A ball or a polyhedron in contact with a polyhedron."""
+
+    @property
+    @abstractmethod
+    def owners(self) -> tuple[Owner, ...]:
+        """Bodies and nodes that it is fixed to."""
+
+    @property
+    @abstractmethod
+    def polyhedra(self) -> Sequence[ConvexPolyhedron]:
+        """The polyhedron itself; a ball has none."""
+
+    @property
+    @abstractmethod
+    def inner(self) -> float:
+        """Radius of the inscribed ball about the centre."""
+
+    @property
+    @abstractmethod
+    def point(self) -> Ball:
+        """Initial point in the slots of its contacts."""
+
+    @abstractmethod
+    def slots(self, other: ConvexPolyhedron) -> int:
+        """Largest number of points in the contact manifold with a polyhedron."""
+
+
+@dataclass(frozen=True, eq=False)
+class ConvexBall(ConvexSolid):
+    """A ball.
 
     Attributes:
-        first: A ball, or a polyhedron.
-        second: The polyhedron.
+        ball: The ball.
     """
 
-    first: Ball | Polyhedron
-    second: Polyhedron
+    ball: Ball
+
+    @property
+    def owners(self) -> tuple[Owner, ...]:
+        """Bodies and nodes that the ball is fixed to."""
+        return self.ball.owners
+
+    @property
+    def polyhedra(self) -> Sequence[ConvexPolyhedron]:
+        """None."""
+        return ()
+
+    @property
+    def point(self) -> Ball:
+        """The ball."""
+        return self.ball
+
+    @property
+    def inner(self) -> float:
+        """The radius."""
+        return self.ball.radius
+
+    def slots(self, other: ConvexPolyhedron) -> int:
+        """A ball touches a polyhedron at one point."""
+        return 1
 
 
-class _Shape(NamedTuple):
-    """One polyhedron in the frame that it is fixed to, and its number."""
+@dataclass(frozen=True, eq=False)
+class ConvexPolyhedron(ConvexSolid):
+    """A polyhedron, with its convex hull in the frame that it is fixed to.
+
+    Attributes:
+        polyhedron: The polyhedron.
+    """
 
     polyhedron: Polyhedron
-    hull: Hull
+
+    @cached_property
+    def hull(self) -> Hull:
+        """Convex hull of the corners."""
+        return hull_of(self.polyhedron.corners)
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """Equal for polyhedra of the same shape on the same frame."""
+        body, node = self.polyhedron.owner
+        return id(body), node, self.polyhedron.corners.tobytes()
+
+    @property
+    def owners(self) -> tuple[Owner, ...]:
+        """Body and node that the polyhedron is fixed to."""
+        return (self.polyhedron.owner,)
+
+    @property
+    def polyhedra(self) -> Sequence[ConvexPolyhedron]:
+        """The polyhedron itself."""
+        return (self,)
 
     def balls(self) -> list[Ball]:
-        return [
-            Ball((self.polyhedron.owner,), np.ones(1), corner[np.newaxis], 0.0)
-            for corner in self.hull.corners
-        ]
+        """The corners."""
+        return [self._ball(corner, 0.0) for corner in self.hull.corners]
 
     def faces(self) -> list[Face]:
+        """The faces."""
         firsts = [self.hull.corners[loop[0]] for loop in self.hull.loops]
         return [
             Face(self.polyhedron.owner, first, np.asarray(normal))
@@ -95,9 +173,9 @@ class _Shape(NamedTuple):
         ]
 
     def centre(self) -> Ball:
+        """Enclosing ball about the mean of the corners."""
         middle = self.hull.corners.mean(axis=0)
-        radius = float(np.linalg.norm(self.hull.corners - middle, axis=1).max())
-        return Ball((self.polyhedron.owner,), np.ones(1), middle[np.newaxis], radius)
+        return self._ball(middle, float(np.linalg.norm(self.hull.corners - middle, axis=1).max()))
 
     @property
     def inner(self) -> float:
@@ -111,9 +189,40 @@ class _Shape(NamedTuple):
         """Largest number of corners of a face."""
         return max(map(len, self.hull.loops))
 
+    @property
+    def point(self) -> Ball:
+        """The corner that is farthest from the origin of the frame."""
+        corners = self.hull.corners
+        return self._ball(corners[np.linalg.norm(corners, axis=1).argmax()], 0.0)
 
-def _shape_of(polyhedron: Polyhedron) -> _Shape:
-    return _Shape(polyhedron, hull_of(polyhedron.corners))
+    def slots(self, other: ConvexPolyhedron) -> int:
+        """A face clipped by another, and the closest corner."""
+        return self.longest + other.longest + 1
+
+    def _ball(self, position: Array, radius: float) -> Ball:
+        return Ball(self.owners, np.ones(1), position[np.newaxis], radius)
+
+
+class PolyhedronPair(NamedTuple):
+    """A polyhedron, and a ball or polyhedron that touches it.
+
+    Attributes:
+        first: A ball, or a polyhedron.
+        second: The polyhedron.
+    """
+
+    first: ConvexSolid
+    second: ConvexPolyhedron
+
+    @property
+    def slots(self) -> int:
+        """Largest number of points in the contact manifold."""
+        return self.first.slots(self.second)
+
+    @property
+    def polyhedra(self) -> Sequence[ConvexPolyhedron]:
+        """The one polyhedron, or both."""
+        return (*self.first.polyhedra, *self.second.polyhedra)
 
 
 def slots_of(pair: PolyhedronPair, nodes: Nodes) -> tuple[Side, Side]:
@@ -123,18 +232,8 @@ def slots_of(pair: PolyhedronPair, nodes: Nodes) -> tuple[Side, Side]:
         pair: Pair that may touch.
         nodes: Gives the numbers of the nodes of a body in the scene.
     """
-    second = _shape_of(pair.second)
-    corner = _farthest(second)
-    if isinstance(pair.first, Ball):
-        return balls_side([pair.first], nodes), balls_side([corner], nodes)
-    first, most = _shape_of(pair.first), _slots(*pair)
-    return balls_side([_farthest(first)] * most, nodes), balls_side([corner] * most, nodes)
-
-
-def _farthest(polyhedron: _Shape) -> Ball:
-    """The corner that is farthest from the origin of the frame."""
-    k = int(np.linalg.norm(polyhedron.hull.corners, axis=1).argmax())
-    return polyhedron.balls()[k]
+    first, second = (balls_side([each.point] * pair.slots, nodes) for each in pair)
+    return first, second
 
 
 def polyhedra_of(
@@ -148,16 +247,11 @@ def polyhedra_of(
         on_masters: Expresses a side by the master nodes of its nodes; default: no node is rigidly
             attached to another.
     """
-    found = {
-        _key(each): _shape_of(each)
-        for pair in pairs
-        for each in pair
-        if isinstance(each, Polyhedron)
-    }
+    found = {each.key: each for pair in pairs for each in pair.polyhedra}
     number, shapes = {key: k for k, key in enumerate(found)}, list(found.values())
     sizes = [(len(s.hull.corners), len(s.hull.loops), len(s.hull.edges)) for s in shapes]
     first: Indices = np.cumsum([(0, 0, 0), *sizes], axis=0, dtype=np.int64)
-    numbered: list[tuple[_Shape, Indices]] = list(zip(shapes, list(first), strict=False))
+    numbered: list[tuple[ConvexPolyhedron, Indices]] = list(zip(shapes, list(first), strict=False))
     loops = [loop + at[0] for shape, at in numbered for loop in shape.hull.loops]
     edges = [shape.hull.edges + np.repeat(at[:2], 2) for shape, at in numbered]
     sides = [
@@ -166,8 +260,9 @@ def polyhedra_of(
         balls_side([shape.centre() for shape in shapes], nodes),
     ]
     corners, faces, centres = sides if on_masters is None else map(on_masters, sides)
-    counts = [_slots(*pair) for pair in pairs]
-    of = [(-1 if isinstance(a, Ball) else number[_key(a)], number[_key(b)]) for a, b in pairs]
+    counts = [pair.slots for pair in pairs]
+    # -1 in front for a ball
+    of = [[-1, *(number[each.key] for each in pair.polyhedra)][-2:] for pair in pairs]
     most, whole = 2 * max((shape.longest for shape in shapes), default=0) + 2, np.int64
     return Polyhedra(
         corners,
@@ -179,7 +274,7 @@ def polyhedra_of(
         begins=np.cumsum([0, *map(len, loops)], dtype=whole),
         at=np.array([loop[0] for loop in loops], whole),
         pairs=np.array(of, whole).reshape(-1, 2),
-        thin=np.array([_thin(*pair) for pair in pairs]),
+        thin=np.array([a.inner + b.inner for a, b in pairs]),
         slots=np.cumsum([0, *counts], dtype=whole),
         ids=np.zeros(sum(counts), whole),
         X=np.empty((len(corners.radii), 3)),
@@ -189,20 +284,3 @@ def polyhedra_of(
         impulses=np.empty((most, 3)),
         known=np.empty(most, whole),
     )
-
-
-def _key(polyhedron: Polyhedron) -> tuple[object, ...]:
-    body, node = polyhedron.owner
-    return id(body), node, polyhedron.corners.tobytes()
-
-
-def _slots(first: Ball | Polyhedron, second: Polyhedron) -> int:
-    if isinstance(first, Ball):
-        return 1
-    # a polygon clipped by another, and the closest corner
-    return _shape_of(first).longest + _shape_of(second).longest + 1
-
-
-def _thin(first: Ball | Polyhedron, second: Polyhedron) -> float:
-    own = first.radius if isinstance(first, Ball) else _shape_of(first).inner
-    return own + _shape_of(second).inner

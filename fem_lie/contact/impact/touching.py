@@ -30,7 +30,6 @@ from fem_lie.contact.impact.rows import (
     set_gaps,
 )
 from fem_lie.contact.impact.sweeps import Dense, Past
-from fem_lie.contact.laws.law import Impact
 from fem_lie.contact.sides.kinematics import touched
 from fem_lie.contact.sides.pairs import NearPairs, SlotPairs
 from fem_lie.contact.sides.passage import Passage
@@ -198,8 +197,8 @@ class Touching:
         self._first = np.zeros((len(sides) + 1, 2), dtype=np.int64)
         self._first[1:] = np.cumsum([(len(a.radii), len(b.radii)) for a, b, _, _ in sides], axis=0)
         self._kinds = np.array([each.kind for each in sides])
-        laws = [contact.law for contact in contacts]
-        numbers = [(law.friction, law.restitution) for law in laws if isinstance(law, Impact)]
+        laws = [contact.law.impact(contact.label) for contact in contacts]
+        numbers = [(law.friction, law.restitution) for law in laws]
         self._friction, self._restitution = np.array(numbers, dtype=np.float64).T.copy()
         self._lengths = [self._length(side, sizes) for side in (self._a, self._b)]
         self._keys = np.array([float(contact.key(nodes)) for contact in contacts])

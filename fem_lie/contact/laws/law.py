@@ -1,9 +1,11 @@
-"""Contact laws, and the base class of terms of contact forces."""
+"""Contact laws, and the base classes of laws and of terms of contact forces."""
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from dataclasses import InitVar, dataclass
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import InitVar, dataclass, replace
+from typing import ClassVar
 
 from fem_lie._arrays import Array, Indices, number, positive
 from fem_lie.contact.laws.anchors import CoulombLaw
@@ -37,8 +39,58 @@ class ContactTerm(Term):
         """
 
 
+class ContactLaw(ABC):
+    """Base class of contact laws.
+
+    Attributes:
+        friction: Coefficient of friction μ.
+        impulsive: Whether the law has impulses at the ends of steps, instead of forces.
+    """
+
+    friction: float
+    impulsive: ClassVar[bool]
+
+    @property
+    def path_dependent(self) -> bool:
+        """Whether forces depend on the path; default: they do not."""
+        return False
+
+    def penalty(self, label: str) -> Penalty:
+        """The law, if it is a penalty.
+
+        Args:
+            label: Label of the contact for messages.
+
+        Raises:
+            ValueError: It is not; this is the default.
+        """
+        raise ValueError(
+            f"{label}: {type(self).__name__} is for GeneralisedAlpha and Variational with constant "
+            "steps; give Penalty elsewhere"
+        )
+
+    def impact(self, label: str) -> Impact:
+        """The law, if it has impulses.
+
+        Args:
+            label: Label of the contact for messages.
+
+        Raises:
+            ValueError: It has not; this is the default.
+        """
+        raise ValueError(f"{label}: expected Impact, got {type(self).__name__}")
+
+    def with_stiffness(self, choose: Callable[[], float]) -> ContactLaw:
+        """The law with a stiffness, if it needs one and has none; default: the law itself.
+
+        Args:
+            choose: Computes the stiffness.
+        """
+        return self
+
+
 @dataclass(frozen=True)
-class Penalty:
+class Penalty(ContactLaw):
     """Contact law with a force proportional to the overlap: energy ``½ k g²`` at a gap ``g < 0``.
 
     The force is ``p = max(0, −k g − c ġ)``; it is never tensile. The law is for statics, for
@@ -69,6 +121,8 @@ class Penalty:
     holding: float | None = None
     restitution: InitVar[None] = None
 
+    impulsive: ClassVar[bool] = False
+
     def __post_init__(self, restitution: None) -> None:
         """Raise ``TypeError`` or ``ValueError`` for wrong types or values out of range."""
         if restitution is not None:
@@ -86,6 +140,19 @@ class Penalty:
             raise ValueError(f"Penalty: friction must not be negative, got {self.friction}")
         if self.holding is not None:
             positive(self.holding, "Penalty: holding")
+
+    @property
+    def path_dependent(self) -> bool:
+        """Whether forces depend on the path, by friction."""
+        return self.friction > 0.0
+
+    def penalty(self, label: str) -> Penalty:
+        """The law itself."""
+        return self
+
+    def with_stiffness(self, choose: Callable[[], float]) -> Penalty:
+        """The law with the given stiffness, or else the chosen one."""
+        return self if self.stiffness is not None else replace(self, stiffness=choose())
 
     @property
     def k(self) -> float:
@@ -106,7 +173,7 @@ class Penalty:
 
 
 @dataclass(frozen=True)
-class Impact:
+class Impact(ContactLaw):
     """Contact law of rigid surfaces: no penetration, Coulomb friction, Newton's restitution.
 
     The law is for :class:`~fem_lie.GeneralisedAlpha` and :class:`~fem_lie.schemes.Variational` with
@@ -123,9 +190,15 @@ class Impact:
     friction: float = 0.0
     restitution: float = 0.0
 
+    impulsive: ClassVar[bool] = True
+
     def __post_init__(self) -> None:
         """Raise ``TypeError`` or ``ValueError`` for wrong types or values out of range."""
         if number(self.friction, "Impact: friction") < 0.0:
             raise ValueError(f"Impact: friction must not be negative, got {self.friction}")
         if not 0.0 <= number(self.restitution, "Impact: restitution") <= 1.0:
             raise ValueError(f"Impact: restitution must be in [0, 1], got {self.restitution}")
+
+    def impact(self, label: str) -> Impact:
+        """The law itself."""
+        return self

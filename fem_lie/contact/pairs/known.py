@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from fem_lie.contact.laws.law import Impact, Penalty
+from fem_lie.contact.laws.law import ContactLaw, Impact, Penalty
 from fem_lie.contact.pairs import sampled
 from fem_lie.contact.pairs.balls import BallGapPair, BallPair, BallPlanePair, PolyhedronPlanePair
 from fem_lie.contact.pairs.lines import LinePair, LinePlanePair
-from fem_lie.contact.pairs.pair import ContactPair, Law, register_contact_pair
+from fem_lie.contact.pairs.pair import ContactPair, register_contact_pair
 from fem_lie.contact.pairs.patch_surfaces import PatchSurface
 from fem_lie.contact.pairs.polyhedra import (
     NO_PENALTY,
@@ -69,7 +69,8 @@ PAIRS: tuple[tuple[type[ContactSurface], type[ContactSurface], type[ContactPair]
 """Kinds of both surfaces, and their contact pair or the reason why there is none."""
 
 BY_LAW: tuple[
-    tuple[type[ContactSurface], type[ContactSurface], type[ContactPair] | str, type[Law]], ...
+    tuple[type[ContactSurface], type[ContactSurface], type[ContactPair] | str, type[ContactLaw]],
+    ...,
 ] = (
     (PolyhedralSurface, PolyhedralSurface, PolyhedronPolyhedronPair, Impact),
     (PolyhedralSurface, PolyhedralSurface, NO_PENALTY, Penalty),

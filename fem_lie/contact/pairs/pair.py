@@ -20,13 +20,11 @@ from fem_lie.bodies.body import Body
 from fem_lie.bodies.model import HeldRotation
 from fem_lie.contact.convex.table import PolyhedronPair
 from fem_lie.contact.laws.friction import Friction
-from fem_lie.contact.laws.law import ContactTerm, Impact, Penalty
+from fem_lie.contact.laws.law import ContactLaw, ContactTerm, Impact, Penalty
 from fem_lie.contact.laws.penalty import PenaltyForces
 from fem_lie.contact.sides.surfaces import ContactSurface
 from fem_lie.contact.sides.table import BothSides, Nodes
 from fem_lie.contact.sides.two_sides import Sides
-
-Law: TypeAlias = Penalty | Impact
 
 OVERLAP = 0.05
 """Overlap over the characteristic size up to which surfaces may overlap at the start."""
@@ -74,7 +72,7 @@ class ContactPair(ABC):
 
     a: ContactSurface
     b: ContactSurface
-    law: Law
+    law: ContactLaw
     label: str
     ignore_initial: bool = False
 
@@ -125,17 +123,12 @@ class ContactPair(ABC):
         Raises:
             ValueError: The contact law is :class:`~fem_lie.contact.Impact`.
         """
-        if isinstance(self.law, Penalty):
-            return self.law
-        raise ValueError(
-            f"{self.label}: Impact is for GeneralisedAlpha and Variational with constant steps; "
-            "give Penalty elsewhere"
-        )
+        return self.law.penalty(self.label)
 
     @property
     def has_friction(self) -> bool:
         """Whether contact forces depend on the path, by friction of a penalty."""
-        return isinstance(self.law, Penalty) and self.law.friction > 0.0
+        return self.law.path_dependent
 
     @property
     def bodies(self) -> list[Body]:
@@ -236,7 +229,7 @@ class ContactPair(ABC):
 _Kinds: TypeAlias = tuple[type[ContactSurface], type[ContactSurface]]
 
 
-_PAIRS: dict[tuple[_Kinds, type[Law]], type[ContactPair] | str] = {}
+_PAIRS: dict[tuple[_Kinds, type[ContactLaw]], type[ContactPair] | str] = {}
 """Classes of pairs by both kinds of surfaces and contact law, or the reason why there is none."""
 
 
@@ -244,7 +237,7 @@ def register_contact_pair(
     a: type[ContactSurface],
     b: type[ContactSurface],
     pair: type[ContactPair] | str,
-    law: type[Law] | None = None,
+    law: type[ContactLaw] | None = None,
 ) -> None:
     """Register the class of contact pairs of two kinds of surfaces, in either order.
 
@@ -266,7 +259,7 @@ def register_contact_pair(
 
 
 def pair_class(
-    a: ContactSurface, b: ContactSurface, law: Law, label: str
+    a: ContactSurface, b: ContactSurface, law: ContactLaw, label: str
 ) -> tuple[type[ContactPair], bool]:
     """Class of the contact pair of two surfaces, and whether the pair has them in reverse order.
 
@@ -294,7 +287,7 @@ def pair_class(
 
 
 def pair_of(
-    a: ContactSurface, b: ContactSurface, law: Law, label: str, ignore_initial: bool
+    a: ContactSurface, b: ContactSurface, law: ContactLaw, label: str, ignore_initial: bool
 ) -> ContactPair:
     """Contact pair of two surfaces; arguments and errors as in :func:`pair_class`."""
     made, is_reversed = pair_class(a, b, law, label)

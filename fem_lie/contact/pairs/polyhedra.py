@@ -6,10 +6,15 @@ from abc import abstractmethod
 from collections.abc import Sequence
 
 from fem_lie.contact.convex.overlaps import overlap_of
-from fem_lie.contact.convex.table import PolyhedronPair, slots_of
+from fem_lie.contact.convex.table import (
+    ConvexBall,
+    ConvexPolyhedron,
+    PolyhedronPair,
+    slots_of,
+)
 from fem_lie.contact.laws.law import ContactTerm
 from fem_lie.contact.pairs.pair import OVERLAP, ContactPair, ImpactPair
-from fem_lie.contact.sides.surfaces import Ball, PointSurface, PolyhedralSurface
+from fem_lie.contact.sides.surfaces import PointSurface, PolyhedralSurface
 from fem_lie.contact.sides.table import INACTIVE, BothSides, Nodes, joined_sides
 
 NO_PENALTY = (
@@ -43,8 +48,8 @@ class _PolyhedralPair(ContactPair, ImpactPair):
     def check(self) -> None:
         """Raise ``ValueError`` for surfaces on one frame, or for an overlap at the start."""
         for pair in self.manifolds:
-            owners = pair.first.owners if isinstance(pair.first, Ball) else (pair.first.owner,)
-            if any(body is pair.second.owner[0] for body, _ in owners):
+            ((own, _),) = pair.second.owners
+            if any(body is own for body, _ in pair.first.owners):
                 raise ValueError(
                     f"{self.label}: expected surfaces on different frames, got one frame"
                 )
@@ -71,7 +76,11 @@ class PolyhedronPolyhedronPair(_PolyhedralPair):
     @property
     def manifolds(self) -> Sequence[PolyhedronPair]:
         """The pair of both polyhedra."""
-        return [PolyhedronPair(self.a.polyhedron(), self.b.polyhedron())]
+        return [
+            PolyhedronPair(
+                ConvexPolyhedron(self.a.polyhedron()), ConvexPolyhedron(self.b.polyhedron())
+            )
+        ]
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
         """All that the impacts depend on."""
@@ -89,8 +98,8 @@ class BallPolyhedronPair(_PolyhedralPair):
     @property
     def manifolds(self) -> Sequence[PolyhedronPair]:
         """One pair for each ball."""
-        polyhedron = self.b.polyhedron()
-        return [PolyhedronPair(ball, polyhedron) for ball in self.a.balls()]
+        polyhedron = ConvexPolyhedron(self.b.polyhedron())
+        return [PolyhedronPair(ConvexBall(ball), polyhedron) for ball in self.a.balls()]
 
     def contents(self, nodes: Nodes) -> tuple[object, ...]:
         """All that the impacts depend on."""

@@ -10,7 +10,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices, instance
 from fem_lie._summary import Summarised
 from fem_lie.contact.contact import Contact
-from fem_lie.contact.laws.law import ContactTerm, Impact
+from fem_lie.contact.laws.law import ContactTerm
 from fem_lie.pictures.bodies import Arrows
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
@@ -96,7 +96,7 @@ def contact_forces(
     nodes = {body: nodes_in(result.info, body) for body in contact.bodies}
     count = len(result.frames)
     chosen = range(count) if states is None else [state_number(state, count) for state in states]
-    if isinstance(contact.law, Impact):
+    if contact.law.impulsive:
         return _of_impacts(result, contact.key(nodes.__getitem__), chosen)
     term = contact.term(nodes.__getitem__)
     if not term.ignores:
