@@ -46,7 +46,7 @@ MAY_IMPORT = {
     "lie": set(),
     "lie.node_types": {"lie"},
     "ranks": set(),
-    "linear.condensed": set(),
+    "linear.condensed": {"ranks"},
     "linear.domains": {"ranks"},
     "linear": {"linear.domains", "linear.condensed"},
     "linear.spectra": {"linear"},

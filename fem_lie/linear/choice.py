@@ -263,6 +263,9 @@ def choose(kkt: KKT, prefix: str, solutions: Solutions) -> Choice:
 
 def _on_parts(kkt: KKT) -> Choice:
     """Choice for the sum of the matrices of all ranks, by the cost of all parts; collective."""
+    nodes, within = kkt.shared.total(np.array([len(kkt.indptr), len(plan_of(kkt).order)]))
+    if 2 * within > nodes:  # of any size, as what is left makes messages
+        return _logged(Choice(CHAINS[:2]), kkt, "divided among ranks, most nodes are within chains")
     graph = Graph.of(kkt.indptr, kkt.indices, kkt.incidences, kkt.held)
     own = np.array([graph.cost(ordering).operations for ordering in (MINIMUM_DEGREE, DISSECTION)])
     degree, dissection = kkt.shared.total(own)

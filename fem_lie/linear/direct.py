@@ -15,7 +15,6 @@ import numpy.typing as npt
 from fem_lie._arrays import Array
 from fem_lie._state import part_of
 from fem_lie.linear.choice import Choice, Solutions, choose
-from fem_lie.linear.divided import DividedMatrix
 from fem_lie.linear.equilibrated import (
     Equilibrated,
     InaccurateSolutionError,
@@ -31,6 +30,7 @@ from fem_lie.linear.packages import (
     Method,
     lacks_memory,
 )
+from fem_lie.ranks.divided_matrix import DividedMatrix
 from fem_lie.ranks.shared_factors import SharedMatrix, Subdomains, shared
 
 if TYPE_CHECKING:
@@ -69,8 +69,9 @@ class DirectSolver:
     help, the next method is tried.
 
     On several ranks MUMPS factorises the sum of the matrices of all parts of a divided scene, see
-    :mod:`fem_lie.linear.divided`. If the scene is not divided it factorises large matrices on all
-    ranks, see :mod:`fem_lie.ranks.shared_factors`; each rank fills the matrix and has the solution.
+    :mod:`fem_lie.ranks.divided_matrix`, after each rank has eliminated the chains of its part. If
+    the scene is not divided it factorises large matrices on all ranks, see
+    :mod:`fem_lie.ranks.shared_factors`; each rank fills the matrix and has the solution.
 
     Any other direct solver of PETSc can be chosen at run time with
     ``-<prefix>pc_factor_mat_solver_type``.
@@ -137,12 +138,22 @@ class DirectSolver:
         )
         self._change = self._local.createVecRight()
         self._shared: SharedMatrix | DividedMatrix | None = None
-        if self._shares:
-            self._shared = SharedMatrix(self._own.csr)
-        elif self._divided:
-            self._shared = DividedMatrix(self._own.csr, self._kkt.shared)
-        self._matrix = self._local if self._shared is None else self._shared.matrix
         self._solvers: dict[Method, PETSc.KSP] = {}
+
+    def _of_all_ranks(self, method: Method) -> SharedMatrix | DividedMatrix | None:
+        """Matrix of all ranks that a method factorises, or ``None`` if it is that of this rank."""
+        if method.together or not (self._shares or self._divided):
+            return None
+        if self._shared is None and self._shares:
+            self._shared = SharedMatrix(self._own.csr)
+        elif self._shared is None:
+            self._shared = DividedMatrix(self._own.csr, self._kkt.shared)
+        return self._shared
+
+    def _matrix(self, method: Method) -> PETSc.Mat:
+        """Matrix that a method factorises."""
+        found = self._of_all_ranks(method)
+        return self._local if found is None else found.matrix
 
     def factorise(self) -> None:
         """Factorise the current matrix.
@@ -200,9 +211,9 @@ class DirectSolver:
 
     def _failure(self, method: Method) -> Exception | None:
         """Factorise by a method; return the reason of a failure, or ``None``."""
-        ksp, raised = self._solver(method), None
-        self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, method.symmetric)
-        ksp.setOperators(self._matrix)
+        ksp, matrix, raised = self._solver(method), self._matrix(method), None
+        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, method.symmetric)
+        ksp.setOperators(matrix)
         try:
             with method.options(self._prefix):
                 ksp.setUp()
@@ -256,9 +267,10 @@ class DirectSolver:
     def _solver(self, method: Method) -> PETSc.KSP:
         """PETSc's solver for a method, created when it is first needed."""
         if method not in self._solvers:
-            ksp = PETSc.KSP().create(self._matrix.comm)
+            matrix = self._matrix(method)
+            ksp = PETSc.KSP().create(matrix.comm)
             ksp.setOptionsPrefix(self._prefix)
-            ksp.setOperators(self._matrix)
+            ksp.setOperators(matrix)
             ksp.setType(PETSc.KSP.Type.PREONLY)
             method.put(ksp.getPC(), self._kkt, self._own)
             options = PETSc.Options(self._prefix)
@@ -322,10 +334,11 @@ class DirectSolver:
 
     def _solve_scaled(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Solve the equilibrated equations with the last factors."""
-        if self._shared is None:
+        matrix = self._of_all_ranks(self._methods[0])
+        if matrix is None:
             self._ksp.solve(b, x)
         else:
-            self._shared.solve(self._ksp, b.array, x.array)
+            matrix.solve(self._ksp, b.array, x.array)
 
     @property
     def by_call(self) -> Solution:
@@ -337,7 +350,8 @@ class DirectSolver:
         if self._kkt.correction is not None:
             return Solution.none()
         if self._by_call is None:
-            kept = self._checked and self._idle is None and self._shared is None
+            alone = not self._shares and not self._divided
+            kept = self._checked and self._idle is None and alone
             if self._refines or not kept:
                 return Solution.none()
             call = addresses(self._ksp, self._b, self._x)

@@ -27,7 +27,8 @@ class Method:
         kind: PETSc's name, ``lu`` or ``cholesky``.
         package: PETSc's name of the package.
         spreads: Whether several ranks factorise large matrices together.
-        together: Whether all ranks solve together by its own means.
+        together: Whether all ranks solve together by its own means, each with the matrix of its
+            part of a scene.
         accurate: See :data:`~.equilibrated.ACCURATE`.
         takes_low_rank: Whether it costs less with low-rank parts outside of the pattern.
         defaults: PETSc options that hold while it factorises, unless they are given.
@@ -121,6 +122,8 @@ class ByMinimumDegree(Method):
 
 class ByChains(Alone):
     """Elimination of chains of nodes first, see :mod:`fem_lie.linear.condensed`."""
+
+    together: ClassVar[bool] = True
 
     def put(self, pc: PETSc.PC, kkt: KKT, own: Equilibrated) -> None:
         """Set up ``pc`` to factorise the equilibrated copy ``own`` of ``kkt``."""

@@ -18,9 +18,9 @@ from petsc4py import PETSc
 
 import scipy.sparse as sp
 
-from fem_lie.linear.divided import DividedMatrix
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.packages import NEGATIVE, lacks_memory
+from fem_lie.ranks.divided_matrix import DividedMatrix
 from fem_lie.ranks.shared_nodes import SharedNodes
 
 _NULL, _DETERMINANT = 24, 33  # MUMPS: ICNTL to look for null pivots, and for the determinant
@@ -57,10 +57,8 @@ def _factors(A: sp.csr_matrix, kind: str, option: int, shared: SharedNodes | Non
     """MUMPS' factors with an option switched on."""
     A.sort_indices()
     csr = A.indptr.astype(PETSc.IntType), A.indices.astype(PETSc.IntType), A.data
-    if shared is None or not shared.several:
-        matrix = PETSc.Mat().createAIJ(A.shape, csr=csr, comm=PETSc.COMM_SELF)
-    else:
-        matrix = DividedMatrix((A.data, csr[1], csr[0]), shared).matrix
+    shared = SharedNodes.alone(0) if shared is None else shared
+    matrix = DividedMatrix((A.data, csr[1], csr[0]), shared).matrix
     matrix.setOption(PETSc.Mat.Option.SYMMETRIC, kind == PETSc.PC.Type.CHOLESKY)
     pc = PETSc.PC().create(matrix.comm)
     pc.setOperators(matrix)

@@ -55,10 +55,11 @@ def connections_of(scene: Scene) -> list[Any]:
 
 
 FROM = 20_000
-"""Unknowns of shells and solids from which a scene is divided, unless PETSc's option
-``divided_from`` sets a number of all unknowns: trusses and nets have little fill, and one rank
-eliminates their chains faster than MUMPS factorises them on several."""
+"""Unknowns from which a scene is divided, unless PETSc's option ``divided_from`` sets a number of
+all unknowns. Those of cables, nets, beams and rods count if there are many of their nodes between
+joints: then each rank eliminates chains of its part, and little is left for messages."""
 
+_LINES, _PER_JOINT = 20_000, 100  # nodes of lines, of all and of each joint, from which they count
 _FROM, _DOMAINS = "divided_from", "domains"
 _PACKAGE, _ON_RANKS = "pc_factor_mat_solver_type", "mumps"
 
@@ -82,7 +83,10 @@ def divided(scene: Scene, prefix: str, *, supported: bool = True) -> ScenePart |
     options = PETSc.Options(prefix)
     asked = options.hasName(_FROM)
     limit = int(options.getInt(_FROM)) if asked else FROM
-    counted = [body.model for body in scene.bodies if asked or body.model.dimension > 1]
+    lines = sum(len(body.frames) for body in scene.bodies if body.model.dimension == 1)
+    least = max(_LINES, _PER_JOINT * len(connections_of(scene)))
+    dimension = 0 if asked else 1 if lines >= least else 2
+    counted = [body.model for body in scene.bodies if body.model.dimension >= dimension]
     unknowns = sum(int((~model.held).sum()) for model in counted)
     others = (
         not supported

@@ -35,6 +35,7 @@ class SharedNodes:
     Attributes:
         comm: Communicator of all parts.
         owned: Nodes that count as those of this rank, shape (n,): each node has one owner.
+        copied: Nodes that other ranks have, too, shape (n,).
         several: Whether there are several ranks.
     """
 
@@ -55,6 +56,9 @@ class SharedNodes:
             nodes = neighbours.get(rank, none)
             owner[nodes], there[nodes] = rank, numbers[rank]
         self.owned: Flags = owner == comm.rank
+        self.copied: Flags = np.zeros(count, dtype=np.bool_)
+        for nodes in neighbours.values():
+            self.copied[nodes] = True
         copies = np.flatnonzero(~self.owned)
         at_owners = np.column_stack([owner, there])[copies]
         self._forest = PETSc.SF().create(comm)

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Flags, Indices
 from fem_lie._jit import compiled, inlined
+from fem_lie.ranks.shared_nodes import SharedNodes
 
 MOST = 4
 """Largest number of neighbours of an eliminated node: two on either side, as in a rod."""
@@ -34,6 +35,7 @@ class Pattern(Protocol):
     indices: Indices
     unit_rows: Flags
     filled: int
+    shared: SharedNodes
 
     @property
     def incidences(self) -> ConstraintNodes:
@@ -141,10 +143,14 @@ def _meet(near: Numbers, count: Numbers, i: int, v: int) -> bool:
 
 
 def plan_of(kkt: Pattern) -> Plan:
-    """Plan of the elimination of nodes without constraints that have few neighbours."""
+    """Plan of the elimination of nodes without constraints that have few neighbours.
+
+    Nodes that several ranks have remain, as each rank has only a part of their rows.
+    """
     held = kkt.unit_rows[: 6 * (len(kkt.indptr) - 1)].reshape(-1, 6)
     may = np.asarray(~held.all(axis=1))
     may[kkt.incidences.nodes] = False
+    may[: len(kkt.shared.copied)] &= ~kkt.shared.copied
     order, position, near = eliminate(kkt.indptr, kkt.indices, may)
     sizes = (~held).sum(axis=1).astype(np.int32)
     widths = np.where(near >= 0, sizes[near], 0)

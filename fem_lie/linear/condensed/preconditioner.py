@@ -1,4 +1,8 @@
-"""Elimination of chains as a preconditioner of PETSc; a package factorises the rest."""
+"""Elimination of chains as a preconditioner of PETSc; a package factorises the rest.
+
+Of a divided scene, each rank eliminates the chains of its part. All ranks together factorise the
+sum of what is left.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +16,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.linear.condensed.blocks import backward, factorise, forward, scatter
 from fem_lie.linear.condensed.elimination import Numbers, Pattern, pairs_left, plan_of
+from fem_lie.ranks.divided_matrix import DividedMatrix
 
 _log = logging.getLogger(__name__)
 
@@ -46,6 +51,7 @@ class Condensed:
         self._schur = np.empty(self._left.start[-1])
         self._ksp: PETSc.KSP | None = None
         self._gather()
+        self._empty = not kkt.shared.any(len(self._rest) > 0)
         total, left = int((~self._held).sum()), len(self._rest)
         _log.info("%d of %d unknowns are left when chains are eliminated", left, total)
 
@@ -71,10 +77,8 @@ class Condensed:
         row, column = np.divmod(keys, max(len(rest), 1))
         first = np.searchsorted(row, np.arange(len(rest) + 1)).astype(PETSc.IntType)
         self._data = np.zeros(len(keys))
-        entries = first, column.astype(PETSc.IntType), self._data
-        shape = len(rest), len(rest)
-        self._matrix = PETSc.Mat().createAIJWithArrays(shape, entries, comm=PETSc.COMM_SELF)
-        self._b, self._x = self._matrix.createVecs()
+        entries = self._data, column.astype(PETSc.IntType), first
+        self._sum = DividedMatrix(entries, self._kkt.shared, rest)
 
     def _keys_of_blocks(self, number: Indices, count: int) -> Indices:
         """Row times ``count`` plus column of all entries of the blocks that elimination makes."""
@@ -95,20 +99,20 @@ class Condensed:
             SingularBlockError: The block of a node is singular.
             PETSc.Error: The remaining matrix is singular.
         """
-        self._eliminate()
-        if not len(self._rest):
+        with self._kkt.shared.errors(SingularBlockError):
+            self._eliminate()
+        if self._empty:
             return
         self._data[:] = 0.0
         self._data[self._of_matrix] = self._own.csr[0][self._taken]
         self._data[self._of_chains] += self._schur
-        self._matrix.stateIncrease()
-        self._matrix.assemble()
+        self._sum.take()
         if self._ksp is None:
-            self._ksp = PETSc.KSP().create(PETSc.COMM_SELF)
+            self._ksp = PETSc.KSP().create(self._kkt.shared.comm)
             self._ksp.setType(PETSc.KSP.Type.PREONLY)
             self._ksp.getPC().setType(PETSc.PC.Type.LU)
             self._ksp.getPC().setFactorSolverType(self._package)
-        self._ksp.setOperators(self._matrix)
+        self._ksp.setOperators(self._sum.matrix)
         self._ksp.setUp()
 
     @property
@@ -133,11 +137,13 @@ class Condensed:
 
     def apply(self, pc: PETSc.PC, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Solve."""
-        y = x.array
+        y, shared = x.array, self._kkt.shared
         y[:] = b.array_r
+        of_nodes = y[: 6 * len(shared.owned)].reshape(-1, 6)
+        if shared.several:
+            of_nodes[~shared.owned] = 0.0  # what chains add to copies is summed
         forward(self._plan, self._store, y)
+        shared.sum(of_nodes)
         if self._ksp is not None:
-            self._b.array[:] = y[self._rest]
-            self._ksp.solve(self._b, self._x)
-            y[self._rest] = self._x.array
+            self._sum.solve(self._ksp, y, y)
         backward(self._plan, self._store, y)
