@@ -1,10 +1,12 @@
 """A large net of cables stage by stage: processor seconds, and the most memory there was by then.
 
 The net of demos/space_net.py, of so many unknowns; stages are the scene, its equations, what a run
-finds before its first step, and steps. Processor seconds are printed, as the machine may have
-other things to do.
+finds before its first step, and steps. Processor seconds of the first rank are printed, as the
+machine may have other things to do, and the most memory that a rank has beyond an interpreter that
+has run a small net.
 
     python3 -m benchmarks.large_nets --unknowns 5e5 --steps 5
+    tools/run mpirun --oversubscribe -n 4 python3 -m benchmarks.large_nets --unknowns 2.02e6
 """
 
 from __future__ import annotations
@@ -13,6 +15,8 @@ import argparse
 import resource
 import sys
 from pathlib import Path
+
+from mpi4py import MPI
 
 import fem_lie as fl
 from benchmarks.two_ranks import Clock
@@ -51,8 +55,14 @@ def main() -> None:
     after, nodes = peak(), len(scene.bodies[0].frames)
     result = scheme.run(scene, duration=given.steps * STEP, save_every=given.steps, **options)
     clock.turn()
-    print(f"unknowns {3 * nodes + 24}, a node: {(after - begin) / nodes:.0f} bytes by the scene,")
-    print(f"{(peak() - begin) / nodes:.0f} in all; {peak() / 2**30:.2f} GB")
+    world = MPI.COMM_WORLD
+    most = world.allreduce(peak() - begin, op=MPI.MAX)
+    whole = world.allreduce(peak())
+    if world.rank > 0:
+        return
+    print(f"unknowns {3 * nodes + 24}, ranks {world.size}: a rank has at most")
+    print(f"{(after - begin) / nodes:.0f} bytes a node by the scene, {most / nodes:.0f} in all,")
+    print(f"{most / 2**30:.2f} GB; all ranks with interpreters {whole / 2**30:.2f} GB")
     per_step, iterations = clock.spent.pop("steps") / given.steps, float(result.iterations[-1])
     print(", ".join(f"{name} {seconds:.2f} s" for name, seconds in clock.spent.items()))
     print(f"a step {per_step:.3f} s, {iterations / given.steps:.1f} iterations")

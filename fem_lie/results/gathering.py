@@ -101,9 +101,16 @@ class _Gathered:
 
     def of_nodes(self, values: Array) -> Array:
         """Values of all nodes of the scene."""
-        found = np.empty((len(values), self._part.total, *values.shape[2:]))
-        for nodes, part in self._part.comm.allgather((self._nodes, values)):
-            found[:, nodes] = part
+        found, comm = np.empty((len(values), self._part.total, *values.shape[2:])), self._part.comm
+        # one part of one state at a time, as memory beyond that of the result may not be there
+        for rank in range(comm.size):
+            nodes = comm.bcast(self._nodes, root=rank)
+            part = np.empty((len(nodes), *values.shape[2:]))
+            for state, own in zip(found, values, strict=True):
+                if comm.rank == rank:
+                    part[:] = own
+                comm.Bcast(part, root=rank)
+                state[nodes] = part
         return found
 
     def of_joints(self, values: Array) -> Array:
