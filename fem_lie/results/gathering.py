@@ -106,11 +106,11 @@ class _Gathered:
         for rank in range(comm.size):
             nodes = comm.bcast(self._nodes, root=rank)
             part = np.empty((len(nodes), *values.shape[2:]))
-            for state, own in zip(found, values, strict=True):
+            for state in range(len(values)):
                 if comm.rank == rank:
-                    part[:] = own
+                    part[:] = values[state]
                 comm.Bcast(part, root=rank)
-                state[nodes] = part
+                found[state, nodes] = part
         return found
 
     def of_joints(self, values: Array) -> Array:
