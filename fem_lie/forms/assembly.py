@@ -34,10 +34,13 @@ class NodalInertia:
         mass: Blocks, shape (nnz, r, r), of the first ``r`` coordinate vectors if others have no
             mass.
         damping: Blocks of mass-proportional damping, or ``None``.
+        drilling: Rotary inertia of drilling rotations, blocks that :attr:`mass` does not contain,
+            or ``None``.
     """
 
     mass: Array
     damping: Array | None = None
+    drilling: Array | None = None
 
 
 class BodyTerm(Term):

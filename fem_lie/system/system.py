@@ -25,7 +25,7 @@ from fem_lie.system.describe import refuse
 from fem_lie.system.load_cases import LoadCases
 from fem_lie.system.nodes.convected_axes import BodyAxes, ConvectedAxes, ConvectedDrilling
 from fem_lie.system.nodes.element_rotations import ElementRotations
-from fem_lie.system.nodes.masses import Loads, floating_of, inertia_of, lumped, weight_of
+from fem_lie.system.nodes.masses import Loads, MassMatrix, floating_of, inertia_of, weight_of
 from fem_lie.system.nodes.numbering import numbering_for
 from fem_lie.system.nodes.parts import shared_nodes
 from fem_lie.system.nodes.sums import add_joints, nodal_residual, report, residual
@@ -76,7 +76,7 @@ class System:
         dynamics: bool,
         parametrisation: Parametrisation = Parametrisation.EXPONENTIAL,
         group: Group | None = None,
-        without_coupling: bool = False,
+        mass: MassMatrix = MassMatrix.CONSISTENT,
         part: ScenePart | None = None,
     ) -> None:
         """Number the unknowns and build the constant parts.
@@ -86,7 +86,7 @@ class System:
             dynamics: Whether inertia is needed.
             parametrisation: Parametrisation of the increments of :meth:`fill_matrix`.
             group: Group of all frames; default: that of each body.
-            without_coupling: Whether inertia is lumped.
+            mass: Mass matrix.
             part: What this rank has of a scene that is divided; ``None``: the scene is not.
 
         Raises:
@@ -116,10 +116,7 @@ class System:
             raise ValueError("KnifeEdge and RollingDisc constrain velocities: use dynamics")
         self.size = 6 * self.count + self.m
         required = dynamics or bool(scene.gravity.any())
-        self.inertia, damping = inertia_of(scene.bodies, self.numbering, required=required)
-        if without_coupling:
-            self.inertia = lumped(self.inertia, self.kinds)
-            damping = lumped(damping, self.kinds) if len(damping.indptr) else damping
+        self.inertia, damping = inertia_of(scene.bodies, self.numbering, mass, required=required)
         self.floating = floating_of(self.numbering)
         self._gravity = scene.gravity
         z, n = np.zeros, self.count

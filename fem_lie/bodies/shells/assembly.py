@@ -42,6 +42,9 @@ class ShellData(Protocol):
     def element_inertia(self) -> Array:
         """Mass matrix in (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, 4, k, 4)."""
 
+    def element_drilling_inertia(self, drilling: Array) -> Array:
+        """Rotary inertia of drilling rotations for stiffnesses γ (m,), shape (m, k, 4, k, 4)."""
+
 
 class ShellAssembly(Assembly, LocalUnknowns):
     """Assembly of all shells of one formulation and cell type, on one surface mesh.
@@ -107,7 +110,15 @@ class ShellAssembly(Assembly, LocalUnknowns):
         if all(body.has_mass for body in bodies):
             elements = np.concatenate([body.element_inertia() for body in bodies])
             # as the cells of the bodies, and their nodes, are ordered there
-            self.inertia = NodalInertia(self.summed(elements[permutation]))
+            further = None
+            if drilling is not None:
+                each = np.split(
+                    drilling, np.cumsum([len(body.connectivity) for body in bodies])[:-1]
+                )
+                given = zip(bodies, each, strict=True)
+                rotary = np.concatenate([body.element_drilling_inertia(γ) for body, γ in given])
+                further = self.summed(rotary[permutation])
+            self.inertia = NodalInertia(self.summed(elements[permutation]), drilling=further)
 
     @property
     def tables(self) -> None:
@@ -179,6 +190,10 @@ class WeightedSurfaceCells:
     def element_inertia(self) -> Array:
         """Empty array: weighted cells have no inertia."""
         return np.empty((0, 0, 4, 0, 4))
+
+    def element_drilling_inertia(self, drilling: Array) -> Array:
+        """Empty array: weighted cells have no inertia."""
+        return self.element_inertia()
 
 
 def weighted_surface_cells(body: ShellData, cells: Indices, weights: Array) -> ShellAssembly:

@@ -13,7 +13,7 @@ from fem_lie._arrays import Array, Indices, log_coincident
 from fem_lie.bodies.model import NO_HOLDS, BodyModel, HeldRotation, Holds, RotationLimit
 from fem_lie.bodies.shells.assembly import ShellAssembly, weighted_surface_cells
 from fem_lie.bodies.shells.placing import cut_mesh, frames_with
-from fem_lie.elements.shells.drilling import drilling_stiffness
+from fem_lie.elements.shells.drilling import TWIST, drilling_inertia, drilling_stiffness
 from fem_lie.elements.shells.element import ShellFormulation
 from fem_lie.lie.motions import Group
 from fem_lie.mesh.patches import Patches
@@ -311,13 +311,27 @@ class ShellModel(BodyModel):
 
     def element_inertia(self) -> Array:
         """Consistent mass matrix in (x, d₁, d₂, d₃) of each cell, shape (m, k, 4, k, 4)."""
+        density = np.zeros((len(self.density), 4, 4))
+        density[:, ::3, ::3] = self.density
+        return self._integrated(density)
+
+    def element_drilling_inertia(self, drilling: Array) -> Array:
+        """Rotary inertia of drilling rotations of each cell, shape (m, k, 4, k, 4).
+
+        The rotary inertia about axes in the surface does not change.
+
+        Args:
+            drilling: Drilling stiffness γ of each cell, shape (m,), N/m.
+        """
+        areas, twist = self._measure()[1].sum(axis=1), self.stiffness[:, TWIST, TWIST]
+        J = drilling_inertia(self.density, drilling, twist, areas)
+        diagonal = np.array([0.0, 0.5, 0.5, -0.5])
+        return self._integrated(J[:, np.newaxis, np.newaxis] * np.diag(diagonal))
+
+    def _integrated(self, density: Array) -> Array:
+        """Products of shape functions times densities (m, 4, 4), shape (m, k, 4, k, 4)."""
         shapes, weights = self._measure()
-        blocks = np.zeros((*self.mesh.cells.shape, 4, self.mesh.cells.shape[1], 4))
-        mass = np.einsum("gi,gj,mg,mab->miajb", shapes, shapes, weights, self.density)
-        for a, row in enumerate((0, 3)):
-            for b, column in enumerate((0, 3)):
-                blocks[:, :, row, :, column] = mass[:, :, a, :, b]
-        return blocks
+        return np.einsum("gi,gj,mg,mab->miajb", shapes, shapes, weights, density)
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Cells of a named group (default: all cells).

@@ -99,7 +99,8 @@ def perturbed_lagrangian(tau: Expr, modes: Sequence[Expr], c: Expr, stiffness: E
 FRACTION = 0.01
 """γ over ``G t³/h²``; results do not change from 1 to 1e-8 (docs/measured/six_parameters.md)."""
 
-_SHEAR, _TWIST = 2, 5  # of the eight strains
+_SHEAR, TWIST = 2, 5
+"""Shear and twist among the eight strains."""
 
 
 def drilling_stiffness(
@@ -114,9 +115,27 @@ def drilling_stiffness(
         bound: Nodes with moments about their normals only.
     """
     membrane = stiffness[:, _SHEAR, _SHEAR]
-    soft = FRACTION * 12.0 * stiffness[:, _TWIST, _TWIST] / areas
+    soft = FRACTION * 12.0 * stiffness[:, TWIST, TWIST] / areas
     around = np.isin(cells, list(bound)).any(axis=1)
     return np.where(around, membrane, np.minimum(soft, membrane))
+
+
+def drilling_inertia(density: Array, drilling: Array, twist: Array, areas: Array) -> Array:
+    """Rotary inertia of the drilling rotation per area of each cell, kg, shape (m,).
+
+    A director has none about itself. Momenta do not determine the rate of its rotation, and without
+    mass no explicit step is stable. ``J = J_d min(1, γ A/3D)``, with the rotary inertia ``J_d`` of
+    directors and the twist stiffness ``D = G t³/12``, is 4 % of ``J_d`` at the default γ. The
+    frequency of the drilling, ``√(4γ/J)``, is then at most ``√(48 G/ρ)`` over the larger of the
+    size of the cell and the thickness, as those of membrane and shear.
+
+    Args:
+        density: Mass matrix per area in (position, director) of each cell, shape (m, 2, 2).
+        drilling: Drilling stiffness γ of each cell, shape (m,), N/m.
+        twist: Twist stiffness ``D`` of each cell, shape (m,), N m.
+        areas: Areas of the cells, shape (m,).
+    """
+    return density[:, 1, 1] * np.minimum(1.0, drilling * areas / (3.0 * twist))
 
 
 _A1, _A2, _X1, _X2 = range(4)

@@ -54,6 +54,7 @@ from fem_lie.solve.motion.variable_steps import Stepper
 from fem_lie.solve.recording.plan import ChosenSteps
 from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
+from fem_lie.system.nodes.masses import MassMatrix
 
 _WITHOUT_FRAMES = (
     "nodes without frames (Cable, Net, ThinShell, AncfBeam, AncfShell, Solid, reduced-order bodies)"
@@ -68,10 +69,7 @@ def refuse_scene(equations: Equations) -> None:
         ValueError: The message names the feature.
     """
     unknowns, known = equations.unknowns, equations.arrays
-    vectors, drilling = has_vector_nodes(equations), ", ".join(unknowns.drilling)
-    rotated = {body.label for each in equations.scene.contacts for body in each.pair.rotated}
-    forces = any(term.over_step is not None for term in known.terms)
-    touched = ", ".join(label for label in unknowns.drilling if forces and label in rotated)
+    vectors = has_vector_nodes(equations)
     apart = [
         f"{term.label} with damping" if term.viscosity is not None else term.label
         for term in known.terms
@@ -83,11 +81,6 @@ def refuse_scene(equations: Equations) -> None:
         ),
         "supports along axes fixed in space (Shell.roller)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
-        "velocity constraints (KnifeEdge, RollingDisc) together with shells with drilling "
-        f"rotations ({drilling}), whose drilling has no inertia": bool(drilling)
-        and unknowns.of_velocities > 0,
-        "contacts by penalty that rotate nodes of shells with drilling rotations "
-        f"({touched}), whose drilling has no inertia": bool(touched),
         ", ".join(dict.fromkeys(apart)): bool(apart),
     }
     refuse("a conserving scheme", reasons)
@@ -169,7 +162,9 @@ class EnergyMomentum(Integrator):
             scene: The scene.
         """
         # translations are global, so derivatives by velocities are those of R³×SO(3)
-        equations = Equations(scene, dynamics=True, group=Group.R3xSO3)
+        equations = Equations(
+            scene, dynamics=True, group=Group.R3xSO3, mass=MassMatrix.WITH_DRILLING
+        )
         refuse_scene(equations)
         if self.policy.secants and not has_vector_nodes(equations):
             raise ValueError(

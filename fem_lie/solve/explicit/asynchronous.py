@@ -34,6 +34,7 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.system.equations import Equations, TimeState
+from fem_lie.system.nodes.masses import MassMatrix
 
 _log = logging.getLogger(__name__)
 
@@ -79,7 +80,7 @@ class Asynchronous(Integrator):
             raise ValueError(f"expected 0 < courant ≤ 1 for stable steps, got {self.courant}")
 
     def _equations(self, scene: Scene) -> Equations:
-        equations = Equations(scene, dynamics=True, without_coupling=True)
+        equations = Equations(scene, dynamics=True, mass=MassMatrix.LUMPED)
         _refuse(equations)
         return equations
 

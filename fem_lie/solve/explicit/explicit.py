@@ -53,6 +53,7 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.system.equations import Equations, TimeState
+from fem_lie.system.nodes.masses import MassMatrix
 
 _log = logging.getLogger(__name__)
 
@@ -305,7 +306,7 @@ class Explicit(Integrator):
         return limit_of(equations, masses_of(equations)).step
 
     def _equations(self, scene: Scene) -> Equations:
-        equations = Equations(scene, dynamics=True, group=Group.R3xSO3, without_coupling=True)
+        equations = Equations(scene, dynamics=True, group=Group.R3xSO3, mass=MassMatrix.LUMPED)
         _refuse(equations)
         return equations
 

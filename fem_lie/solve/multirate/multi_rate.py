@@ -272,10 +272,7 @@ class MultiRate(Integrator):
         for part in (*parts.values(), between):
             _check_alike(part, equations)
         pairs = between.arrays.pairs_of_all
-        drilling = ", ".join(between.unknowns.drilling)
         reasons = {
-            "joints between bodies with steps of their own on shells with drilling rotations "
-            f"({drilling}), whose drilling has no inertia": bool(drilling and between.unknowns.m),
             "joints on points that are not nodes between bodies with steps of their own": (
                 pairs is not None and pairs.attachments.count > 0
             ),

@@ -49,6 +49,7 @@ from fem_lie.solve.motion.policies import Automatic, RefactorisationPolicy
 from fem_lie.solve.variational.run import VariationalRun
 from fem_lie.solve.variational.run_state import Options
 from fem_lie.system.equations import Equations
+from fem_lie.system.nodes.masses import MassMatrix
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,9 @@ class Variational(Integrator):
         Args:
             scene: The scene.
         """
-        equations = Equations(scene, dynamics=True, group=Group.R3xSO3)
+        equations = Equations(
+            scene, dynamics=True, group=Group.R3xSO3, mass=MassMatrix.WITH_DRILLING
+        )
         _refuse(equations)
         return equations
 
@@ -123,7 +126,6 @@ class Variational(Integrator):
 def _refuse(equations: Equations) -> None:
     """Raise ``ValueError`` if the scheme does not support the scene."""
     unknowns = equations.unknowns
-    drilling = ", ".join(unknowns.drilling)
     reasons = {
         "velocity constraints (KnifeEdge, RollingDisc), whose motion makes no action stationary": (
             unknowns.of_velocities > 0
@@ -131,7 +133,5 @@ def _refuse(equations: Equations) -> None:
         "supports along axes fixed in space (Shell.roller)": bool(equations.supports),
         "redundant constraints": unknowns.may_be_redundant,
         "friction of penalties": any(term.has_friction for term in equations.arrays.terms),
-        f"shells with drilling rotations ({drilling}), whose drilling has no inertia, so that no "
-        "momentum gives its rate": bool(drilling),
     }
     refuse("Variational", reasons)

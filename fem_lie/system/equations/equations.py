@@ -25,6 +25,7 @@ from fem_lie.system.equations.prescribed import Prescribed
 from fem_lie.system.equations.report import ConstraintsAt, Report, contents
 from fem_lie.system.equations.unknowns import Start, SystemArrays, Unknowns
 from fem_lie.system.nodes.fixed_axes import Supports
+from fem_lie.system.nodes.masses import MassMatrix
 from fem_lie.system.small_motions import SmallMotions, fill_steady
 from fem_lie.system.system import System
 from fem_lie.system.time_state import Forces, Plan, TimeState
@@ -139,7 +140,7 @@ class Equations:
         dynamics: bool,
         parametrisation: Parametrisation = Parametrisation.EXPONENTIAL,
         group: Group | None = None,
-        without_coupling: bool = False,
+        mass: MassMatrix = MassMatrix.CONSISTENT,
         part: ScenePart | None = None,
     ) -> None:
         """Build the equations.
@@ -149,7 +150,7 @@ class Equations:
             dynamics: Whether inertia is needed.
             parametrisation: Parametrisation of increments.
             group: Group of all frames; default: that of each body.
-            without_coupling: Whether inertia is lumped, so that nodes are not coupled by it.
+            mass: Mass matrix.
             part: What this rank has of the scene, if it is divided; states are those of the part.
 
         Raises:
@@ -161,7 +162,7 @@ class Equations:
             dynamics=dynamics,
             parametrisation=parametrisation,
             group=group,
-            without_coupling=without_coupling,
+            mass=mass,
             part=part,
         )
         self.shared = self._system.shared

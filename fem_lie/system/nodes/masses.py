@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from enum import Enum, auto
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -11,6 +12,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit.packed_arrays import Frames, Numbers2, Sixes
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
+from fem_lie.forms.assembly import NodalInertia
 from fem_lie.forms.term import add_at
 from fem_lie.lie.node_types import MODAL, POSITION_GRADIENT, SURFACE_GRADIENT
 from fem_lie.lie.node_types.floating import Floating, FloatingModes
@@ -40,14 +42,30 @@ class Loads(NamedTuple):
         return (*self,)
 
 
+class MassMatrix(Enum):
+    """Mass matrix of a scene.
+
+    Attributes:
+        CONSISTENT: Consistent with the interpolation. Drilling rotations of shells have no inertia.
+        WITH_DRILLING: The same, with the rotary inertia of
+            :func:`~fem_lie.elements.shells.drilling.drilling_inertia`.
+        LUMPED: The same, lumped, so that nodes are not coupled by inertia.
+    """
+
+    CONSISTENT = auto()
+    WITH_DRILLING = auto()
+    LUMPED = auto()
+
+
 def inertia_of(
-    bodies: Iterable[Body], numbering: Numbering, *, required: bool
+    bodies: Iterable[Body], numbering: Numbering, kind: MassMatrix, *, required: bool
 ) -> tuple[Inertia, Inertia]:
     """Mass matrix and mass-proportional damping matrix on (x, d₁, d₂, d₃) of the master nodes.
 
     Args:
         bodies: Bodies of the scene.
         numbering: Numbering of their nodes.
+        kind: Which mass matrix.
         required: Whether elements without inertia are an error; otherwise they have no mass.
 
     Returns:
@@ -69,7 +87,7 @@ def inertia_of(
             r = np.repeat(np.arange(assembly.count), np.diff(assembly.indptr))
             rows.append(where.start + r)
             columns.append(where.start + assembly.indices)
-            mass.append(assembly.inertia.mass)
+            mass.append(_mass_of(assembly.inertia, kind))
             given = assembly.inertia.damping
             if damps:
                 damping.append(np.zeros_like(mass[-1]) if given is None else given)
@@ -88,9 +106,18 @@ def inertia_of(
                 damping.append(np.zeros((1, 4, 4)))
     r, c = np.concatenate(rows), np.concatenate(columns)
     inertia = _on_masters(numbering, r, c, mass)
-    if not damps:
-        return inertia, Inertia.none()
-    return inertia, _on_masters(numbering, r, c, damping)
+    damped = _on_masters(numbering, r, c, damping) if damps else Inertia.none()
+    if kind is not MassMatrix.LUMPED:
+        return inertia, damped
+    kinds = numbering.kinds
+    return _lumped(inertia, kinds), _lumped(damped, kinds) if damps else damped
+
+
+def _mass_of(inertia: NodalInertia, kind: MassMatrix) -> Array:
+    """Blocks of the mass matrix of an assembly."""
+    if kind is MassMatrix.CONSISTENT or inertia.drilling is None:
+        return inertia.mass
+    return inertia.mass + inertia.drilling
 
 
 def floating_of(numbering: Numbering) -> Floating:
@@ -139,7 +166,7 @@ def _on_masters(numbering: Numbering, r: Indices, c: Indices, given: list[Array]
     return Inertia(np.searchsorted(key // count, np.arange(count + 1)), key % count, G)
 
 
-def lumped(inertia: Inertia, kinds: Indices) -> Inertia:
+def _lumped(inertia: Inertia, kinds: Indices) -> Inertia:
     """Lumped mass matrix, one block per node, for schemes that solve no equations.
 
     The blocks of a row are summed for frames and positions, so that mass, first moments and
