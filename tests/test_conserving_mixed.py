@@ -249,12 +249,9 @@ def test_steps_of_each_bodys_own_size():
     assert away <= 1e-2 * np.abs(small.frames[-1, :, 0] - small.frames[0, :, 0]).max()
 
 
-def with_a_place_within(scene: fl.Scene, beam: fl.Beam) -> None:
-    scene.add(fl.joints.Spherical(fl.ground(), beam.point_in_cell(0, 0.3)))
-
-
-def test_refused():
+def test_a_spring_within_a_beam_is_refused():
     scene = SCENES["beam and cable"]()
-    with_a_place_within(scene, scene.bodies[0])
+    hinge = scene.add(fl.joints.Distance(fl.ground(), scene.bodies[0].point_in_cell(0, 0.3)))
+    scene.add(fl.joints.Spring(hinge.length, 1.0))
     with pytest.raises(ValueError, match="between the nodes of a Beam"):
         SCHEME.run(scene, duration=0.1, step=0.01)

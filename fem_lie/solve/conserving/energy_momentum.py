@@ -38,12 +38,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from fem_lie._arrays import Indices, number
 from fem_lie.forms.term import Term
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.scene import Scene
-from fem_lie.solve.conserving.model import has_vector_nodes
+from fem_lie.solve.conserving.model import has_vector_nodes, rotations_without_inertia
 from fem_lie.solve.conserving.python_forces.forces import acts_in_the_middle
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.run_state import Options
@@ -56,11 +58,6 @@ from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
 from fem_lie.system.nodes.masses import MassMatrix
 
-_WITHOUT_FRAMES = (
-    "nodes without frames (Cable, Net, ThinShell, AncfBeam, AncfShell, Solid, reduced-order bodies)"
-)
-"""Bodies with nodes that have no rotational degrees of freedom."""
-
 
 def refuse_scene(equations: Equations) -> None:
     """Raise an error for scenes with features that have no forces over a step.
@@ -69,7 +66,7 @@ def refuse_scene(equations: Equations) -> None:
         ValueError: The message names the feature.
     """
     unknowns, known = equations.unknowns, equations.arrays
-    vectors = has_vector_nodes(equations)
+    pairs = known.pairs_of_all
     apart = [
         f"{term.label} with damping" if term.viscosity is not None else term.label
         for term in known.terms
@@ -77,28 +74,33 @@ def refuse_scene(equations: Equations) -> None:
     ]
     reasons = {
         "springs along coordinates of joints between the nodes of a Beam": (
-            not vectors and unknowns.other_springs
+            unknowns.other_springs if pairs is None else pairs.other_springs
         ),
         "supports along axes fixed in space (Shell.roller)": bool(equations.supports),
+        "joints that need the rotation of a cable's end or of a node without axes "
+        "(Revolute, Fixed; Spherical away from the node)": pairs is not None and pairs.loose,
+        "velocity constraints (KnifeEdge, RollingDisc) on rotations without inertia (interfaces of "
+        "reduced-order bodies, sections without rotary inertia)": (
+            _binds_massless_rotations(equations)
+        ),
         "redundant constraints": unknowns.may_be_redundant,
         ", ".join(dict.fromkeys(apart)): bool(apart),
     }
     refuse("a conserving scheme", reasons)
-    if vectors:
-        _refuse_joints(equations)
 
 
-def _refuse_joints(equations: Equations) -> None:
-    """Raise an error for joints that are not supported with nodes without frames."""
-    pairs = equations.arrays.pairs_of_all
-    reasons = {
-        "velocity constraints, joints that slide or roll, or joints between the nodes of a Beam": (
-            pairs is None
-        ),
-        "joints that need the rotation of a cable's end or of a node without axes "
-        "(Revolute, Fixed; Spherical away from the node)": pairs is not None and pairs.loose,
-    }
-    refuse(f"a conserving scheme, where there are {_WITHOUT_FRAMES},", reasons)
+def _binds_massless_rotations(equations: Equations) -> bool:
+    """Whether a velocity constraint acts on rotations without inertia, at the start.
+
+    No momentum gives their rates, which are means over a step, not those at its end.
+    """
+    bound = equations.unknowns.of_velocities
+    light = rotations_without_inertia(equations)
+    if not bound or not len(light):
+        return False
+    B = equations.constraints(equations.start.frames).jacobian.toarray()[-bound:]
+    rates = B.reshape(bound, -1, 6)[:, :, 3:]
+    return bool(np.any(np.einsum("cni,nij->cnj", rates, light)))
 
 
 def _has_forces_over_steps(term: Term, kinds: Indices) -> bool:

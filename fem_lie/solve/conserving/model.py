@@ -237,11 +237,11 @@ def model_of(
         of_frames=_of_frames(equations),
         addresses=np.zeros(ADDRESSES, dtype=np.int64),
         bodies=packed_bodies(known.floating),
-        light=_without_inertia(equations),
+        light=rotations_without_inertia(equations),
     )
 
 
-def _without_inertia(equations: Equations) -> Array:
+def rotations_without_inertia(equations: Equations) -> Array:
     """Projectors on the rotations of frames that have no inertia, (n, 3, 3), or (0, 3, 3)."""
     unknowns, mass = equations.unknowns, equations.arrays.inertia
     rows = np.repeat(np.arange(unknowns.moving), np.diff(mass.indptr[: unknowns.moving + 1]))

@@ -7,7 +7,7 @@ know which nodes act by their position only.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeGuard
 
 import numpy as np
 
@@ -34,6 +34,7 @@ class AllPairs(NamedTuple):
         oriented: Nodes and attachments of which more than the position matters, shape (n + g,).
         turns: Whether any angle is counted beyond a full turn.
         loose: Whether axes matter that do not rotate with their node or attachment.
+        other_springs: Whether there are springs in sets whose pairs are not here.
     """
 
     joints: PackedJoints
@@ -41,12 +42,15 @@ class AllPairs(NamedTuple):
     oriented: Flags
     turns: bool
     loose: bool
+    other_springs: bool
 
 
 def all_pairs(
     sets: Sequence[ConstraintSet], numbering: Numbering, frames: Array, kinds: Indices
-) -> AllPairs | None:
-    """Pairs of all sets; ``None`` if there are other constraints or attachments between frames.
+) -> AllPairs:
+    """Pairs of all sets of relative motions whose attachments have frames over a step.
+
+    They come first. If an attachment is between frames, its set is not among them.
 
     Args:
         sets: Sets of a system; the first is that of nodes.
@@ -54,17 +58,12 @@ def all_pairs(
         frames: Initial frames of all nodes, ground and prescribed motions.
         kinds: Types of the nodes.
     """
-    first, *others = sets
-    attached = [each for each in others if isinstance(each, OnAttachments)]
-    parts = [first, *(each.inner for each in attached)]
+    attached = [each for each in sets[1:2] if _in_pairs(each)]
+    parts = [sets[0], *(each.inner for each in attached)]
     tables = [each.arrays for each in parts if isinstance(each, RelativeMotions)]
-    if len(tables) < len(sets) or len(attached) > 1:
-        return None
     attachments = (
         attached[0].constrained.attachments if attached else HeldAttachments([], numbering)
     )
-    if not all(kind.summed for kind in attachments.kinds):
-        return None
     n, g = numbering.count, attachments.count
     rows = [np.concatenate([np.arange(n), np.arange(n, len(frames)) + g])]
     for each in attached:
@@ -82,7 +81,15 @@ def all_pairs(
         bool
     )
     turns, loose = bool(table.functions.any()), bool((oriented & ~whole).any())
-    return AllPairs(pack(table), attachments, oriented, turns, loose)
+    springs = any(len(each.springs) > 0 for each in sets[len(parts) :])
+    return AllPairs(pack(table), attachments, oriented, turns, loose, springs)
+
+
+def _in_pairs(given: ConstraintSet) -> TypeGuard[OnAttachments]:
+    """Whether a set has relative motions of attachments that are sums over their nodes."""
+    if not (isinstance(given, OnAttachments) and isinstance(given.inner, RelativeMotions)):
+        return False
+    return all(kind.summed for kind in given.constrained.attachments.kinds)
 
 
 def _joined(tables: Sequence[JointArrays], rows: Sequence[Indices]) -> JointArrays:

@@ -195,7 +195,7 @@ class SystemArrays(NamedTuple):
         stored: Cells with all stored energy of bodies, as two arrays, see
             :class:`~fem_lie.forms.cell_forms.FormArrays`; ``None`` if there is more.
         pairs_of_all: Relative motions of nodes and attachments, if some nodes have vector
-            coordinates and there are no other constraints; else ``None``.
+            coordinates; else ``None``.
         edges: Nodes with a frame along the edge to another node, and these other nodes, (k, 2).
         turns: Whether joints count their turns.
         around: Position nodes with convected axes, rotated after each step.

@@ -1,8 +1,9 @@
-"""Constraints between more than two frames, over a step: sliding, rolling, joints within elements.
+"""Constraints between more than two nodes, over a step: sliding, rolling, joints within elements.
 
-Any constraint ``Φ`` of frames has a discrete gradient. With its Jacobian ``J`` at the midpoint of
-the step, the increments ``Δ = (Δx, ψ)`` of the nodes, and the increment ``s`` without its rigid
-part, in the metric ``M`` (1 on translations, the square of the model's length on rotations)::
+Any constraint ``Φ`` has a discrete gradient. With its Jacobian ``J`` at the midpoint of the step,
+the increments ``Δ`` of the nodes, ``(Δx, ψ)`` of frames and those of the coordinate vectors of
+others, and the increment ``s`` without its rigid part, in the metric ``M`` (1 on lengths, the
+square of the model's length on rotations and on vectors without dimension)::
 
     D = J + (ΔΦ − J Δ)/|s|² M s,        λ D Δ = λ ΔΦ
 
@@ -18,6 +19,7 @@ by rigid motions, as in :mod:`..midpoint.discrete_gradient` for elements.)
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import sqrt
 from typing import NamedTuple
 
@@ -25,14 +27,17 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled
+from fem_lie._jit import compiled, inlined
 from fem_lie._state import Stateful
 from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, WORK
 from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays, views
 from fem_lie.joints.equations.terms import spring_energy
+from fem_lie.lie.node_types import MIXED_DERIVATIVE, MODAL, POSITION, POSITION_GRADIENT
+from fem_lie.lie.node_types.forces import wrench
+from fem_lie.lie.node_types.node_type import axes, first_vector
 from fem_lie.lie.tuples import (
+    Vector,
     add_wrench,
-    combined,
     cross,
     dot,
     load,
@@ -40,18 +45,36 @@ from fem_lie.lie.tuples import (
     minus,
     plus,
     rotate,
+    rotate_back,
     scaled,
     store,
 )
 from fem_lie.solve.conserving.midpoint.any_node import twists
 from fem_lie.solve.conserving.midpoint.discrete_gradient import KNOWN, ROUND_OFF, beyond, factor_of
 from fem_lie.solve.conserving.midpoint.mean_forces import add_resistance, solve_symmetric
+from fem_lie.solve.conserving.python_forces.joints import Joints
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.step.records import Model, Span, State, Step
 from fem_lie.system.equations import Equations
 
 _BALANCED = 1e-9
 """Resultant and moment of a constraint row, over the size of its parts, that are round-off."""
+
+
+class _Nodal(NamedTuple):
+    """Nodes over a step.
+
+    Attributes:
+        kinds: Their types, (n,).
+        weights: Metric of the first and last three unknowns, (n, 2).
+        middle: Nodes at the midpoint of the step, (≥ n, 4, 3).
+        step: Increments along global axes, (n, 6).
+    """
+
+    kinds: Indices
+    weights: Array
+    middle: Array
+    step: Array
 
 
 class _Sparse(NamedTuple):
@@ -62,8 +85,23 @@ class _Sparse(NamedTuple):
     data: Array
 
 
+_PLACE, _ROTATION, _VECTOR, _AMPLITUDES = range(4)
+"""What three unknowns of a node are: a position, the rotation of a frame, a coordinate vector that
+rotates with the body, or amplitudes, which a rigid motion does not change."""
+
+
+@inlined
+def _unknowns_of(kind: int, half: int) -> int:
+    """What the first or last three unknowns of a node are."""
+    if kind < POSITION_GRADIENT:
+        return half
+    if kind == MODAL or (kind == POSITION and half == 1):
+        return _AMPLITUDES
+    return _PLACE if half == 0 and kind < MIXED_DERIVATIVE else _VECTOR
+
+
 @compiled
-def _row_of(B: _Sparse, c: int, middle: Array, f: Array, nodes: Indices) -> int:
+def _row_of(B: _Sparse, c: int, nodal: _Nodal, f: Array, nodes: Indices) -> int:
     """Nodes of row ``c``, and forces on them in global components; returns their number."""
     count, begin, end = 0, B.indptr[c], B.indptr[c + 1]
     f[:] = 0.0
@@ -77,45 +115,69 @@ def _row_of(B: _Sparse, c: int, middle: Array, f: Array, nodes: Indices) -> int:
             count += 1
         f[count - 1, B.indices[e] % 6] += B.data[e]
     for a in range(count):
-        m = middle[nodes[a]]
+        d1, d2, d3 = axes(nodal.kinds[nodes[a]], nodal.middle[nodes[a]])
         for at in (0, 3):
-            own = load(f[a], at)
-            store(f[a], at, rotate(load_row(m, 1), load_row(m, 2), load_row(m, 3), own))
+            store(f[a], at, rotate(d1, d2, d3, load(f[a], at)))
     return count
 
 
+@inlined
+def _arm(nodal: _Nodal, i: int, half: int, centre: Vector) -> Vector:
+    """Position from the centre, or coordinate vector, of a node at the midpoint of the step."""
+    kind, middle = nodal.kinds[i], nodal.middle[i]
+    if kind < POSITION_GRADIENT or _unknowns_of(kind, half) == _PLACE:
+        return minus(load_row(middle, 0), centre)
+    return load_row(middle, first_vector(kind) + half)
+
+
 @compiled
-def _deformation(
-    nodes: Indices, middle: Array, step: Array, length: float, whole: bool, s: Array
-) -> float:
+def _deformation(nodes: Indices, nodal: _Nodal, whole: bool, s: Array) -> float:
     """Increments of some nodes (k, 6), without their rigid part unless ``whole``.
 
     Returns ``|s|²``.
     """
-    count, square = nodes.shape[0], 0.0
+    count, square, places = nodes.shape[0], 0.0, 0
+    centre, shift = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for a in range(count):
-        s[a] = step[nodes[a]]
+        s[a] = nodal.step[nodes[a]]
+        if _unknowns_of(nodal.kinds[nodes[a]], 0) == _PLACE:
+            places += 1
+            centre = plus(centre, load_row(nodal.middle[nodes[a]], 0))
+            shift = plus(shift, load(s[a], 0))
     if not whole:
-        share, A = 1.0 / count, np.zeros((3, 3))
-        centre, shift, b = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        for i in nodes:
-            centre = plus(centre, scaled(share, load_row(middle[i], 0)))
-            shift = plus(shift, scaled(share, load(step[i], 0)))
+        share = 1.0 / max(places, 1)
+        centre, shift = scaled(share, centre), scaled(share, shift)
+        A, b = np.zeros((3, 3)), (0.0, 0.0, 0.0)
         for a in range(count):
-            r = minus(load_row(middle[nodes[a]], 0), centre)
-            add_resistance(A, 1.0, r)
-            b = plus(b, cross(r, minus(load(s[a], 0), shift)))
-            b = plus(b, scaled(length**2, load(s[a], 3)))
-            for k in range(3):
-                A[k, k] += length**2
+            i = nodes[a]
+            for half in range(2):
+                what, weight = _unknowns_of(nodal.kinds[i], half), nodal.weights[i, half]
+                moved = load(s[a], 3 * half)
+                if what == _PLACE:
+                    moved = minus(moved, shift)
+                    store(s[a], 0, moved)
+                if what == _ROTATION:
+                    b = plus(b, scaled(weight, moved))
+                    for k in range(3):
+                        A[k, k] += weight
+                elif what != _AMPLITUDES:
+                    r = _arm(nodal, i, half, centre)
+                    add_resistance(A, weight, r)
+                    b = plus(b, scaled(weight, cross(r, moved)))
         ω = solve_symmetric(A, b)
         for a in range(count):
-            r = minus(load_row(middle[nodes[a]], 0), centre)
-            store(s[a], 0, minus(minus(load(s[a], 0), shift), cross(ω, r)))
-            store(s[a], 3, minus(load(s[a], 3), ω))
+            i = nodes[a]
+            for half in range(2):
+                what = _unknowns_of(nodal.kinds[i], half)
+                if what == _ROTATION:
+                    store(s[a], 3, minus(load(s[a], 3), ω))
+                elif what != _AMPLITUDES:
+                    turned = cross(ω, _arm(nodal, i, half, centre))
+                    store(s[a], 3 * half, minus(load(s[a], 3 * half), turned))
     for a in range(count):
-        u, w = load(s[a], 0), load(s[a], 3)
-        square += dot(u, u) + length**2 * dot(w, w)
+        for half in range(2):
+            part = load(s[a], 3 * half)
+            square += nodal.weights[nodes[a], half] * dot(part, part)
     return square
 
 
@@ -125,7 +187,7 @@ def _add(
     first: int,
     gains: Array,
     multipliers: Array,
-    motion: tuple[Array, Array],
+    nodal: _Nodal,
     length: float,
     sums: tuple[Array, Array],
 ) -> None:
@@ -136,45 +198,60 @@ def _add(
         first: Index of the first of these constraints.
         gains: ``D Δ`` of all constraints, (m,).
         multipliers: Lagrange multipliers, (m,).
-        motion: Nodes at the midpoint of the step, and increments, (n, 6).
+        nodal: The nodes over the step.
         length: Length of the model.
         sums: Forces along increments, (n, 6), and losses, see
             :class:`~fem_lie.solve.conserving.step.records.Step`; updated.
     """
-    (middle, step), (out, losses) = motion, sums
+    middle, (out, losses) = nodal.middle, sums
     most = 1
     for c in range(first, multipliers.shape[0]):
         most = max(most, B.indptr[c + 1] - B.indptr[c])
     f, s, on = np.empty((most, 6)), np.empty((most, 6)), np.empty(most, dtype=np.int64)
+    own = np.empty(6)
     for c in range(first, multipliers.shape[0]):
-        count = _row_of(B, c, middle, f, on)
+        count = _row_of(B, c, nodal, f, on)
         nodes = on[:count]
         force, moment, size, far = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0
         made, centre = 0.0, load_row(middle[nodes[0]], 0) if count > 0 else (0.0, 0.0, 0.0)
         for a in range(count):
-            x, u, m = load_row(middle[nodes[a]], 0), load(f[a], 0), load(f[a], 3)
-            force = plus(force, u)
-            moment = plus(moment, plus(m, cross(minus(x, centre), u)))
-            pulled, twisted = sqrt(dot(u, u)), sqrt(dot(m, m))
-            size += pulled * length + twisted
-            far += pulled * (length + sqrt(dot(x, x))) + twisted
-            made += dot(u, load(step[nodes[a]], 0)) + dot(m, load(step[nodes[a]], 3))
+            i = nodes[a]
+            for half in range(2):
+                what, part = _unknowns_of(nodal.kinds[i], half), load(f[a], 3 * half)
+                made += dot(part, load(nodal.step[i], 3 * half))
+                pulled, reach = sqrt(dot(part, part)), sqrt(nodal.weights[i, half])
+                if what == _PLACE:
+                    x = load_row(middle[i], 0)
+                    force = plus(force, part)
+                    size += pulled * length
+                    far += pulled * (length + sqrt(dot(x, x)))
+                else:
+                    size += pulled * length / reach
+                    far += pulled * length / reach
+                if what == _ROTATION:
+                    moment = plus(moment, part)
+                elif what != _AMPLITUDES:
+                    moment = plus(moment, cross(_arm(nodal, i, half, centre), part))
         left = sqrt(dot(force, force)) * length + sqrt(dot(moment, moment))
         grounded = left > _BALANCED * size
-        square = _deformation(nodes, middle, step, length, grounded, s)
+        square = _deformation(nodes, nodal, grounded, s)
         round_off_level = ROUND_OFF * far
         missing = beyond(gains[c] - made, round_off_level)
         factor = factor_of(missing, KNOWN * round_off_level, square, ROUND_OFF * length**2)
         for a in range(count):
-            pull = combined(1.0, load(f[a], 0), factor, load(s[a], 0))
-            turn = combined(1.0, load(f[a], 3), factor * length**2, load(s[a], 3))
-            pull, turn = scaled(multipliers[c], pull), scaled(multipliers[c], turn)
             i = nodes[a]
-            store(out[i], 0, plus(load(out[i], 0), pull))
-            store(out[i], 3, plus(load(out[i], 3), turn))
+            for half in range(2):
+                gradient = factor * nodal.weights[i, half]
+                for k in range(3 * half, 3 * half + 3):
+                    own[k] = multipliers[c] * (f[a, k] + gradient * s[a, k])
+                    out[i, k] += own[k]
             if grounded:
-                back = scaled(-1.0, pull), scaled(-1.0, turn)
-                add_wrench(losses, BY_REACTIONS, load_row(middle[i], 0), back[0], back[1])
+                d1, d2, d3 = axes(nodal.kinds[i], middle[i])
+                for at in (0, 3):
+                    store(own, at, rotate_back(d1, d2, d3, load(own, at)))
+                pull, turn = wrench(nodal.kinds[i], middle[i], own)
+                at_node = load_row(middle[i], 0)
+                add_wrench(losses, BY_REACTIONS, at_node, scaled(-1.0, pull), scaled(-1.0, turn))
 
 
 @compiled
@@ -201,31 +278,61 @@ def _spring_energy(joints: PackedJoints, H: Array) -> float:
     return spring_energy(H, arrays) if len(arrays.springs) > 0 else 0.0
 
 
-class OtherConstraints(Stateful):
-    """All joints of a scene of frames, some of which are between more than two of them."""
+class _FramePairs(Stateful):
+    """Joints between two frames, as compiled steps evaluate them."""
 
     def __init__(self, equations: Equations) -> None:
-        """Set up before the first step."""
-        unknowns, joints, m = equations.unknowns, equations.arrays.joints, equations.unknowns.m
-        self._equations, self._joints, self._n = equations, joints, unknowns.moving
-        rows = views(joints).rows
-        self._own = slice(int(rows[rows < m].max(initial=-1)) + 1, m)
+        self._packed = equations.arrays.joints
+        self.count = len(views(self._packed).targets)
+
+    def begin(self, H: Array) -> None:
+        """Begin a step, which needs nothing."""
+
+    def add_forces(self, model: Model, state: State, this: Step, h: float) -> None:
+        """Add forces to ``this.outer``; compute increments of constraints, and balances."""
+        along, own = Span(*this.coordinates), slice(self.count)
+        coordinates, change = (along.mean, along.delta), this.change[own]
+        given = self._packed, state.multipliers[own], model.driven[own], h
+        _add_pairs(coordinates, *given, change, this.outer, this.losses)
+
+    def accept(self, H: Array, driven: Array, gap: Array) -> None:
+        """Accept a step, which changes nothing: compiled steps sum violations."""
+
+    def energy(self, H: Array) -> float:
+        """Energy of springs at nodes ``H``."""
+        return _spring_energy(self._packed, H)
+
+
+class OtherConstraints:
+    """All joints of a scene, some of which are between more than two nodes."""
+
+    def __init__(self, equations: Equations, pairs: Joints | None) -> None:
+        """Set up before the first step.
+
+        Args:
+            equations: Equations of the scene.
+            pairs: Joints between two nodes or attachments; ``None`` if all nodes are frames.
+        """
+        unknowns, m = equations.unknowns, equations.unknowns.m
+        self._equations, self._n = equations, unknowns.moving
+        self._pairs = _FramePairs(equations) if pairs is None else pairs
+        self._own = slice(self._pairs.count, m)
         self._rolling = slice(m - unknowns.of_velocities, m)
         self._start: Array = np.zeros(m)
         self._length = unknowns.length
+        self._weights = np.where(unknowns.lengths, 1.0, unknowns.length**2)
 
     def begin(self, H: Array) -> None:
         """Begin a step from nodes ``H``."""
+        self._pairs.begin(H)
         self._start[:] = self._equations.constraints(H).values
 
     def add_forces(self, model: Model, state: State, this: Step, h: float) -> None:
         """Add forces to ``this.outer``; compute increments of constraints, and balances."""
         along, own, change = Span(*this.coordinates), self._own, this.change
-        coordinates = along.mean, along.delta
-        driven = model.driven
-        _add_pairs(
-            coordinates, self._joints, state.multipliers, driven, h, change, this.outer, this.losses
-        )
+        self._pairs.add_forces(model, state, this, h)
+        change[own] = -model.driven[own]
+        this.losses[WORK] -= state.multipliers[own] @ model.driven[own]
         middle, end = (self._equations.constraints(H) for H in (along.middle, along.end))
         gains = end.values - self._start
         change[own] += gains[own]
@@ -241,8 +348,9 @@ class OtherConstraints(Stateful):
         B = middle.jacobian
         B.sort_indices()
         sparse = _Sparse(B.indptr, B.indices, B.data)
-        motion, sums = (along.middle, this.step), (this.outer, this.losses)
-        _add(sparse, own.start, gains, state.multipliers, motion, self._length, sums)
+        kinds, sums = self._equations.arrays.kinds, (this.outer, this.losses)
+        nodal = _Nodal(kinds, self._weights, along.middle, this.step)
+        _add(sparse, own.start, gains, state.multipliers, nodal, self._length, sums)
 
     def _by_motions(self, start: Array, end: Array) -> Array:
         """Changes of the constraints by prescribed motions only, (m,)."""
@@ -267,9 +375,18 @@ class OtherConstraints(Stateful):
             driven: Increments of the targets in it, (m,).
             gap: Constraint violations, updated.
         """
+        self._pairs.accept(H, driven, gap)
         if not self._equations.unknowns.driven:
             gap[self._own] = self._equations.constraints(H).values[self._own]
 
     def energy(self, H: Array) -> float:
         """Energy of springs at nodes ``H``."""
-        return _spring_energy(self._joints, H)
+        return self._pairs.energy(H)
+
+    def saved_state(self) -> dict[str, Array]:
+        """State for the next steps, that of the pairs."""
+        return self._pairs.saved_state()
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Restore the state that :meth:`saved_state` returned."""
+        self._pairs.restore(kept)

@@ -202,10 +202,10 @@ class PythonForces:
 
 def joints_of(equations: Equations) -> Joints | OtherConstraints | None:
     """Joints of a scene, if some act on more than two frames or on nodes without frames."""
-    if (equations.arrays.kinds < POSITION_GRADIENT).all():
-        return OtherConstraints(equations) if equations.unknowns.other_constraints else None
-    joints = Joints(equations)
-    return joints if joints.needed else None
+    pairs = None if equations.arrays.pairs_of_all is None else Joints(equations)
+    if len(equations.unknowns.other_constraints) > (pairs is not None and pairs.on_attachments):
+        return OtherConstraints(equations, pairs)
+    return pairs if pairs is not None and pairs.needed else None
 
 
 def acts_in_the_middle(term: Term) -> bool:

@@ -130,13 +130,17 @@ class Joints:
 
     Attributes:
         needed: Whether any of them acts on an attachment or on a node other than a frame.
-        reached: Constraint values at the start, and accumulated increments of their targets, (m,).
+        on_attachments: Whether any of them acts on an attachment.
+        count: Number of their constraints, the first of the scene.
+        reached: Constraint values at the start, and accumulated increments of their targets,
+            (count,).
     """
 
     def __init__(self, equations: Equations) -> None:
         """Compute the initial metric of the attachments."""
         pairs = equations.arrays.pairs_of_all
-        assert pairs is not None, "refused before"
+        assert pairs is not None, "some nodes have vector coordinates"
+        self.count = len(views(pairs.joints).targets)
         self._pairs, self._attachments = pairs, pairs.attachments
         n, attachments = equations.unknowns.moving, pairs.attachments
         self._n, self.kinds = n, equations.arrays.kinds
@@ -145,6 +149,7 @@ class Joints:
             self.kinds >= POSITION_GRADIENT, np.ones(attachments.count, dtype=bool)
         )
         self.needed = bool(straight[held[held < len(straight)]].any())
+        self.on_attachments = attachments.count > 0
         frames = equations.start.frames
         fixed = frames[n:]
         first = np.searchsorted(attachments.of, np.arange(attachments.count + 1))
@@ -173,7 +178,7 @@ class Joints:
         rows = np.concatenate([frames[:n], located, fixed])
         on = np.zeros((n + attachments.count, 6))
         self._rows = _Rows(rows, np.zeros_like(rows), on)
-        self.reached = np.zeros(equations.unknowns.m)
+        self.reached = np.zeros(self.count)
         _violations(pairs.joints, rows, self.reached)
 
     def begin(self, H: Array) -> None:
@@ -190,9 +195,10 @@ class Joints:
         rows.mean[fixed], rows.delta[fixed] = along.mean[n:], along.delta[n:]
         moved = NodalSpan(along.mean, along.delta, along.middle)
         nodes = _Nodes(state.H, state.rest, moved, this.step)
-        sums = _Sums(this.change, this.losses, this.outer)
-        packed, multipliers = self._pairs.joints, state.multipliers
-        _add_forces(self.kinds, packed, span, nodes, rows, multipliers, model.driven, h, sums)
+        own = slice(self.count)
+        sums = _Sums(this.change[own], this.losses, this.outer)
+        packed, multipliers, driven = self._pairs.joints, state.multipliers[own], model.driven[own]
+        _add_forces(self.kinds, packed, span, nodes, rows, multipliers, driven, h, sums)
 
     def accept(self, H: Array, driven: Array, gap: Array) -> None:
         """Count revolutions at nodes ``H``, and correct ``gap`` (m,) towards the violation there.
@@ -206,12 +212,12 @@ class Joints:
             driven: Increments of the targets in it, (m,).
             gap: Constraint violations, updated.
         """
-        frames, found = self._all(H), np.empty_like(gap)
+        frames, found, own = self._all(H), np.empty(self.count), slice(self.count)
         if self._pairs.turns:
             _unwrap(self._pairs.joints, frames)
         _violations(self._pairs.joints, frames, found)
-        self.reached += driven
-        gap += _BACK * (found - self.reached - gap)
+        self.reached += driven[own]
+        gap[own] += _BACK * (found - self.reached - gap[own])
 
     def energy(self, H: Array) -> float:
         """Energy of springs at nodes ``H``."""
