@@ -135,14 +135,6 @@ class ContactPair(ABC):
         """Bodies on which contact forces act."""
         return bodies_of(self.a, self.b)
 
-    @property
-    def rotated(self) -> list[Body]:
-        """Bodies on whose nodes contact forces have moments."""
-        found = [body for each in (self.a, self.b) for body in each.rotating(self.has_friction)]
-        owners = [owner for each in (self.a, self.b) for owner in each.moments(self.has_friction)]
-        found += [body for body, _ in owners if body is not None]
-        return list(dict.fromkeys(found))
-
     def check_friction(self) -> None:
         """Refuse friction on nodes that do not rotate, for friction acts with a moment arm.
 
