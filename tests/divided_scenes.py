@@ -100,6 +100,22 @@ def pendulum():
     return scene, [upper.point(2), lower.point("end"), ball.point("centre")]
 
 
+def linked():
+    """Two beams on ball joints, one of them damped, on one part each at most."""
+    bar = fl.Section.rectangle(0.02, 0.02, fl.Material(E=5e8, nu=0.3, density=7800.0))
+    damping = fl.sections.Damping(mass=2.0)
+    upper = fl.Beam.straight((0, 0, 0), (1, 0, 0), bar, cells=6, damping=damping)
+    lower = fl.Beam.straight((1, 0, 0), (2, 0, 0), bar, cells=6)
+    lower.add_velocity((0, 0.3, 0))
+    upper.add_velocity(omega=(0, 0, 0.3), about=(0, 0, 0))
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(upper)
+    scene.add(lower)
+    scene.add(fl.joints.Spherical(fl.ground(), upper.point("start")))
+    scene.add(fl.joints.Spherical(upper.point("end"), lower.point("start")))
+    return scene, [upper.point(3), lower.point("end")]
+
+
 def net():
     """Cables that bend and cross, thrown across."""
     points = [(0.1 * i, 0.1 * j, 0.002 * i * j) for j in range(4) for i in range(4)]
@@ -234,6 +250,8 @@ MOTIONS = REST | {
     "plate": tumbling_plate,
     "soft block": tumbling_block,
 }
+EXPLICIT = {name: MOTIONS[name] for name in ("net", "cable", "balls", "soft block")}
+EXPLICIT["linked beams"] = linked
 
 
 def statics(build):
@@ -270,6 +288,20 @@ def motion(build):
     }
 
 
+def explicit(build):
+    """Positions, velocities, joint forces, energies and impulses of explicit steps."""
+    scene, points = build()
+    step = 0.5 * fl.Explicit().stable_step(scene)
+    found = fl.Explicit().run(scene, duration=40 * step, step=step, save_every=10, progress=False)
+    return {
+        **{f"position {k}": found.position(point) for k, point in enumerate(points)},
+        **{f"velocity {k}": found.velocity(point) for k, point in enumerate(points)},
+        "joint forces": found.joint_forces,
+        "energies": np.array([found.kinetic, found.elastic, found.potential]),
+        "impulses": found.impulses,
+    }
+
+
 def is_refused(solve, build, reason):
     """Whether a solver fails for a reason, on each rank."""
     try:
@@ -296,6 +328,9 @@ def results():
         found |= {f"{name} at rest, {what}": value for what, value in statics(build).items()}
     for name, build in MOTIONS.items():
         found |= {f"{name} in motion, {what}": value for what, value in motion(build).items()}
+    for name, build in EXPLICIT.items():
+        values = explicit(build)
+        found |= {f"{name} in explicit motion, {what}": value for what, value in values.items()}
     return found
 
 

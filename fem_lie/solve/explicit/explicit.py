@@ -32,7 +32,9 @@ from fem_lie._state import attributes
 from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import MIXED_DERIVATIVE, SURFACE_GRADIENT
+from fem_lie.parts.part_scene import ScenePart, divided
 from fem_lie.results import Result
+from fem_lie.results.gathering import gathered
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
 from fem_lie.solve.explicit import loop, nodes
@@ -50,7 +52,7 @@ from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.integrator import Integrator, refuse
 from fem_lie.solve.motion.policies import FactoriseOnce
 from fem_lie.solve.recording.checkpoints import Checkpoints
-from fem_lie.solve.recording.plan import EqualSteps
+from fem_lie.solve.recording.plan import EqualSteps, Plan
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.system.equations import Equations, TimeState
 from fem_lie.system.nodes.masses import MassMatrix
@@ -60,6 +62,9 @@ _log = logging.getLogger(__name__)
 _AT_A_TIME = 20_000_000
 """Steps times unknowns (about a second) after which the loop returns, so that it can be
 interrupted."""
+
+_PREFIX = "fem_lie_dynamics_"
+"""Prefix of PETSc's option ``divided_from``, that of other schemes."""
 
 _NOWHERE: Indices = np.empty((0, 5), dtype=np.int64)
 
@@ -93,19 +98,23 @@ class ExplicitRun(Integration[Recorder]):
         m = unknowns.m
         self._rest, self._none, self._one = np.zeros((n, 6)), np.zeros(m), np.ones(m)
         self._decay = np.exp(-0.5 * step * damping_rates(equations, masses))
-        self._joints = Joints(equations, masses, self._decay) if m else None
+        joined = unknowns.constraints > 0
+        self._joints = Joints(equations, masses, self._decay) if joined else None
         self.r, self.reaction = np.zeros(unknowns.size), np.zeros(6)
         self.balance = equations.energy_balance()
         self._forces = equations.residual(self._instant, self._one, self.r)
         supports = np.flatnonzero(known.supported.any(axis=1))
         balance, table = self.balance, self._forces.addresses
-        self._summed = known.in_one_sum and table is not None and not m
+        shared = equations.shared
+        summed = known.in_one_sum and table is not None and not m
+        self._summed = summed and not shared.several
+        self._largest = int(shared.largest(float(n)))
         self._supported = len(supports) > 0
         # points with convected axes of their surroundings; cables have those of the tangent
-        self._convects_axes = bool(
-            np.isin(masses.kinds, (SURFACE_GRADIENT, MIXED_DERIVATIVE)).any()
+        self._convects_axes = shared.any(
+            bool(np.isin(masses.kinds, (SURFACE_GRADIENT, MIXED_DERIVATIVE)).any())
         )
-        self._remembers = any(term.passage or term.path for term in known.terms)
+        self._remembers = shared.any(any(term.passage or term.path for term in known.terms))
         self.progress = loop.PROGRESS()
         packed = loop.Packed(
             masses,
@@ -140,7 +149,8 @@ class ExplicitRun(Integration[Recorder]):
     @property
     def _most(self) -> int:
         """Number of steps between two returns to Python."""
-        return 1 if self._changing or self._looks else max(1, _AT_A_TIME // (6 * self._n))
+        one_by_one = self.equations.shared.any(self._changing or self._looks)
+        return 1 if one_by_one else max(1, _AT_A_TIME // (6 * self._largest))
 
     @property
     def _looks(self) -> bool:
@@ -207,7 +217,7 @@ class ExplicitRun(Integration[Recorder]):
                 if not self._accept_history(start):
                     return False
                 start[:] = self.H
-        if not np.isfinite(self.p).all():
+        if not self.equations.shared.all(bool(np.isfinite(self.p).all())):
             return False
         self._look()
         return True
@@ -262,7 +272,7 @@ class ExplicitRun(Integration[Recorder]):
             self._joints.restart()
 
     def _result(self, history: Recorder) -> Result:
-        return history.result(0, history.seconds)
+        return gathered(history.result(0, history.seconds), self.equations.part)
 
 
 def limit_of(equations: Equations, masses: nodes.Masses) -> StableStep:
@@ -280,7 +290,7 @@ class Explicit(Integrator):
     which a wave passes an element anyway. It supports all nodes except those of reduced-order
     bodies, mass-proportional damping, supports, joints, springs, loads and contact by penalty.
     Joints need a small system of equations in each step (:mod:`.joints`), and steps are then made
-    from Python.
+    from Python. On several ranks, each rank has the steps of its part of a large scene.
 
     Example:
         >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
@@ -305,20 +315,28 @@ class Explicit(Integrator):
         equations = self._equations(scene)
         return limit_of(equations, masses_of(equations)).step
 
-    def _equations(self, scene: Scene) -> Equations:
-        equations = Equations(scene, dynamics=True, group=Group.R3xSO3, mass=MassMatrix.LUMPED)
-        _refuse(equations)
+    def _equations(self, scene: Scene, part: ScenePart | None = None) -> Equations:
+        equations = Equations(
+            scene, dynamics=True, group=Group.R3xSO3, mass=MassMatrix.LUMPED, part=part
+        )
+        with equations.shared.errors(ValueError):
+            _refuse(equations)
         return equations
+
+    def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
+        """Equations of the part of this rank."""
+        part = divided(scene, _PREFIX, supported=isinstance(plan, EqualSteps))
+        return None if part is None else self._equations(scene, part)
 
     def _integration(self, equations: Equations, step: float) -> ExplicitRun:
         masses = masses_of(equations)
         limit = limit_of(equations, masses)
-        if not step <= limit.step:
-            where = node_name(equations, limit.node)
-            raise ValueError(
-                f"Explicit: expected a stable step, at most {limit.step:.4g} for the cells around "
-                f"{where}, got {step:g}"
-            )
+        with equations.shared.errors(ValueError):
+            if not step <= limit.step and limit.node >= 0:
+                raise ValueError(
+                    f"Explicit: expected a stable step, at most {limit.step:.4g} for the cells "
+                    f"around {node_name(equations, limit.node)}, got {step:g}"
+                )
         return ExplicitRun(equations, step, masses, limit)
 
 

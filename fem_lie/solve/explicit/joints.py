@@ -34,10 +34,14 @@ not decrease; and the ratio above which they do not."""
 
 
 class _Rows(NamedTuple):
-    """Constraints at frames: ``B`` and the factors of ``B M⁻¹ Bᵀ``."""
+    """Constraints at frames: ``B`` and the factors of ``B M⁻¹ Bᵀ``, ``None`` without any."""
 
     B: sp.csr_matrix
-    factors: SuperLU
+    factors: SuperLU | None
+
+    def solve(self, b: Array) -> Array:
+        """Solution with ``B M⁻¹ Bᵀ``."""
+        return b if self.factors is None else np.asarray(self.factors.solve(b))
 
 
 class Joints(Stateful):
@@ -76,7 +80,7 @@ class Joints(Stateful):
 
     def _at(self, H: Array) -> _Rows:
         B = self._equations.constraints(H).jacobian
-        return _Rows(B, splu((B @ self._light @ B.T).tocsc()))
+        return _Rows(B, splu((B @ self._light @ B.T).tocsc()) if B.shape[0] else None)
 
     def _weigh(self, H: Array, v: Array) -> Array:
         """Forces and violations at frames ``H`` and twists ``v``, (6 n + m,)."""
@@ -96,7 +100,7 @@ class Joints(Stateful):
             p: Momenta, (n, 6).
             r: Forces at the start on entry, at the end on return, (≥ 6 n,).
         """
-        rows = self._rows or self._at(H)
+        rows, shared = self._rows or self._at(H), self._equations.shared
         nodes.kick(self._masses, H, r, 0.5 * h, p)
         start, free, previous = H.copy(), p.copy(), np.inf
         for _ in range(_MOST):
@@ -105,10 +109,10 @@ class Joints(Stateful):
             nodes.decay(self._decay, p)
             nodes.drift(self._masses, p, h, H)
             nodes.decay(self._decay, p)
-            if not np.isfinite(p).all() or not np.isfinite(H).all():
+            if not shared.all(bool(np.isfinite(p).all() and np.isfinite(H).all())):
                 return False
             wrong = self._weigh(H, self._rest)[6 * self._n :]
-            self.left = float(np.abs(wrong * self._measure).max())
+            self.left = shared.largest(float(np.abs(wrong * self._measure).max(initial=0.0)))
             at_round_off = self.left <= _ROUND_OFF_LEVEL and self.left > _FALLS * previous
             if self.left <= _FINE or at_round_off:
                 r[: 6 * self._n] = self._r[: 6 * self._n]
@@ -116,7 +120,7 @@ class Joints(Stateful):
                 nodes.kick(self._masses, H, r, 0.5 * h, p)
                 self.project(H, p)
                 return True
-            self.impulses += rows.factors.solve(wrong) / h
+            self.impulses += rows.solve(wrong) / h
             previous = self.left
         return False
 
@@ -125,7 +129,7 @@ class Joints(Stateful):
         rows = self._rows or self._at(H)
         for _ in range(2):
             nodes.twists(self._masses, H, p, self._v)
-            self._push(rows, rows.factors.solve(rows.B @ self._v.ravel()), H, p)
+            self._push(rows, rows.solve(rows.B @ self._v.ravel()), H, p)
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Restore a state, and recompute the constraint rows at its frames."""
@@ -143,5 +147,5 @@ class Joints(Stateful):
         twists = np.zeros((len(H), 6))
         twists[:n] = v
         _, second = self._equations.constraints(H).rates(twists)
-        multipliers = rows.factors.solve(rows.B @ free + second)
+        multipliers = rows.solve(rows.B @ free + second)
         return (free - self._light @ (rows.B.T @ multipliers)).reshape(n, 6), multipliers

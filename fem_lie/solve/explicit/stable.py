@@ -37,7 +37,7 @@ class StableStep(NamedTuple):
 
     Attributes:
         step: Its size.
-        node: Node whose surrounding cells are the stiffest for their mass.
+        node: Node whose surrounding cells are the stiffest for their mass; −1 on a rank without it.
     """
 
     step: float
@@ -47,7 +47,7 @@ class StableStep(NamedTuple):
 def masses_of(equations: Equations) -> Masses:
     """Lumped inertia of the nodes; ``ValueError`` names unsupported ones."""
     kinds, held = equations.unknowns.kinds, equations.unknowns.held
-    G = equations.arrays.inertia.blocks
+    G = _of_all_ranks(equations, equations.arrays.inertia.blocks)
     n = len(kinds)
     m, s, E = G[:, 0, 0], G[:, 0, 1:], G[:, 1:, 1:]
     straight, still = kinds >= POSITION_GRADIENT, held.all(axis=1)
@@ -64,7 +64,8 @@ def masses_of(equations: Equations) -> Masses:
     turning = np.where(director, DIRECTOR, np.where(axial, AXIAL, FRAME))
     ways = np.where(straight, STRAIGHT, turning)
     ways[still] = STILL
-    _check_masses(equations, ways, weights, J)
+    with equations.shared.errors(ValueError):
+        _check_masses(equations, ways, weights, J)
     inverse, free = np.zeros_like(J), _turns(ways, held)
     whole = free & (ways == FRAME)
     inverse[whole] = np.linalg.inv(J[whole])
@@ -79,6 +80,14 @@ def masses_of(equations: Equations) -> Masses:
     return Masses(kinds, ways.astype(np.int64), ones, centre, J, inverse, edges, ends)
 
 
+def _of_all_ranks(equations: Equations, blocks: Array) -> Array:
+    """Blocks of nodes (n, 4, 4), with those of all ranks added at shared nodes."""
+    found = np.zeros((len(equations.unknowns.kinds), 4, 4))
+    found[: len(blocks)] = blocks
+    equations.shared.sum(found)
+    return found
+
+
 def _of_vectors(kinds: Indices, G: Array) -> Array:
     """Diagonal of blocks (n, 4, 4) in the rows of both coordinate vectors, (n, 2)."""
     diagonal = G.diagonal(axis1=1, axis2=2)
@@ -91,23 +100,25 @@ def damping_rates(equations: Equations, masses: Masses) -> Array:
     Raises:
         ValueError: Damping of a frame is not proportional to its inertia.
     """
-    D = equations.arrays.damping
-    n, G = len(masses.kinds), equations.arrays.inertia.blocks
-    if not len(D.indptr):
+    D, inertia = equations.arrays.damping, equations.arrays.inertia
+    if not equations.shared.any(len(D.indptr) > 0):
         return np.zeros((0, 2))
-    rates, own = np.zeros((n, 2)), (D.blocks, G)
+    n, (D_own, G) = len(masses.kinds), (_of_all_ranks(equations, of.blocks) for of in (D, inertia))
+    rates = np.zeros((n, 2))
     straight = masses.ways == STRAIGHT
-    damped, mass = (_of_vectors(masses.kinds, blocks) for blocks in own)
+    damped, mass = (_of_vectors(masses.kinds, blocks) for blocks in (D_own, G))
     np.divide(damped, mass, out=rates, where=mass > 0.0)
     frames = np.isin(masses.ways, (FRAME, DIRECTOR, AXIAL))
     rates[frames, 1] = rates[frames, 0]
-    wrong = np.abs(D.blocks - rates[:, :1, np.newaxis] * G).max(axis=(1, 2))
-    mixed = frames & (wrong > _NEGLIGIBLE * np.abs(D.blocks).max(axis=(1, 2)))
-    if mixed.any():
-        raise ValueError(
-            "Explicit: damping in proportion to mass must be the same all around a node with a "
-            f"frame, but it differs around {_node_names(equations, mixed)}: use GeneralisedAlpha"
-        )
+    wrong = np.abs(D_own - rates[:, :1, np.newaxis] * G).max(axis=(1, 2))
+    mixed = frames & (wrong > _NEGLIGIBLE * np.abs(D_own).max(axis=(1, 2)))
+    with equations.shared.errors(ValueError):
+        if mixed.any():
+            raise ValueError(
+                "Explicit: damping in proportion to mass must be the same all around a node with "
+                f"a frame, but it differs around {_node_names(equations, mixed)}: use "
+                "GeneralisedAlpha"
+            )
     rates[~(straight | frames)] = 0.0
     return rates
 
@@ -173,16 +184,19 @@ def stable_step(equations: Equations, masses: Masses, H: Array) -> StableStep:
         term.add_forces(H, np.zeros((n, 6)), kept)
         blocks, own = term.tangent(H, kept), rows == columns
         np.add.at(K, rows[own], _cell_size(term) * blocks[own])
+    equations.shared.sum(K)
     K[:] = 0.5 * (K + K.swapaxes(1, 2))
     K[held], K.swapaxes(1, 2)[held] = 0.0, 0.0
     M = in_axes(masses)
     M[held], M.swapaxes(1, 2)[held] = 0.0, 0.0
     M[:, np.arange(6), np.arange(6)] += held
     values = np.linalg.eigvals(np.linalg.solve(M, K)).real.max(axis=1)
-    node = int(values.argmax())
-    largest = float(values[node])
+    own = float(values.max(initial=0.0))
+    largest = equations.shared.largest(own)
     step = 2.0 / np.sqrt(largest) if largest > 0.0 else np.inf
-    return StableStep(float(step), int(equations.unknowns.masters[node]))
+    here = own == largest and len(values) > 0
+    node = int(equations.unknowns.masters[int(values.argmax())]) if here else -1
+    return StableStep(float(step), node)
 
 
 def in_axes(masses: Masses) -> Array:
