@@ -105,7 +105,9 @@ def divided(scene: Scene, prefix: str, *, supported: bool = True) -> ScenePart |
         _log.info("every rank has the whole scene: %s", error)
         return None
     nodes = sum(len(own) for own in part.nodes.values())
-    _log.info("rank %d has %d of %d nodes", part.comm.rank, nodes, part.total)
+    shared = len(np.unique(np.concatenate([np.empty(0, np.int64), *part.sharers.values()])))
+    has = "rank %d has %d of %d nodes, %d of them are shared"
+    _log.info(has, part.comm.rank, nodes, part.total, shared)
     return part
 
 
