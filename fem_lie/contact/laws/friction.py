@@ -33,7 +33,7 @@ from fem_lie.contact.sides.kinematics import SLOTS, contact_point
 from fem_lie.contact.sides.table import ContactPoints
 from fem_lie.contact.sides.two_sides import Sides, Stations
 from fem_lie.forms.abilities import Done, Ends
-from fem_lie.lie.tuples import Vector, combined, dot, load, load_row, scaled
+from fem_lie.lie.tuples import Vector, combined, dot, load_row, scaled
 
 
 @inlined_uncounted
@@ -57,29 +57,29 @@ def add_traction_tangents(
     anchors: Anchors,
     which: Indices,
     law: CoulombLaw,
-    given: Array,
+    given: over_steps.Slips,
     blocks: Array,
 ) -> None:
     """Add derivatives of the friction forces in twists, for anchors on the nodes of the pair.
 
-    ``given`` are gaps, normals and ``u`` at the end of a step, (m, ≥ 7), for forces of a step,
-    where tractions depend on the end of the step and all else on its midpoint, so that their
-    derivative has a factor of two. It is empty, (0, 7), for forces at frames.
+    ``given`` are the variables of a step for forces of a step, where tractions depend on the end of
+    the step and all else on its midpoint, so that their derivative has a factor of two; those of no
+    pair for forces at frames.
     """
-    over_step, by = given.shape[0] > 0, derivatives()
+    over_step, by = given.gaps.shape[0] > 0, derivatives()
     A, T = np.zeros((SLOTS, 3, 6)), np.zeros((SLOTS, 3, 6))
     for e in range(at.pairs.shape[0]):
         q, weight = which[e], at.weight[e]
         point = contact_point(H, at.a, at.b, at.pairs[e, 0], at.pairs[e, 1], at.kind)
         g, n = point.gap, point.normal
         if over_step and q >= 0:
-            g, n = given[e, 0], load(given[e], 1)
+            g, n = given.gaps[e], load_row(given.normals, e)
         if g >= 0.0 or q < 0:
             continue
         scale, nodes = set_derivatives(H, types, at, e, point, by), by.nodes
         if _others(nodes, anchors.nodes[q]):
             continue
-        u = load(given[e], 4) if over_step else stretch_of(H, anchors, q)
+        u = load_row(given.stretches, e) if over_step else stretch_of(H, anchors, q)
         t, fraction = traction(law, g, n, u), 2.0 * weight if over_step else weight
         for s in range(SLOTS):
             if nodes[s] >= 0:
@@ -153,7 +153,7 @@ class Friction:
         """Add derivatives of the friction forces to the blocks of pairs of nodes."""
         stations = self._sides.stations(H)
         which = found(self._anchors.keys, stations.keys)
-        none = np.empty((0, 7))
+        none = over_steps.empty_slips(0)
         given = H, self._types, stations.at, self._anchors, which, self._law, none
         add_traction_tangents(*given, blocks)
 
@@ -174,23 +174,25 @@ class Friction:
 
     def add_over_step(self, ends: Ends, at: ContactPoints, out: Array, ground: Array) -> Done:
         """Add tractions of a step; :meth:`accept` keeps their springs for the next step."""
-        arms, _, measured, τ = self._over_step(ends, at)
-        self._ahead = at.pairs.copy(), τ
-        over_steps.add_over_step(ends, at, arms, τ, out, ground)
-        return Done(*over_steps.energies(self._law, at, measured, τ))
+        arms, _, over = self._over_step(ends, at)
+        self._ahead = at.pairs.copy(), over.τ
+        over_steps.add_over_step(ends, at, arms, over.τ, out, ground)
+        return Done(*over_steps.energies(self._law, at, over))
 
     def add_tangent_over_step(self, ends: Ends, at: ContactPoints, H: Array, blocks: Array) -> None:
         """Add twice the derivative of the tractions of a step in midpoint frames ``H``."""
-        arms, which, measured, _ = self._over_step(ends, at)
-        given = H, self._types, at, arms, which, self._law, measured
+        arms, which, over = self._over_step(ends, at)
+        given = H, self._types, at, arms, which, self._law, over
         add_traction_tangents(*given, blocks)
 
-    def _over_step(self, ends: Ends, at: ContactPoints) -> tuple[Anchors, Indices, Array, Array]:
+    def _over_step(
+        self, ends: Ends, at: ContactPoints
+    ) -> tuple[Anchors, Indices, over_steps.Slips]:
         m = len(at.pairs)
         which, arms = found(self._anchors.keys, at.pairs), empty_anchors(m)
-        measured, τ = over_steps.workspace(m)
-        over_steps.set_over_step(ends, at, self._anchors, which, self._law, arms, measured, τ)
-        return arms, np.where(which >= 0, np.arange(m), -1), measured, τ
+        over = over_steps.empty_slips(m)
+        over_steps.set_over_step(ends, at, self._anchors, which, self._law, arms, over)
+        return arms, np.where(which >= 0, np.arange(m), -1), over
 
     @property
     def linearised_values(self) -> Array:

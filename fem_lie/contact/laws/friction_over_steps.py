@@ -13,6 +13,8 @@ because ``τ·(e + s) ≥ k e₁²`` whether or not the traction is limited.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
@@ -37,10 +39,30 @@ from fem_lie.lie.tuples import (
     store_row,
 )
 
-GAP, NORMAL, INACTIVE, SPRING = 0, slice(1, 4), slice(4, 7), slice(7, 10)
-"""Columns of the values that :func:`set_over_step` sets for each pair; the last three are the
-slip."""
-COLUMNS = 13
+
+class Slips(NamedTuple):
+    """Variables of the tractions of all pairs over a step, in global components.
+
+    Attributes:
+        gaps: Gaps at the end, shape (m,).
+        normals: Normals at the end, shape (m, 3).
+        stretches: Elongations ``e + s`` at the end without slip, shape (m, 3).
+        springs: Elongations ``e`` at the start, shape (m, 3).
+        slips: ``s``, shape (m, 3).
+        τ: Tractions on the second side, shape (m, 3).
+    """
+
+    gaps: Array
+    normals: Array
+    stretches: Array
+    springs: Array
+    slips: Array
+    τ: Array
+
+
+def empty_slips(m: int) -> Slips:
+    """Zero variables of ``m`` pairs."""
+    return Slips(np.zeros(m), *np.zeros((5, m, 3)))
 
 
 @inlined_uncounted
@@ -60,10 +82,9 @@ def set_over_step(
     which: Indices,
     law: CoulombLaw,
     arms: Anchors,
-    found: Array,
-    τ: Array,
+    out: Slips,
 ) -> None:
-    """Moment arms at one point, variables of the traction, and the traction, for each pair.
+    """Moment arms at one point, and variables of the traction, for each pair with anchors.
 
     Args:
         ends: Both ends of the step.
@@ -72,11 +93,10 @@ def set_over_step(
         which: Index of the anchors of each pair, −1: none.
         law: Constants.
         arms: Overwritten for pairs with anchors; one for each pair.
-        found: Overwritten, shape (m, 13).
-        τ: Tractions on the second side, overwritten, shape (m, 3).
+        out: Set for pairs with anchors, zero before.
     """
     for e in range(at.pairs.shape[0]):
-        found[e], τ[e], q = 0.0, 0.0, which[e]
+        q = which[e]
         if q < 0:
             continue
         mean, spring, slip = stretch_of(ends.mean, anchors, q), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -97,12 +117,13 @@ def set_over_step(
             slip = plus(slip, global_components(ends.delta[node], c))
         g, n, _, _ = contact_point(ends.end, at.a, at.b, i, j, at.kind)
         u = plus(spring, slip)
-        found[e, 0] = g
-        for k in range(3):
-            found[e, 1 + k], found[e, 4 + k] = n[k], u[k]
-            found[e, 7 + k], found[e, 10 + k] = spring[k], slip[k]
+        out.gaps[e] = g
+        store_row(out.normals, e, n)
+        store_row(out.stretches, e, u)
+        store_row(out.springs, e, spring)
+        store_row(out.slips, e, slip)
         if g < 0.0:
-            store_row(τ, e, traction(law, g, n, u).τ)
+            store_row(out.τ, e, traction(law, g, n, u).τ)
 
 
 @compiled
@@ -131,17 +152,10 @@ def add_over_step(
             store(ground, 3, minus(load(ground, 3), moment))
 
 
-def energies(
-    law: CoulombLaw, at: ContactPoints, found: Array, τ: Array
-) -> tuple[float, float, float]:
+def energies(law: CoulombLaw, at: ContactPoints, over: Slips) -> tuple[float, float, float]:
     """Energy stored at the end, work done, and the dissipated part of it."""
-    weight = at.weight[: len(τ)]
+    weight, τ = at.weight[: len(over.τ)], over.τ
     stored = 0.5 / law.holding * float((τ * τ).sum(axis=1) @ weight)
-    before = 0.5 * law.holding * float((found[:, SPRING] ** 2).sum(axis=1) @ weight)
-    work = float((τ * found[:, 10:]).sum(axis=1) @ weight)
+    before = 0.5 * law.holding * float((over.springs**2).sum(axis=1) @ weight)
+    work = float((τ * over.slips).sum(axis=1) @ weight)
     return stored, work, max(0.0, work - (stored - before))
-
-
-def workspace(m: int) -> tuple[Array, Array]:
-    """Arrays for the variables and the tractions of ``m`` pairs."""
-    return np.empty((m, COLUMNS)), np.empty((m, 3))

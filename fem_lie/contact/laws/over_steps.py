@@ -53,8 +53,23 @@ class Secant(NamedTuple):
     change: float
 
 
-SLOPE, BY_GAP, START, END, CHANGE = range(5)
-"""Rows of arrays of secants."""
+class Secants(NamedTuple):
+    """Secants of all pairs of points, the fields of :class:`Secant`, each of shape (m,)."""
+
+    σ: Array
+    by_gap: Array
+    start: Array
+    end: Array
+    change: Array
+
+    def scaled(self, fraction: float) -> Secants:
+        """Secants of a fraction of the forces."""
+        return self._replace(σ=fraction * self.σ, by_gap=fraction * self.by_gap)
+
+
+def empty_secants(m: int) -> Secants:
+    """Uninitialised secants of ``m`` pairs."""
+    return Secants(*np.empty((5, m)))
 
 
 @inlined_uncounted
@@ -150,9 +165,9 @@ def add_force(
 
 
 @inlined_uncounted
-def _store(secant: Secant, out: Array, e: int) -> None:
-    out[SLOPE, e], out[BY_GAP, e] = secant.σ, secant.by_gap
-    out[START, e], out[END, e], out[CHANGE, e] = secant.start, secant.end, secant.change
+def _store(secant: Secant, out: Secants, e: int) -> None:
+    out.σ[e], out.by_gap[e] = secant.σ, secant.by_gap
+    out.start[e], out.end[e], out.change[e] = secant.start, secant.end, secant.change
 
 
 @uncounted
@@ -162,7 +177,7 @@ def _add(
     at: ContactPoints,
     k: float,
     fraction: float,
-    found: Array,
+    found: Secants,
     out: Array,
     ground: Array,
 ) -> None:
@@ -185,7 +200,7 @@ def add_secants(
     at: ContactPoints,
     k: float,
     fraction: float,
-    found: Array,
+    found: Secants,
     out: Array,
     ground: Array,
 ) -> None:
@@ -197,7 +212,7 @@ def add_secants(
         at: Contact points.
         k: Stiffness.
         fraction: Fraction of the forces.
-        found: Secants as of :func:`secants`, overwritten.
+        found: Secants for unit stiffness, overwritten.
         out: Forces and moments about the mean positions of all nodes, global components, (N, 6).
         ground: Force and moment about the origin on ground, (6,).
     """
@@ -205,16 +220,16 @@ def add_secants(
 
 
 @compiled
-def secants(ends: Ends, at: ContactPoints, out: Array) -> None:
-    """Secants of all pairs for unit stiffness, in the order of :class:`Secant`, shape (5, m)."""
+def secants(ends: Ends, at: ContactPoints, out: Secants) -> None:
+    """Set the secants of all pairs for unit stiffness."""
     for e in range(at.pairs.shape[0]):
         secant, _, _ = _between(ends, at, e)
         _store(secant, out, e)
 
 
-def all_secants(ends: Ends, both: Sequence[ContactPoints]) -> list[Array]:
+def all_secants(ends: Ends, both: Sequence[ContactPoints]) -> list[Secants]:
     """:func:`secants` of each set of contact points."""
-    found: list[Array] = [np.empty((5, len(at.pairs))) for at in both]
+    found = [empty_secants(len(at.pairs)) for at in both]
     for at, out in zip(both, found, strict=True):
         secants(ends, at, out)
     return found
@@ -237,7 +252,7 @@ def fractions(ends: Ends, both: Sequence[ContactPoints]) -> tuple[float, ...]:
         return (1.0,)
     found = zip(both, all_secants(ends, both), strict=True)
     (U0, lower_end), (lower_start, U1) = (
-        (float(out[START] @ at.weight), float(out[END] @ at.weight)) for at, out in found
+        (float(out.start @ at.weight), float(out.end @ at.weight)) for at, out in found
     )
     by_start, by_end = U0 - lower_start, U1 - lower_end
     known = by_start + by_end > _KNOWN * (U0 + U1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,11 +13,9 @@ from fem_lie.contact.laws.energy import EnergyWatch, PenaltyConstants, damping
 from fem_lie.contact.laws.friction import Friction
 from fem_lie.contact.laws.law import ContactTerm, Penalty
 from fem_lie.contact.laws.over_steps import (
-    CHANGE,
-    END,
-    SLOPE,
     add_secants,
     all_secants,
+    empty_secants,
     fractions,
 )
 from fem_lie.contact.laws.tangents import normal_rows, speed_of, tangents
@@ -51,7 +50,26 @@ _DEEP = 0.1
 """Overlap over the least radius beyond which a message is logged, once."""
 
 
-_NONE = np.empty((0, 0))
+_NONE = empty_secants(0)
+
+
+class Normal(NamedTuple):
+    """Gaps and forces of all pairs along the normal, each of shape (m,).
+
+    Attributes:
+        gaps: Gaps.
+        elastic: Elastic forces.
+        damping: Damping forces.
+    """
+
+    gaps: Array
+    elastic: Array
+    damping: Array
+
+    @property
+    def forces(self) -> Array:
+        """Elastic and damping forces."""
+        return np.asarray(self.elastic + self.damping)
 
 
 @uncounted
@@ -62,18 +80,18 @@ def _measure(
     at: ContactPoints,
     law: PenaltyConstants,
     viscous: bool,
-    out: Array,
+    out: Normal,
 ) -> None:
-    """Gap, elastic force and damping force of each pair along the normal, shape (3, m)."""
+    """Set gaps and forces of all pairs along the normal."""
     for e in range(at.pairs.shape[0]):
         point = contact_point(H, at.a, at.b, at.pairs[e, 0], at.pairs[e, 1], at.kind)
         g = point.gap
-        out[0, e], out[1, e], out[2, e] = g, 0.0, 0.0
+        out.gaps[e], out.elastic[e], out.damping[e] = g, 0.0, 0.0
         if g < 0.0:
-            out[1, e] = at.weight[e] * law.k * g
+            out.elastic[e] = at.weight[e] * law.k * g
             if viscous:
                 speed = speed_of(H, v, types, at, e, point)
-                out[2, e] = at.weight[e] * damping(law, g, speed)[0]
+                out.damping[e] = at.weight[e] * damping(law, g, speed)[0]
 
 
 @uncounted
@@ -205,17 +223,17 @@ class PenaltyForces(
         """Restore the list of pairs."""
         self._sides.restore_pairs(pair_positions)
 
-    def _measured(self, H: Array, v: Array, *, viscous: bool) -> tuple[ContactPoints, Array]:
-        """Contact points; gaps, elastic and damping forces along the normal, shape (3, m)."""
+    def _measured(self, H: Array, v: Array, *, viscous: bool) -> tuple[ContactPoints, Normal]:
+        """Contact points; gaps and forces along the normal."""
         at = self._sides.meet(H)
-        found = np.empty((3, len(at.pairs)))
+        found = Normal(*np.empty((3, len(at.pairs))))
         _measure(H, v, self._types, at, self._law, viscous, found)
         return at, found
 
     def energy(self, H: Array) -> float:
         """Energy stored by normal and tangential springs."""
         _, found = self._measured(H, np.empty((0, 6)), viscous=False)
-        deep = np.minimum(found[0], 0.0)
+        deep = np.minimum(found.gaps, 0.0)
         most = -float(deep.min(initial=0.0))
         if most > self._allowed:
             part, self._allowed = 100 * _DEEP * most / self._allowed, np.inf
@@ -227,12 +245,12 @@ class PenaltyForces(
                 *(self._name, part, k),
             )
         held = 0.0 if self._friction is None else self._friction.energy(H)
-        return 0.5 * float(found[1] @ deep) + held
+        return 0.5 * float(found.elastic @ deep) + held
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """Add the contact forces to the residual."""
         at, found = self._measured(H, out, viscous=False)
-        _add(H, self._types, at, found[1], False, out)
+        _add(H, self._types, at, found.elastic, False, out)
         if self._friction is not None:
             self._friction.add_forces(H, out)
 
@@ -256,7 +274,7 @@ class PenaltyForces(
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
         """Add the damping forces to the residual."""
         at, found = self._measured(H, v, viscous=True)
-        _add(H, self._types, at, found[2], False, out)
+        _add(H, self._types, at, found.damping, False, out)
 
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
         """Derivatives of the damping forces in twists and in frames."""
@@ -329,10 +347,10 @@ class PenaltyForces(
         k, work = self._law.k, 0.0
         both = self._sides.meet_ends(ends.start, ends.end, known=False)
         for at, fraction in zip(both, fractions(ends, both), strict=True):
-            secants = np.empty((5, len(at.pairs)))
+            secants = empty_secants(len(at.pairs))
             add_secants(ends, self._types, at, k, fraction, secants, out, ground)
-            work += fraction * float((secants[SLOPE] * secants[CHANGE]) @ at.weight)
-        done = Done(k * float(secants[END] @ at.weight), k * work, 0.0)
+            work += fraction * float((secants.σ * secants.change) @ at.weight)
+        done = Done(k * float(secants.end @ at.weight), k * work, 0.0)
         if self._friction is None:
             return done
         by_friction = self._friction.add_over_step(ends, at, out, ground)
@@ -346,7 +364,7 @@ class PenaltyForces(
         both = self._sides.meet_ends(ends.start, ends.end, known=True)
         found = zip(both, all_secants(ends, both), fractions(ends, both), strict=True)
         for at, secants, fraction in found:
-            given = H, still, self._types, at, self._law, False, fraction * secants
+            given = H, still, self._types, at, self._law, False, secants.scaled(fraction)
             tangents(*given, blocks, none)
             if self._friction is not None:
                 self._friction.add_tangent_over_step(ends, at, H, blocks)
@@ -354,7 +372,8 @@ class PenaltyForces(
 
     def overlaps(self, H: Array) -> bool:
         """Whether any pair overlaps."""
-        touches = bool((self._measured(H, np.empty((0, 6)), viscous=False)[1][0] < 0.0).any())
+        _, found = self._measured(H, np.empty((0, 6)), viscous=False)
+        touches = bool((found.gaps < 0.0).any())
         if not touches:
             self._sides.keep_stretches()
         return touches
@@ -362,7 +381,7 @@ class PenaltyForces(
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
         """Add the contact forces on ground."""
         at, found = self._measured(H, v, viscous=self._damped)
-        _add(H, self._types, at, found[1] + found[2], True, out)
+        _add(H, self._types, at, found.forces, True, out)
         if self._friction is not None:
             self._friction.add_forces(H, out, grounded=True)
 
@@ -370,6 +389,6 @@ class PenaltyForces(
         """Pairs in contact, with gaps, closest points and contact forces."""
         at, found = self._measured(H, v, viscous=self._damped)
         X, F = np.empty((len(at.pairs), 3)), np.empty((len(at.pairs), 3))
-        _show(H, at, found[1] + found[2], X, F)
-        deep = found[0] < 0.0
-        return at.pairs[deep].copy(), found[0, deep], X[deep], F[deep]
+        _show(H, at, found.forces, X, F)
+        deep = found.gaps < 0.0
+        return at.pairs[deep].copy(), found.gaps[deep], X[deep], F[deep]

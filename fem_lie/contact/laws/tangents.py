@@ -8,7 +8,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
 from fem_lie.contact.laws.derivatives import Derivatives, derivatives, set_derivatives
 from fem_lie.contact.laws.energy import PenaltyConstants, damping
-from fem_lie.contact.laws.over_steps import BY_GAP, SLOPE
+from fem_lie.contact.laws.over_steps import Secants
 from fem_lie.contact.sides.kinematics import SLOTS, ContactPoint, contact_point, pulled_back, slot
 from fem_lie.contact.sides.table import ContactPoints
 from fem_lie.lie.node_types import POSITION_GRADIENT
@@ -37,20 +37,20 @@ def tangents(
     at: ContactPoints,
     law: PenaltyConstants,
     viscous: bool,
-    given: Array,
+    given: Secants,
     by_frames: Array,
     by_twists: Array,
 ) -> None:
     """Add the derivatives of contact forces, or of their damping, in frames and in twists.
 
-    ``given`` are the secants of a step, shape (≥ 2, m), or empty, shape (0, 0).
+    ``given`` are the secants of a step, or those of no pair.
     """
-    over_step, by = given.shape[0] > 0, derivatives()
+    over_step, by = given.σ.shape[0] > 0, derivatives()
     nodes, rows, changes = by.nodes, by.rows, np.zeros((SLOTS, 6))
     for e in range(at.pairs.shape[0]):
         point = contact_point(H, at.a, at.b, at.pairs[e, 0], at.pairs[e, 1], at.kind)
         if over_step:
-            if given[SLOPE, e] == 0.0:
+            if given.σ[e] == 0.0:
                 continue
         elif point.gap >= 0.0:
             continue
@@ -61,7 +61,7 @@ def tangents(
             f, by_gap, by_speed = damping(law, point.gap, speed)
             _set_changes_of_speed(v, types, by, scale, changes)
         elif over_step:
-            f, by_gap = law.k * given[SLOPE, e], law.k * given[BY_GAP, e]
+            f, by_gap = law.k * given.σ[e], law.k * given.by_gap[e]
         block, weight, bent = at.first[e], at.weight[e], f / scale
         for s in range(SLOTS):
             for t in range(SLOTS):
