@@ -34,7 +34,6 @@ from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.forms.frames import NodalFrames, local_frame_forms
 from fem_lie.forms.problems.frame_problem import FrameProblem
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.ranks.together import end_together as _end_together
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
 from fem_lie.scene.nodal_loads import LineLoad, PointLoad
@@ -113,6 +112,3 @@ if not TYPE_CHECKING:  # for users; type checkers know what there is
     __getattr__ = unknown_name(__name__)
 
 _explain_arguments(_sys.modules[__name__])
-
-# before anything of a script can fail on one rank alone
-_end_together()

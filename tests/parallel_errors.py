@@ -20,11 +20,11 @@ SECOND = MPI.COMM_WORLD.rank == 1
 
 def go_wrong(fault):
     """While the other rank waits in vain."""
+    scene, corner = parallel_scenes.sheet()
     if fault == "raise" and SECOND:
         raise ZeroDivisionError("on the second rank alone")
     if fault == "end" and SECOND:
         return
-    scene, corner = parallel_scenes.sheet()
     if fault == "numbers" and SECOND:
         scene.add(fl.PointLoad(corner, force=(0.0, 0.0, 1.0)))
     fl.statics(scene)

@@ -93,6 +93,7 @@ MAY_IMPORT = {
         "bodies.shells",
         "bodies.solids",
         "bodies.thin_shells",
+        "ranks",
     },
     "parts": {"scene", "linear.domains"},
     "system.nodes": {"parts"},

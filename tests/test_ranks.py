@@ -1,5 +1,7 @@
 """Scenes on several ranks: the results of one rank, and a common termination."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import parallel_errors
 import parallel_scenes
@@ -32,6 +34,16 @@ def test_scenes_on_two_ranks_find_what_one_finds(alone, tmp_path):
         ".npz",
         ".saved",
     ]
+
+
+def test_import_leaves_uncaught_errors_as_they_are(tmp_path):
+    script = tmp_path / "plain.py"
+    script.write_text(
+        "import sys\nbefore = sys.excepthook\nimport fem_lie as fl\n"
+        "assert sys.excepthook is before\nfl.Scene()\nassert sys.excepthook is not before\n"
+    )
+    code, text = output_of_ranks(SimpleNamespace(__file__=script), 2)
+    assert code == 0, text
 
 
 @pytest.mark.parametrize("fault", parallel_errors.FAULTS)

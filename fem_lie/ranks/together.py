@@ -82,10 +82,9 @@ def from_first(work: str, error: OSError | None) -> None:
 def end_together() -> None:
     """Terminate all ranks, with one message, if one of them raises an error.
 
-    The package calls it on import: a rank that fails before its first scene would otherwise leave
-    the others waiting at the end. From then on an uncaught error on one rank terminates all. A rank
-    at the end of its script waits for the others there, and reports an error if they wait
-    elsewhere.
+    The first scene calls it, so that the import has no side effect. From then on an uncaught error
+    on one rank terminates all. A rank at the end of its script waits for the others there, and
+    reports an error if they wait elsewhere.
     """
     if several():
         sys.excepthook = _end_all

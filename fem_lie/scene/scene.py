@@ -24,6 +24,7 @@ from fem_lie.joints.rigid_link import RigidLink
 from fem_lie.joints.springs import Drive
 from fem_lie.pictures.bodies import draw
 from fem_lie.pictures.stage import SI, Canvas, Units
+from fem_lie.ranks.together import end_together
 from fem_lie.scene.held_rotations import Holding, held_by, held_in
 from fem_lie.scene.load import Load
 from fem_lie.scene.matrix_terms import MatrixTerms
@@ -103,6 +104,7 @@ class Scene(Summarised):
             matrix_terms: Terms of the iteration matrix that are forced in or out; default: none.
             redundant: Treatment of redundant constraints.
         """
+        end_together()
         self._gravity = vector(gravity, 3, "gravity")
         instance(matrix_terms, MatrixTerms | None, "Scene: matrix_terms", "MatrixTerms or None")
         self.matrix_terms = MatrixTerms() if matrix_terms is None else matrix_terms
