@@ -486,7 +486,7 @@ def test_files_hold_the_values(tmp_path):
     np.testing.assert_allclose(series.time_values, result.times)
     series.set_active_time_value(result.times[2])
     data = series.read()[0]
-    assert (data.n_lines, data.n_points) == (3, 6)
+    assert (data.n_cells, data.n_points) == (3, 6)
     np.testing.assert_allclose(data.point_data["My"], found.raw("My")[2].ravel())
     np.testing.assert_allclose(data.cell_data["Vz"], found.mean("Vz")[2])
     np.testing.assert_allclose(data.point_data["force"], found.cut_forces[2].reshape(-1, 3))

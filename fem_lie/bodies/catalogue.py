@@ -214,6 +214,16 @@ class SceneInfo(Summarised):
         """
         return _named(self.bodies, name, "body")
 
+    def node_labels(self) -> list[str]:
+        """Name of each node: that of a point at it, or "body.node 3"."""
+        found = [""] * self._count
+        for body in self.bodies:
+            for i, node in enumerate(body.nodes):
+                found[node] = f"{body.name}.node {i}"
+            for name, at in body.points.items():
+                found[at] = f"{body.name}.{name}"
+        return found
+
     def joint(self, joint: Labelled | str) -> int:
         """Index of the joint with this name, or of this joint of the scene.
 
@@ -305,6 +315,9 @@ class SceneInfo(Summarised):
             )
         return int(known[label])
 
+
+SCENE_RECORDS = (SceneInfo, BodyInfo, JointInfo, SupportInfo)
+"""Records of which that of a scene consists."""
 
 Item = TypeVar("Item", BodyInfo, JointInfo)
 Recorded = TypeVar("Recorded", Array, Indices)

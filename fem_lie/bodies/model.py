@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
+from fem_lie import _compat
 from fem_lie._arrays import Array, Flags, Indices, text
 from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.lie.motions import Group
@@ -129,6 +130,20 @@ class MaterialPoint(NamedTuple):
     node: int
     name: str
     attachment: AttachmentFrame | None = None
+
+
+class LagrangeNodes(NamedTuple):
+    """Nodes of a body as degrees of freedom of a Lagrange space.
+
+    Attributes:
+        mesh: Mesh from which the body was made.
+        degree: Degree of the space.
+        nodes: Node of the body at each degree of freedom of each cell, shape (m, k).
+    """
+
+    mesh: dolfinx.mesh.Mesh
+    degree: int
+    nodes: Indices
 
 
 class BodyModel:
@@ -298,6 +313,16 @@ class BodyModel:
             f"cells of {self.label} cannot be assembled individually: expected a beam or a shell "
             "whose nodes are frames"
         )
+
+    def lagrange_nodes(self) -> LagrangeNodes | None:
+        """Nodes on the mesh from which the body was made; ``None`` if it was made otherwise.
+
+        The points of a line or surface mesh are the first nodes of its body.
+        """
+        if self.source is None:
+            return None
+        nodes = _compat.geometry_dofmap(self.source).astype(np.int64)
+        return LagrangeNodes(self.source, self.source.geometry.cmap.degree, nodes)
 
     def nodes(self, where: str) -> Indices:
         """Numbers of the nodes of a named set.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 from xml.sax.saxutils import quoteattr
@@ -141,48 +141,47 @@ def write_series(
     path: str | os.PathLike[str],
     info: SceneInfo,
     times: Array,
-    frames: Array,
-    velocities: Array | None = None,
-    forces: Sequence[ForcesInBeam] = (),
+    frames: Callable[[int], Array],
+    fields: Callable[[int], Mapping[str, Array]],
+    in_cells: Mapping[str, Array],
 ) -> None:
-    """Write a ``.pvd`` file, and a folder of the same name with a ``.vtp`` file for each time.
+    """Write a ``.pvd`` file, and a folder of the same name with a ``.vtu`` file for each state.
 
-    Point data: directors ``e1``, ``e2``, ``e3``, ``displacement`` (from the undeformed
-    configuration), ``velocity`` and ``angular velocity``, all in global components; cell data:
-    ``body``, the number of the body, and section forces in the middle of elements, if given, nan
-    elsewhere.
+    Point data: directors ``e1``, ``e2``, ``e3`` and the fields; cell data: ``body``, the number of
+    the body, and the values in cells.
 
     Args:
         path: Name of the ``.pvd`` file.
         info: The scene.
-        times: Times or load factors, shape (T,).
-        frames: Frames of all nodes, shape (T, N, 4, 3).
-        velocities: Velocities (translation, rotation) in the nodes' own axes, shape (T, N, 6).
-        forces: Section forces of beams at all of these times.
+        times: Times, load factors or numbers of modes, shape (k,).
+        frames: Frames of all nodes in a state, shape (N, 4, 3).
+        fields: Vectors of all nodes in a state, global components, each of shape (N, 3).
+        in_cells: Values of all cells in all states, see :func:`forces_in_cells`.
 
     Raises:
-        ValueError: The name does not end in ``.pvd``, section forces are at other times, or the
-            undeformed configuration is not recorded.
+        ValueError: The name does not end in ``.pvd``.
     """
     import pyvista
 
-    in_cells = _forces_in_cells(info, times, forces)
-    target, names = _series(path, len(times), ".vtp")
+    target, names = _series(path, len(times))
     lines, vertices, faces, bodies = _cells(info)
     for k, name in enumerate(names):
-        data = pyvista.PolyData(frames[k, :, 0], faces, lines=lines, verts=vertices)
+        H = frames(k)
+        data = pyvista.PolyData(H[:, 0], faces, lines=lines, verts=vertices)
         for i in (1, 2, 3):
-            data.point_data[f"e{i}"] = frames[k, :, i]
-        data.point_data["displacement"] = frames[k, :, 0] - info.undeformed[:, 0]
-        if velocities is not None:
-            for what, part in (("velocity", slice(0, 3)), ("angular velocity", slice(3, 6))):
-                spatial = np.einsum("ni,nij->nj", velocities[k, :, part], frames[k, :, 1:])
-                data.point_data[what] = spatial
+            data.point_data[f"e{i}"] = H[:, i]
+        for what, values in fields(k).items():
+            data.point_data[what] = values
         data.cell_data["body"] = bodies
         for what, values in in_cells.items():
             data.cell_data[what] = values[k]
-        data.save(target.parent / name)
+        _save(data, target.parent / name)
     _write_collection(target, names, times)
+
+
+def _save(data: Any, path: Path) -> None:
+    """Write lines, faces and vertices as an unstructured grid, which meshio reads, too."""
+    data.cast_to_unstructured_grid().save(path)
 
 
 def write_resultants(
@@ -201,16 +200,25 @@ def write_resultants(
     values = np.atleast_1d(np.asarray(times, dtype=np.float64))
     if values.shape != (len(series),):
         raise ValueError(f"expected one time for each of {len(series)} states, got {values.shape}")
-    target, names = _series(path, len(series), ".vtu")
+    target, names = _series(path, len(series))
     for name, resultants in zip(names, series, strict=True):
         resultants.write_vtk(target.parent / name)
     _write_collection(target, names, values)
 
 
-def _forces_in_cells(
+def forces_in_cells(
     info: SceneInfo, times: Array, forces: Sequence[ForcesInBeam]
 ) -> dict[str, Array]:
-    """Section forces of all cells in VTK's order, each of shape (T, cells)."""
+    """Section forces of all cells in VTK's order, each of shape (T, cells); nan where none are.
+
+    Args:
+        info: The scene.
+        times: Times or load factors, shape (T,).
+        forces: Section forces of beams at all of these.
+
+    Raises:
+        ValueError: Section forces are at other times.
+    """
     if not forces:
         return {}
     owners = _cells(info)[3]
@@ -251,7 +259,7 @@ def write_elements(
     """
     import pyvista
 
-    target, names = _series(path, len(times), ".vtp")
+    target, names = _series(path, len(times))
     count = 2 * positions.shape[1]
     lines = np.insert(np.arange(count).reshape(-1, 2), 0, 2, axis=1)
     for k, name in enumerate(names):
@@ -260,11 +268,11 @@ def write_elements(
             data.point_data[what] = values[k].reshape(count, *values.shape[3:])
         for what, values in in_middle.items():
             data.cell_data[what] = values[k]
-        data.save(target.parent / name)
+        _save(data, target.parent / name)
     _write_collection(target, names, times)
 
 
-def _series(path: str | os.PathLike[str], count: int, suffix: str) -> tuple[Path, list[str]]:
+def _series(path: str | os.PathLike[str], count: int) -> tuple[Path, list[str]]:
     """The ``.pvd`` file, and the names of its data files, in a folder that is created."""
     target = Path(path)
     if target.suffix != ".pvd":
@@ -272,7 +280,7 @@ def _series(path: str | os.PathLike[str], count: int, suffix: str) -> tuple[Path
     folder = target.with_suffix("")
     folder.mkdir(parents=True, exist_ok=True)
     digits = len(str(count - 1))
-    return target, [f"{folder.name}/{k:0{digits}}{suffix}" for k in range(count)]
+    return target, [f"{folder.name}/{k:0{digits}}.vtu" for k in range(count)]
 
 
 def _write_collection(target: Path, names: Sequence[str], times: Array) -> None:

@@ -5,18 +5,20 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import Point
-from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.bodies.catalogue import SCENE_RECORDS, SceneInfo
 from fem_lie.pictures import bodies, diagrams
 from fem_lie.pictures.bodies import Arrows
 from fem_lie.pictures.page.page import Diagram, along_a_load
 from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.ranks.shared_factors import Subdomains
+from fem_lie.results.files.tables import Columns
+from fem_lie.results.files.written import Rows, Saved
 from fem_lie.results.states import StateSeries, evenly, label_of, nearest
 from fem_lie.scene.rotation import Rotation
 
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class StaticResult(StateSeries):
+class StaticResult(StateSeries, Saved):
     """Equilibrium states.
 
     Attributes:
@@ -78,6 +80,19 @@ class StaticResult(StateSeries):
         yield "iterations", self.total_iterations
         yield from (("stable", bool(self.stable[-1])),) if len(self.negative_pivots) else ()
         yield "seconds", self.seconds
+
+    _PARTS: ClassVar[tuple[type, ...]] = (*SCENE_RECORDS, Rotation)
+    _NOT_SAVED: ClassVar[tuple[str, ...]] = ("subdomains",)
+
+    def _rows(self) -> Rows:
+        return Rows("load factor", self.factors)
+
+    def _quantities(self) -> Columns:
+        """Stability, and forces of joints and supports."""
+        found: Columns = {}
+        if len(self.negative_pivots) == len(self.factors):
+            found["negative pivots"] = self.negative_pivots
+        return found | super()._quantities()
 
     @property
     def stable(self) -> Flags:

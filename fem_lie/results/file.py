@@ -1,15 +1,14 @@
 """Result files in HDF5: one data set for each array, one group for each body and joint.
 
-Since version 11 all contents have checksums, see :mod:`fem_lie.results.storage`; since version 12
-bodies have their undeformed configuration. Files of version 10 and later can be read.
+Since version 11 all contents have checksums, see :mod:`fem_lie.results.files.storage`; since
+version 12 bodies have their undeformed configuration. Files of version 10 and later can be read.
 """
 
 from __future__ import annotations
 
 import os
 import zlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from math import prod
 from pathlib import Path
@@ -19,8 +18,8 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo, SupportInfo
-from fem_lie.results.record import ContactSteps, StepHistory
-from fem_lie.results.storage import (
+from fem_lie.results.files.records import DAMAGES
+from fem_lie.results.files.storage import (
     CHECKSUMS,
     COUNT,
     NAMES,
@@ -30,8 +29,10 @@ from fem_lie.results.storage import (
     check_rows,
     row_checksums,
     seal,
-    write_all,
+    unfinished,
+    write_in_memory,
 )
+from fem_lie.results.record import ContactSteps, StepHistory
 
 Record = TypeVar("Record", StepHistory, ContactSteps)
 
@@ -62,11 +63,8 @@ class Stored(NamedTuple):
 
 def write(path: str | os.PathLike[str], result: Stored) -> None:
     """Write a file; it appears under its name only when it is complete."""
-    import h5py
 
-    target = Path(path)
-    # written in memory first: the HDF5 library aborts the process when the disk is full
-    with h5py.File(target.name, "w", driver="core", backing_store=False) as file:
+    def fill(file: Any) -> None:
         file.attrs.update({"format": _FORMAT, "version": _VERSION})
         for name, values in result.arrays.items():
             file[name] = values
@@ -79,18 +77,12 @@ def write(path: str | os.PathLike[str], result: Stored) -> None:
                     file[f"{group}/{field.name}"] = getattr(record, field.name)
         _write_info(file, result.info)
         seal(file)
-        file.flush()
-        image = file.id.get_file_image()
-    try:
-        with _unfinished(target) as unfinished, unfinished.open("wb", buffering=0) as file:
-            write_all(file.fileno(), image, 0)
-            os.fsync(file.fileno())
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(target)) from error
+
+    write_in_memory(Path(path), fill)
 
 
 def create(path: Path, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], rows: int) -> None:
-    """Create a file with space for rows of arrays, see :mod:`fem_lie.results.storage`.
+    """Create a file with space for rows of arrays, see :mod:`fem_lie.results.files.storage`.
 
     Args:
         path: Name of the file.
@@ -98,7 +90,7 @@ def create(path: Path, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], r
         shapes: Shape of a row of each array.
         rows: Largest number of rows.
     """
-    with _unfinished(path) as unfinished_path:
+    with unfinished(path) as unfinished_path:
         _write_empty(unfinished_path, info, shapes, rows)
 
 
@@ -116,23 +108,12 @@ def enlarge(
     """
     size = 8 * sum(prod(shape) for shape in shapes.values())
     many = max(1, _BLOCK // size)
-    with _unfinished(path) as unfinished_path:
+    with unfinished(path) as unfinished_path:
         _write_empty(unfinished_path, info, shapes, rows)
         new, known = ResultRows(unfinished_path), ResultRows(path).read(filled)
         for first in range(0, filled, many):
             new.write(first, {name: rows[first : first + many] for name, rows in known.items()})
         new.sync()
-
-
-@contextmanager
-def _unfinished(path: Path) -> Iterator[Path]:
-    """Temporary path of a file that is renamed when it is complete."""
-    unfinished_path = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        yield unfinished_path
-        os.replace(unfinished_path, path)
-    finally:
-        unfinished_path.unlink(missing_ok=True)
 
 
 _OF_FILE, _OF_ITEM = 2**16, 2**12
@@ -225,20 +206,12 @@ def read(path: str | os.PathLike[str], names: Sequence[str]) -> Stored:
             given = file.attrs.get("format"), file.attrs.get("version")
             if given[0] == _FORMAT and given[1] in _READERS:
                 return _READERS[given[1]](file, names)
-    except _DAMAGES as error:
+    except DAMAGES as error:
         raise ValueError(f"{str(source)!r} is damaged: {error}") from error
     raise ValueError(
         f"{str(source)!r} is not a file of results of versions {min(_READERS)} to {_VERSION}: "
         f"format {given[0]!r}, version {given[1]}"
     )
-
-
-_DAMAGES = (
-    DamagedError,
-    # exceptions of h5py for a damaged file structure
-    *(OSError, KeyError, ValueError, TypeError, RuntimeError, MemoryError, OverflowError),
-    *(AttributeError, IndexError),
-)
 
 
 def require_version(path: Path) -> None:

@@ -20,6 +20,9 @@ from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.ranks.files import before_reading, write_once
 from fem_lie.ranks.shared_factors import Subdomains
 from fem_lie.results.file import NUMBERS, Stored, read, write
+from fem_lie.results.files.functions import NodalFields
+from fem_lie.results.files.tables import Columns, components
+from fem_lie.results.files.written import Rows
 from fem_lie.results.record import (
     RECORDED_BY,
     Balanced,
@@ -37,7 +40,6 @@ if TYPE_CHECKING:
 
     from fem_lie.bodies.body import Point
     from fem_lie.joints.connection import Connection
-    from fem_lie.pictures.vtk import ForcesInBeam
 
 _DRAWN = 6  # states in a picture
 
@@ -233,22 +235,36 @@ class Result(Balanced, StateSeries):
         values: dict[str, Any] = {**found.arrays, **found.numbers}
         return cls(**values, info=found.info, steps=found.steps, contacts=found.contacts)
 
-    def write_vtk(
-        self, path: str | os.PathLike[str], *, forces: Sequence[ForcesInBeam] = ()
-    ) -> None:
-        """Write a time series for ParaView.
+    def _rows(self) -> Rows:
+        return Rows("time", self.times)
 
-        Args:
-            path: Name of the ``.pvd`` file; the data of each time go to a folder of the same name.
-            forces: Section forces of beams at all times, to be written, too.
+    def _fields_of(self, row: int) -> NodalFields:
+        """Displacements, rotations, and velocities if they were recorded."""
+        found = dict(super()._fields_of(row))
+        if Record.VELOCITIES in self.recorded:
+            R = self._frames_of(row)[:, 1:]
+            for name, part in (("velocity", slice(0, 3)), ("angular velocity", slice(3, 6))):
+                found[name] = np.einsum("ni,nij->nj", self.velocities[row, :, part], R)
+        return found
 
-        Raises:
-            ValueError: The name does not end in ``.pvd``, or section forces are at other times.
-        """
-        from fem_lie.pictures.vtk import write_series
+    def _forces(self) -> tuple[Array, Array]:
+        if Record.FORCES in self.recorded:
+            return super()._forces()
+        none = np.empty((len(self.times), 0, 6))
+        return none, none
 
-        velocities = self.velocities if Record.VELOCITIES in self.recorded else None
-        write_series(path, self.info, self.times, self.frames, velocities, forces)
+    def _quantities(self) -> Columns:
+        """What was recorded: energies, momenta, coordinates of joints, forces."""
+        scalars = ("kinetic", "elastic", "potential")
+        found: Columns = {name: self._kept[name] for name in scalars if name in self._kept}
+        for name in ("momentum", "angular_momentum"):
+            if name in self._kept:
+                found |= components(name.replace("_", " "), self._kept[name], ("x", "y", "z"))
+        if Record.COORDINATES in self.recorded:
+            for joint in self.info.joints:
+                for i, name in enumerate(joint.coordinates, start=joint.first):
+                    found[f"{joint.name} {name}"] = self.joint_coordinates[:, i]
+        return found | super()._quantities()
 
     def plot_energies(
         self, path: str | os.PathLike[str] | None = None, *, units: Units = SI

@@ -6,7 +6,7 @@ import os
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -14,15 +14,20 @@ import numpy.typing as npt
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Scalar, instance, number
 from fem_lie._summary import Summarised
-from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.bodies.catalogue import SCENE_RECORDS, SceneInfo
 from fem_lie.pictures import bodies
 from fem_lie.pictures.page.content import drawn
 from fem_lie.pictures.page.page import Page, Slider, page
 from fem_lie.pictures.stage import SI, Canvas, Units
-from fem_lie.results.states import Located
+from fem_lie.results.files.functions import NodalFields
+from fem_lie.results.files.tables import Columns, components
+from fem_lie.results.files.written import Rows, Saved, Written
+from fem_lie.results.states import Located, label_of
 
 if TYPE_CHECKING:
-    from fem_lie.bodies.body import Point
+    from dolfinx import fem
+
+    from fem_lie.bodies.body import Body, Point
 
 LARGEST_ROTATION = 0.5
 """Largest rotation in pictures, rad, unless an amplitude is given."""
@@ -162,7 +167,7 @@ class ModeShapes(ABC):
         return fitting if self.rotation_only[mode - 1] else min(_PART * size, fitting)
 
 
-class ModeDisplacements(Summarised, Located, Generic[Scalar]):
+class ModeDisplacements(Summarised, Located, Written, Saved, Generic[Scalar]):
     """Access to displacements of points in k modes of one state.
 
     Attributes:
@@ -171,6 +176,57 @@ class ModeDisplacements(Summarised, Located, Generic[Scalar]):
     """
 
     shapes: npt.NDArray[Scalar]
+
+    _PARTS: ClassVar[tuple[type, ...]] = SCENE_RECORDS
+
+    def functions(self, body: Body | str, mode: int = 1) -> dict[str, fem.Function]:
+        """A mode of a body as DOLFINx functions, vectors in global components, by name.
+
+        ``displacement`` and ``rotation``; of complex modes these are the real parts, and
+        ``displacement im`` and ``rotation im`` the imaginary ones.
+
+        Args:
+            body: As for :meth:`fem_lie.Result.functions`.
+            mode: Counted from 1.
+
+        Raises:
+            ValueError: There is no such body or mode, or the body has no cells.
+        """
+        chosen(self.shapes, mode)
+        return self._functions(body, mode - 1)
+
+    def write_vtk(self, path: str | os.PathLike[str]) -> None:
+        """Write all modes as a series for ParaView, pyvista or meshio; times are their numbers.
+
+        Points are those of the state, point data are those of :meth:`functions`.
+
+        Args:
+            path: Name of the ``.pvd`` file; each mode is a ``.vtu`` file in a folder of the same
+                name.
+
+        Raises:
+            ValueError: The name does not end in ``.pvd``.
+        """
+        self._write_vtk(path, {})
+
+    def _rows(self) -> Rows:
+        return Rows("mode", np.arange(1, len(self) + 1).astype(np.float64))
+
+    def _frames_of(self, row: int) -> Array:
+        return self.frames
+
+    def _fields_of(self, row: int) -> NodalFields:
+        R, shape = self.frames[:, 1:], self.shapes[row]
+        parts = (("displacement", slice(0, 3)), ("rotation", slice(3, 6)))
+        found = {name: np.einsum("ni,nij->nj", shape[:, part], R) for name, part in parts}
+        if not np.iscomplexobj(shape):
+            return found
+        imaginary = {f"{name} im": values.imag for name, values in found.items()}
+        return {name: values.real for name, values in found.items()} | imaginary
+
+    def _quantities_at(self, point: Point | str | int) -> Columns:
+        """Displacement of the point."""
+        return components(label_of(point), self.displacement(point), ("ux", "uy", "uz"))
 
     def __len__(self) -> int:
         """Number of modes."""
@@ -219,6 +275,9 @@ class BucklingModes(ModeDisplacements[np.float64], ModeShapes):
         rows = enumerate(zip(self.factors, marks, strict=True), start=1)
         lines = [f"{number:4}  {factor:.8g}{mark}" for number, (factor, mark) in rows]
         return "\n".join(["mode  load factor", *lines])
+
+    def _quantities(self) -> Columns:
+        return {"load factor": self.factors}
 
     def _look(self, mode: int) -> ModeLook:
         return ModeLook(f"Mode {mode}: load factor {chosen(self.factors, mode):.5g}", self.size)

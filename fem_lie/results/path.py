@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.pictures.path_diagram import PathCurve, plot_paths
 from fem_lie.pictures.stage import SI, Units
 from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.files.tables import Columns
 from fem_lie.results.mode_shapes import ModeLook, ModeShapes, moved_along
 from fem_lie.results.states import Displaced
 
@@ -129,6 +130,63 @@ class CriticalPoint(Summarised, Displaced, ModeShapes):
         )
 
 
+class Metric(Protocol):
+    """Norm of an increment along a path."""
+
+    def norm(self, u: Array, d: float, /) -> float:
+        """Norm of displacements (n, 3) and a change of the load factor."""
+
+
+class EquilibriumState(NamedTuple):
+    """State of a scene in equilibrium, as a path stores it.
+
+    Attributes:
+        frames: Frames of all nodes, shape (n, 4, 3).
+        multipliers: Lagrange multipliers of the constraints.
+        saved: Variables that depend on the path, by name, such as stresses of mixed elements.
+    """
+
+    frames: Array
+    multipliers: Array
+    saved: dict[str, Array]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Station(Summarised):
+    """An equilibrium state on a path, with all that the next step needs.
+
+    Attributes:
+        factor: Load factor.
+        state: State of the model: frames, Lagrange multipliers, stresses of mixed elements.
+        positions: Positions of the nodes, shape (n, 3).
+        velocity: Derivative of displacements in the load factor, shape (n, 3).
+        response: ``K⁻¹f``.
+        sign: Direction of the load factor along the path, ±1.
+        negative: Number of negative eigenvalues of the tangent stiffness.
+        iterations: Number of linear solutions of the step to this state.
+        test: Smallest eigenvalue of the tangent stiffness if requested, or nan.
+    """
+
+    factor: float
+    state: EquilibriumState
+    positions: Array
+    velocity: Array
+    response: Array
+    sign: float
+    negative: int
+    iterations: int
+    test: float = np.nan
+
+    def direction(self, metric: Metric) -> tuple[Array, float]:
+        """Unit tangent of the path: displacements and load factor."""
+        scale = self.sign / metric.norm(self.velocity, 1.0)
+        return scale * self.velocity, scale
+
+
+PATH_RECORDS = (CriticalPointType, CriticalPoint, Station, EquilibriumState)
+"""Records in a path, besides those of the scene."""
+
+
 @dataclass(frozen=True, repr=False)
 class EquilibriumPath(StaticResult):
     """Equilibrium states along a path, with critical points.
@@ -155,6 +213,12 @@ class EquilibriumPath(StaticResult):
     reason: str
     locating_iterations: int
     stations: tuple[Station, ...]
+
+    _PARTS: ClassVar[tuple[type, ...]] = (*StaticResult._PARTS, *PATH_RECORDS)
+
+    def _quantities(self) -> Columns:
+        """Observed quantities, stability and forces."""
+        return dict(self.observed) | super()._quantities()
 
     def __len__(self) -> int:
         """Number of states."""
@@ -231,42 +295,3 @@ class EquilibriumPath(StaticResult):
         if given.shape != self.factors.shape:
             raise ValueError(f"values must have shape {self.factors.shape}, got {given.shape}")
         return given
-
-
-class Metric(Protocol):
-    """Norm of an increment along a path."""
-
-    def norm(self, u: Array, d: float, /) -> float:
-        """Norm of displacements (n, 3) and a change of the load factor."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Station(Summarised):
-    """An equilibrium state on a path, with all that the next step needs.
-
-    Attributes:
-        factor: Load factor.
-        state: State of the model: frames, Lagrange multipliers, stresses of mixed elements.
-        positions: Positions of the nodes, shape (n, 3).
-        velocity: Derivative of displacements in the load factor, shape (n, 3).
-        response: ``K⁻¹f``.
-        sign: Direction of the load factor along the path, ±1.
-        negative: Number of negative eigenvalues of the tangent stiffness.
-        iterations: Number of linear solutions of the step to this state.
-        test: Smallest eigenvalue of the tangent stiffness if requested, or nan.
-    """
-
-    factor: float
-    state: Any
-    positions: Array
-    velocity: Array
-    response: Array
-    sign: float
-    negative: int
-    iterations: int
-    test: float = np.nan
-
-    def direction(self, metric: Metric) -> tuple[Array, float]:
-        """Unit tangent of the path: displacements and load factor."""
-        scale = self.sign / metric.norm(self.velocity, 1.0)
-        return scale * self.velocity, scale

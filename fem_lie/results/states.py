@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Protocol, SupportsIndex
+from typing import TYPE_CHECKING, Protocol, SupportsIndex
 
 import numpy as np
 
@@ -21,7 +21,14 @@ from fem_lie.pictures.page.colours import NodalColours
 from fem_lie.pictures.page.content import drawn
 from fem_lie.pictures.page.page import Diagram, Page, Slider, page
 from fem_lie.pictures.stage import SI, Canvas, Units
+from fem_lie.pictures.vtk import ForcesInBeam, forces_in_cells
+from fem_lie.results.files.functions import NodalFields
+from fem_lie.results.files.tables import WRENCH, Columns, components
+from fem_lie.results.files.written import Written, rotation_vectors
 from fem_lie.results.reactions import Support, reaction
+
+if TYPE_CHECKING:
+    from dolfinx import fem
 
 
 class Located:
@@ -105,7 +112,7 @@ class Displaced(Located):
         return np.asarray(self.frames[..., nodes, 0, :] - self.info.undeformed[nodes, 0])
 
 
-class StateSeries(Summarised, Displaced, ABC):
+class StateSeries(Summarised, Displaced, Written):
     """A sequence of k states: a motion, or equilibria along a load.
 
     Attributes:
@@ -122,6 +129,71 @@ class StateSeries(Summarised, Displaced, ABC):
     iterations: Indices
     factorisations: int
     seconds: float
+
+    def functions(self, body: Body | str, state: int = -1) -> dict[str, fem.Function]:
+        """A state of a body as DOLFINx functions, vectors in global components, by name.
+
+        ``displacement`` from the undeformed configuration, ``rotation vector`` of the nodes' axes
+        (at most π), ``e1``, ``e2``, ``e3``, and the velocities of a motion if they were recorded.
+        Where several nodes share a point, as at a kink, values are those of the first one.
+
+        Args:
+            body: A body of the scene: the functions are on the undeformed DOLFINx mesh that it was
+                made from. Its name, or a body made otherwise: on a mesh of the lines or faces as
+                which it is drawn.
+            state: Number of the state.
+
+        Raises:
+            ValueError: There is no such body or state, or the body has no cells.
+        """
+        return self._functions(body, state_number(state, len(self.frames)))
+
+    def write_vtk(
+        self, path: str | os.PathLike[str], *, forces: Sequence[ForcesInBeam] = ()
+    ) -> None:
+        """Write all states as a series for ParaView, pyvista or meshio.
+
+        Point data are those of :meth:`functions`; cell data are ``body``, the number of the body,
+        and section forces in the middle of elements, nan elsewhere.
+
+        Args:
+            path: Name of the ``.pvd`` file; each state is a ``.vtu`` file in a folder of the same
+                name.
+            forces: Section forces of beams at all states, to be written, too.
+
+        Raises:
+            ValueError: The name does not end in ``.pvd``, or section forces are at other states.
+        """
+        self._write_vtk(path, forces_in_cells(self.info, self._rows().values, forces))
+
+    def _frames_of(self, row: int) -> Array:
+        return np.asarray(self.frames[row])
+
+    def _fields_of(self, row: int) -> NodalFields:
+        H = self._frames_of(row)
+        return {
+            "displacement": H[:, 0] - self.info.undeformed[:, 0],
+            "rotation vector": rotation_vectors(self.info, H),
+        }
+
+    def _quantities(self) -> Columns:
+        """Forces of joints and supports, if they were recorded."""
+        joints, supports = self._forces()
+        columns: Columns = {}
+        for j, joint in enumerate(self.info.joints[: joints.shape[1]]):
+            columns |= components(joint.name, joints[:, j], WRENCH)
+        names = self.info.node_labels()
+        for s, node in enumerate(self.info.supports.at[: supports.shape[1]]):
+            columns |= components(f"reaction {names[node]}", supports[:, s], WRENCH)
+        return columns
+
+    def _forces(self) -> tuple[Array, Array]:
+        """Forces of joints (k, j, 6) and of supports (k, s, 6), none if they were not recorded."""
+        return self.joint_forces, self.reactions
+
+    def _quantities_at(self, point: Point | str | int) -> Columns:
+        """Position of the point."""
+        return components(label_of(point), self.position(point), ("x", "y", "z"))
 
     @property
     def total_iterations(self) -> int:

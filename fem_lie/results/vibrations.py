@@ -15,6 +15,7 @@ from fem_lie.pictures import bodies
 from fem_lie.pictures.page.content import drawn
 from fem_lie.pictures.page.page import Page, Slider, page
 from fem_lie.pictures.stage import SI, Canvas, Units
+from fem_lie.results.files.tables import Columns
 from fem_lie.results.mode_shapes import LARGEST_ROTATION, ModeDisplacements, chosen
 
 Complex = npt.NDArray[np.complex128]
@@ -82,6 +83,15 @@ class Modes(ModeDisplacements[np.complex128]):
             mark = "  grows" if grows else ""
             lines.append(f"{number:4}  {omega:17.6g}  {hertz:9.5g}  {ratio:13.3e}{mark}")
         return "\n".join(lines)
+
+    def _quantities(self) -> Columns:
+        """Frequencies, damping and errors."""
+        return {
+            "angular frequency": self.frequencies,
+            "frequency": self.hertz,
+            "damping ratio": self.damping_ratios,
+            "residual": self.residuals,
+        }
 
     def __str__(self) -> str:
         """The table."""

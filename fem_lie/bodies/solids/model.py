@@ -14,7 +14,7 @@ from dolfinx import fem
 from fem_lie._arrays import Array, Indices, diameter, instance, log_coincident, numbers
 from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.attachments.patch import averaging_attachment
-from fem_lie.bodies.model import NO_HOLDS, BodyModel, HeldRotation, Holds
+from fem_lie.bodies.model import NO_HOLDS, BodyModel, HeldRotation, Holds, LagrangeNodes
 from fem_lie.bodies.per_cell import of_groups
 from fem_lie.bodies.solids.assembly import SolidAssembly
 from fem_lie.bodies.solids.faces import Faces, faces_of, nodes_on
@@ -181,6 +181,10 @@ class SolidModel(BodyModel):
     def volume(self) -> float:
         """Unloaded volume."""
         return float(self.rule.volumes.sum())
+
+    def lagrange_nodes(self) -> LagrangeNodes:
+        """Degrees of freedom of the space."""
+        return LagrangeNodes(self.mesh.mesh, self.degree, self.connectivity)
 
     def nodes(self, where: str) -> Indices:
         """Numbers of the nodes of a named face, curve, point or group of cells.

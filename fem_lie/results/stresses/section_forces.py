@@ -370,7 +370,7 @@ class SectionForces(Fields):
         return diagrams(self.beam, found, states, path, units)
 
     def write_vtk(self, path: str | os.PathLike[str]) -> None:
-        """Write a ``.pvd`` file, and a folder of the same name with a ``.vtp`` file for each state.
+        """Write a ``.pvd`` file, and a folder of the same name with a ``.vtu`` file for each state.
 
         Each element is a line with its own end points. Point data: the six components at its ends,
         and ``force`` and ``moment`` as vectors in space; cell data: the components in its middle.

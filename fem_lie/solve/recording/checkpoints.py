@@ -30,8 +30,8 @@ from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.ranks.files import place, restart_file
 from fem_lie.results import file as results_file
+from fem_lie.results.files.storage import ResultRows, write_all
 from fem_lie.results.record import ContactSteps, StepHistory
-from fem_lie.results.storage import ResultRows, write_all
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.plan import Plan, unpacked
 

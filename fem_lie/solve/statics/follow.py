@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from fem_lie.parts.part_scene import ScenePart, divided
 from fem_lie.ranks.shared_factors import Subdomains
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.gathering import gathered
+from fem_lie.results.path import EquilibriumState
 from fem_lie.scene import Scene
 from fem_lie.scene.load import StrainLoad
 from fem_lie.scene.rotation import Rotation
@@ -135,12 +135,6 @@ _MOST = 30  # iterations from a restarted state
 _SETTLED = 1e-11  # over the length of the model
 _OF_TURNS = 1e-3  # rotations have a larger round-off in slender structures
 _LEAST = 1e-3  # smallest increment of a preload
-
-
-class _State(NamedTuple):
-    frames: Array
-    multipliers: Array
-    saved: dict[str, Array]
 
 
 class SceneEquilibrium(Equilibrium):
@@ -288,13 +282,13 @@ class SceneEquilibrium(Equilibrium):
         move(self.equations, self._H, -dx, linearised=True)
         self._multipliers += self._scale * dx[6 * self._moving :]
 
-    def reactions(self, state: _State, factor: float) -> Array:
+    def reactions(self, state: EquilibriumState, factor: float) -> Array:
         """Reactions of supports in a restored state, see :class:`~.report.Report`."""
         self.restore(state)
         self.equations.prescribed(factor).act(factor, self._preload)
         return self.equations.report(*self._now).reactions
 
-    def joint_forces(self, state: _State) -> Array:
+    def joint_forces(self, state: EquilibriumState) -> Array:
         """Force and moment of each joint on its point ``a``, in its axes, shape (j, 6)."""
         return self.equations.report(state.frames, multipliers=state.multipliers).joints.forces
 
@@ -323,7 +317,7 @@ class SceneEquilibrium(Equilibrium):
         """
         self.equations.report(self._H).check_rotations(f"at load factor {factor:g}")
 
-    def check_passage(self, before: _State) -> None:
+    def check_passage(self, before: EquilibriumState) -> None:
         """Raise ``PassedThroughError`` if surfaces passed through each other since a state."""
         self.equations.history_variables.check_passage(before.frames, self._H)
 
@@ -346,14 +340,14 @@ class SceneEquilibrium(Equilibrium):
         """Which element rotates far, if that may prevent convergence."""
         return self.equations.report(self._H).rotation_hint
 
-    def state(self) -> _State:
+    def state(self) -> EquilibriumState:
         """A copy of the current state; angles of joints are counted from here."""
         self.equations.history_variables.accept(self._H)
-        return _State(
+        return EquilibriumState(
             self._H.copy(), self._multipliers.copy(), self.equations.history_variables.saved_state()
         )
 
-    def restore(self, state: _State) -> None:
+    def restore(self, state: EquilibriumState) -> None:
         """Restore a copied state."""
         self._forces_known = False
         self._H[:], self._multipliers[:] = state.frames, state.multipliers
@@ -394,7 +388,7 @@ def _result(
     equations, reached = model.equations, list(levels[: len(path.states)])
     unknowns, counts = equations.unknowns, np.cumsum([0, *path.iterations])
     ends = [1 + path.factors.index(f) if f in path.factors else 0 for f in reached]
-    states: list[_State] = path.states
+    states: list[EquilibriumState] = path.states
     frames = [equations.report(state.frames).frames.copy() for state in states]
     forces = [model.joint_forces(state) for state in states]
     reactions = [model.reactions(*held) for held in zip(states, reached, strict=True)]

@@ -15,7 +15,8 @@ from __future__ import annotations
 
 import os
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -115,6 +116,42 @@ def _bytes(name: str, value: Any) -> bytes:
     array = np.asarray(value)
     contents = repr(array.tolist()).encode() if array.dtype.hasobject else array.tobytes()
     return f"{name} {array.dtype.str} {array.shape} ".encode() + contents
+
+
+def write_in_memory(target: Path, fill: Callable[[Any], None]) -> None:
+    """Write an HDF5 file at once; it appears under its name only when it is complete.
+
+    Args:
+        target: Name of the file.
+        fill: Writes the contents into an open ``h5py.File``.
+
+    Raises:
+        OSError: The file cannot be written, for example because the disk is full.
+    """
+    import h5py
+
+    # the HDF5 library aborts the process when the disk is full
+    with h5py.File(target.name, "w", driver="core", backing_store=False) as file:
+        fill(file)
+        file.flush()
+        image = file.id.get_file_image()
+    try:
+        with unfinished(target) as part, part.open("wb", buffering=0) as opened:
+            write_all(opened.fileno(), image, 0)
+            os.fsync(opened.fileno())
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(target)) from error
+
+
+@contextmanager
+def unfinished(path: Path) -> Iterator[Path]:
+    """Temporary path of a file that is renamed when it is complete."""
+    unfinished_path = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        yield unfinished_path
+        os.replace(unfinished_path, path)
+    finally:
+        unfinished_path.unlink(missing_ok=True)
 
 
 COUNT, CHECKSUMS = "rows", "checksums"
