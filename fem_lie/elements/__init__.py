@@ -19,6 +19,7 @@ from fem_lie.elements.shells.element import (
     HuWashizu,
     ShellFormulation,
 )
+from fem_lie.elements.shells.geodesic import GeodesicShell
 from fem_lie.elements.shells.measures import (
     DECOUPLED,
     MITC3_PLUS,
@@ -47,6 +48,7 @@ __all__ = [
     "DiscreteRod",
     "DisplacementBased",
     "GeodesicBeam",
+    "GeodesicShell",
     "HellingerReissner",
     "HermiteCable",
     "HuWashizu",

@@ -11,7 +11,7 @@ import scipy.sparse.linalg
 from scipy.sparse import bsr_matrix, coo_matrix, csr_matrix
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.bodies.shells.assembly import ShellAssembly
+from fem_lie.bodies.shells.assembly import assembly_of
 from fem_lie.bodies.shells.placing import frames_with
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.mesh.shapes import tabulated
@@ -133,7 +133,7 @@ def on_all_nodes(cut: Cut, frames: Array) -> Array:
     New nodes get their part of the forces on neighbouring old nodes.
     """
     shell = cut.shell
-    coarse = ShellAssembly([shell.model])
+    coarse = assembly_of([shell.model])
     rows, forces = np.empty_like(frames), coarse.workspace()
     rows[coarse.order] = frames
     coarse.reset_stress(rows)

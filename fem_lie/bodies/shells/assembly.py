@@ -46,7 +46,7 @@ class ShellData(Protocol):
         """Rotary inertia of drilling rotations for stiffnesses γ (m,), shape (m, k, 4, k, 4)."""
 
 
-class ShellAssembly(Assembly, LocalUnknowns):
+class SurfaceAssembly(Assembly):
     """Assembly of all shells of one formulation and cell type, on one surface mesh.
 
     A single shell that was made from a DOLFINx mesh is assembled on that mesh, if nodes and cells
@@ -93,7 +93,7 @@ class ShellAssembly(Assembly, LocalUnknowns):
         super().__init__(nodal, forms, order, cell_order, None)
         plain = first.formulation.quadratic and measures.intermediate is None
         self._nonlinear = forms.local is not None and not plain
-        if drilling is not None:
+        if drilling is not None and not first.formulation.whole_frames:
             moment = DrillingAssembly(
                 nodal.frames.copy(),
                 nodal.function.function_space.dofmap.list,
@@ -119,6 +119,10 @@ class ShellAssembly(Assembly, LocalUnknowns):
                 rotary = np.concatenate([body.element_drilling_inertia(γ) for body, γ in given])
                 further = self.summed(rotary[permutation])
             self.inertia = NodalInertia(self.summed(elements[permutation]), drilling=further)
+
+
+class ShellAssembly(SurfaceAssembly, LocalUnknowns):
+    """Assembly of shells whose cells have five unknowns per node."""
 
     @property
     def tables(self) -> None:
@@ -196,7 +200,7 @@ class WeightedSurfaceCells:
         return self.element_inertia()
 
 
-def weighted_surface_cells(body: ShellData, cells: Indices, weights: Array) -> ShellAssembly:
+def weighted_surface_cells(body: ShellData, cells: Indices, weights: Array) -> SurfaceAssembly:
     """Assembly of some cells with energies times weights (s,), on separate nodes.
 
     See :meth:`~.body.Body.weighted_cells`.
@@ -210,4 +214,15 @@ def weighted_surface_cells(body: ShellData, cells: Indices, weights: Array) -> S
         axes=body.axes[cells],
         formulation=body.formulation,
     )
-    return ShellAssembly([chosen])
+    return assembly_of([chosen])
+
+
+def assembly_of(bodies: Sequence[ShellData], drilling: Array | None = None) -> SurfaceAssembly:
+    """Assembly of shells of one formulation and cell type, see :class:`SurfaceAssembly`.
+
+    Args:
+        bodies: The shells.
+        drilling: Drilling stiffness γ of all cells, shape (m,); default: no drilling rotation.
+    """
+    whole = bodies[0].formulation.whole_frames
+    return (SurfaceAssembly if whole else ShellAssembly)(bodies, drilling)

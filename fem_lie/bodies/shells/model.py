@@ -11,9 +11,18 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices, log_coincident
 from fem_lie.bodies.model import NO_HOLDS, BodyModel, HeldRotation, Holds, RotationLimit
-from fem_lie.bodies.shells.assembly import ShellAssembly, weighted_surface_cells
+from fem_lie.bodies.shells.assembly import (
+    SurfaceAssembly,
+    assembly_of,
+    weighted_surface_cells,
+)
 from fem_lie.bodies.shells.placing import cut_mesh, frames_with
-from fem_lie.elements.shells.drilling import TWIST, drilling_inertia, drilling_stiffness
+from fem_lie.elements.shells.drilling import (
+    MEMBRANE_SHEAR,
+    TWIST,
+    drilling_inertia,
+    drilling_stiffness,
+)
 from fem_lie.elements.shells.element import ShellFormulation
 from fem_lie.lie.motions import Group
 from fem_lie.mesh.patches import Patches
@@ -38,7 +47,6 @@ class ShellModel(BodyModel):
         convected_axes: Whether frames rotate about their directors with the mid-surface.
     """
 
-    separates_director = True
     dimension = 2
     group = Group.R3xSO3
     _drilling_of_whole: Array | None = None
@@ -94,6 +102,8 @@ class ShellModel(BodyModel):
         self.faces = mesh.corners_of(patches.cells)
         self.thickness = np.array([s.thickness for s in sections], dtype=np.float64)
         self._has_kinks = bool(len(patches.split))
+        if formulation.whole_frames:
+            self._refuse_with_five(type(formulation).__name__)
         if self._has_kinks:
             self._refuse_with_five(f"the kink or branch at {mesh.points[patches.split[0]]}")
 
@@ -101,6 +111,11 @@ class ShellModel(BodyModel):
     def assembly_key(self) -> Hashable:
         """Key of shells that are assembled together: same formulation and cell type."""
         return type(self), self.formulation, self.mesh.cell, self.mesh.degree
+
+    @property
+    def separates_director(self) -> bool:  # type: ignore[override]
+        """Whether statics moves the director before it drills."""
+        return not self.formulation.whole_frames
 
     @property
     def divisible_cells(self) -> Indices | None:
@@ -199,7 +214,7 @@ class ShellModel(BodyModel):
                 self._refuse_with_five(hold.what)
         if self.drilling is not None:
             return self.drilling
-        return self._has_kinks or bool(needed)
+        return self._has_kinks or bool(needed) or self.formulation.whole_frames
 
     def drilling_for(self, holds: Sequence[HeldRotation]) -> tuple[bool, Array | None]:
         """Whether nodes have a drilling rotation for these holds, and its stiffness, shape (m,).
@@ -220,6 +235,8 @@ class ShellModel(BodyModel):
         """
         if self._drilling_of_whole is not None:
             return self._drilling_of_whole
+        if self.formulation.whole_frames:
+            return self.stiffness[:, MEMBRANE_SHEAR, MEMBRANE_SHEAR]
         bound: dict[int, set[Hashable]] = {}
         for hold in holds:
             if not self._tilts(hold):
@@ -247,19 +264,19 @@ class ShellModel(BodyModel):
             )
 
     @classmethod
-    def assemble(cls, models: Sequence[ShellModel], holds: Holds = NO_HOLDS) -> ShellAssembly:
+    def assemble(cls, models: Sequence[ShellModel], holds: Holds = NO_HOLDS) -> SurfaceAssembly:
         """Assembly of shells of one :attr:`assembly_key`, with drilling if the first needs it."""
         if not models[0].has_drilling(holds.get(models[0], ())):
-            return ShellAssembly(models)
+            return assembly_of(models)
         each = [model.drilling_stiffness(holds.get(model, ())) for model in models]
-        return ShellAssembly(models, np.concatenate(each))
+        return assembly_of(models, np.concatenate(each))
 
     @property
     def elastic_cells(self) -> Indices:
         """Nodes of each cell with strain energy, shape (m, k)."""
         return self.connectivity
 
-    def weighted_cells(self, cells: Indices, weights: Array) -> ShellAssembly:
+    def weighted_cells(self, cells: Indices, weights: Array) -> SurfaceAssembly:
         """Assembly of some cells with weighted energies, without drilling.
 
         Args:

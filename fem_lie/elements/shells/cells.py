@@ -58,6 +58,9 @@ class ShellCells:
         dx: Measure of the mid-surface.
         point: Reference coordinates of the quadrature point.
         centroid: Reference coordinates of the cell's centroid.
+        frames: Nodal frames of the mesh.
+        axes: Vector of each cell whose projection onto the surface is e₁, shape (cells, 3).
+        jacobian_at_points: Jacobian ``J_αi = X,α·e_i`` at the quadrature points.
     """
 
     def __init__(
@@ -82,7 +85,7 @@ class ShellCells:
             ValueError: The strain measures are not for the cells or the degree of the frames.
         """
         V = frames.function.function_space
-        self._frames = frames
+        self.frames = frames
         self.drilling_stiffness: Any = None
         self._map = FIVE if drilling_stiffness is None else SIX
         self._mesh: dolfinx_mesh.Mesh = V.mesh
@@ -108,6 +111,7 @@ class ShellCells:
         self._centre = (0.5, 0.5) if self._cell == quadrilateral else (1 / 3, 1 / 3)
         if directions is None:
             directions = self._shapes.combine(list(nodal[:, :, 0].swapaxes(0, 1)), self._centre, 0)
+        self.axes = directions
         self._direction = self.cellwise(directions)
         self.point = self._reference_coordinates()
         self.centroid = self._centroid()
@@ -118,6 +122,7 @@ class ShellCells:
         jacobian = strains.local_jacobian(plain, self._centre, self._direction)
         self._jacobian.interpolate(self._expression(jacobian, 0))
         here = self.at_points(strains.local_jacobian(plain, self.point, self._direction))
+        self.jacobian_at_points = here
         self._inverse = self.at_points(ufl.inv(here))
         now, then = (self._surface(y, self._jacobian, here) for y in (self.y, unloaded))
         self._measures, self._now, self._then = measures, now, then
@@ -208,7 +213,7 @@ class ShellCells:
             energy: The energy.
             local: Element-local unknowns in it.
         """
-        state = self._frames.function
+        state = self.frames.function
         return LocalFrameForms(
             energy, state, self.increment, self._map, coordinates=self.y, local=local
         )

@@ -99,8 +99,8 @@ def perturbed_lagrangian(tau: Expr, modes: Sequence[Expr], c: Expr, stiffness: E
 FRACTION = 0.01
 """γ over ``G t³/h²``; results do not change from 1 to 1e-8 (docs/measured/six_parameters.md)."""
 
-_SHEAR, TWIST = 2, 5
-"""Shear and twist among the eight strains."""
+MEMBRANE_SHEAR, TWIST = 2, 5
+"""Membrane shear and twist among the eight strains."""
 
 
 def drilling_stiffness(
@@ -114,7 +114,7 @@ def drilling_stiffness(
         cells: Nodes of each cell, shape (m, k).
         bound: Nodes with moments about their normals only.
     """
-    membrane = stiffness[:, _SHEAR, _SHEAR]
+    membrane = stiffness[:, MEMBRANE_SHEAR, MEMBRANE_SHEAR]
     soft = FRACTION * 12.0 * stiffness[:, TWIST, TWIST] / areas
     around = np.isin(cells, list(bound)).any(axis=1)
     return np.where(around, membrane, np.minimum(soft, membrane))

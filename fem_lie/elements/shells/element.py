@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import basix.ufl
 import numpy as np
@@ -28,9 +29,12 @@ class ShellFormulation(ABC):
 
     Attributes:
         measures: Strain measures; default: the usual ones for the cells of the mesh.
+        whole_frames: Whether cells have six unknowns per node; otherwise five, and the drilling
+            rotation is a term of its own.
     """
 
     measures: StrainMeasures | None = None
+    whole_frames: ClassVar[bool] = False
 
     @property
     def quadratic(self) -> bool:
