@@ -88,7 +88,7 @@ class SurfaceAssembly(Assembly):
         measures = first.formulation.measures_for(cell, degree)
         shell_cells = ShellCells(nodal, measures, directions=axes)
         forms = first.formulation.forms(shell_cells, stiffness)
-        self.mesh, self.stress = mesh, first.formulation.stress(shell_cells, forms)
+        self.mesh, self.stress = mesh, first.formulation.stress(shell_cells, forms, stiffness)
         cell_order = np.argsort(permutation)
         super().__init__(nodal, forms, order, cell_order, None)
         plain = first.formulation.quadratic and measures.intermediate is None

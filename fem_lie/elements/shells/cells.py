@@ -60,7 +60,6 @@ class ShellCells:
         centroid: Reference coordinates of the cell's centroid.
         frames: Nodal frames of the mesh.
         axes: Vector of each cell whose projection onto the surface is e₁, shape (cells, 3).
-        jacobian_at_points: Jacobian ``J_αi = X,α·e_i`` at the quadrature points.
     """
 
     def __init__(
@@ -122,7 +121,6 @@ class ShellCells:
         jacobian = strains.local_jacobian(plain, self._centre, self._direction)
         self._jacobian.interpolate(self._expression(jacobian, 0))
         here = self.at_points(strains.local_jacobian(plain, self.point, self._direction))
-        self.jacobian_at_points = here
         self._inverse = self.at_points(ufl.inv(here))
         now, then = (self._surface(y, self._jacobian, here) for y in (self.y, unloaded))
         self._measures, self._now, self._then = measures, now, then

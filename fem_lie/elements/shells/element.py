@@ -54,7 +54,7 @@ class ShellFormulation(ABC):
             stiffness: Section stiffness of each cell, shape (m, 8, 8).
         """
 
-    def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
+    def stress(self, cells: ShellCells, forms: LocalFrameForms, stiffness: Array) -> Expr:
         """Stress resultants ``(N, M, Q)`` at the quadrature points, shape (8,).
 
         They are the independent stress of the forms: reset it to the frames before.
@@ -62,6 +62,7 @@ class ShellFormulation(ABC):
         Args:
             cells: The argument of :meth:`forms`.
             forms: Forms returned by :meth:`forms`.
+            stiffness: The argument of :meth:`forms`.
         """
         stress = forms.stress
         assert stress is not None
@@ -118,7 +119,7 @@ class HellingerReissner(ShellFormulation):
             cells, cells.cellwise(np.asarray(np.linalg.inv(stiffness), dtype=np.float64))
         )
 
-    def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
+    def stress(self, cells: ShellCells, forms: LocalFrameForms, stiffness: Array) -> Expr:
         """Independent stress field."""
         return cells.stress(_group(forms, 0))
 
@@ -160,7 +161,7 @@ class HuWashizu(_OfAnyLaw):
         """DOLFINx forms of energy, forces and tangent with independent strain and stress."""
         return hu_washizu(cells, self.law_for(cells, stiffness))
 
-    def stress(self, cells: ShellCells, forms: LocalFrameForms) -> Expr:
+    def stress(self, cells: ShellCells, forms: LocalFrameForms, stiffness: Array) -> Expr:
         """Independent stress field."""
         return cells.stress(_group(forms, 1))
 

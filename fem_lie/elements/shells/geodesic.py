@@ -14,10 +14,13 @@ their length, too. The strains are::
     c = Γ₁·e₂ − Γ₂·e₁                     κᵢ·e₃
 
 Membrane strain, shear and curvature along an edge are those of the edge: nothing locks, and states
-of constant strain are exact on distorted cells. The drilling strain ``c`` has the stiffness ``G t``
-of membrane shear. Without the last two, nodes that rotate alternately about their directors would
-have no strain; their stiffness is that of twist, ``G t³/12``, which adds ``(t/b)²`` to the bending
-stiffness of a strip of width b in its plane.
+of constant strain are exact on distorted cells. As in :class:`HellingerReissner` elements, a cell
+has a stress field of 14 parameters. Strains are linear in ``Δ``, so that it is condensed once, and
+the energy of a cell is a constant quadratic form of ``Δ``.
+
+The drilling strain ``c`` has the stiffness ``G t`` of membrane shear. Without the last two, nodes
+that rotate alternately about their directors would have no strain; they have 1 % of the stiffness
+of twist, which changes the bending stiffness of a strip of width b in its plane by ``0.01 (t/b)²``.
 
 Strains depend on the relative motion of frames only, and do not change in any rigid motion.
 """
@@ -26,12 +29,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import pi
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numba
 import numpy as np
 import ufl
-from dolfinx import fem
 from ufl.core.expr import Expr
 
 from fem_lie import lie
@@ -40,9 +42,10 @@ from fem_lie._jit import compiled
 from fem_lie._jit.stack import stack
 from fem_lie.elements.shells.cells import ShellCells
 from fem_lie.elements.shells.decoupled import EDGES
-from fem_lie.elements.shells.drilling import MEMBRANE_SHEAR, TWIST
+from fem_lie.elements.shells.drilling import FRACTION, MEMBRANE_SHEAR, TWIST
 from fem_lie.elements.shells.element import ShellFormulation
 from fem_lie.elements.shells.measures import MITC4, StrainMeasures
+from fem_lie.elements.shells.stress_modes import QUADRILATERAL
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.kernels.addresses import FrameMap, Pointer, frame_function
 from fem_lie.forms.local_forms import LocalFrameForms
@@ -50,6 +53,8 @@ from fem_lie.forms.local_forms import LocalFrameForms
 _EDGES = np.array(EDGES)
 _MOTIONS, _TURNS, _SIZE = 24, 24, 32
 """Number of relative motions; where cosines and sines of the nodes' turns begin; size."""
+_FIELD = 14
+"""Number of parameters of the stress field."""
 
 
 @compiled
@@ -184,30 +189,30 @@ class GeodesicShell(ShellFormulation):
     def forms(self, cells: ShellCells, stiffness: Array) -> LocalFrameForms:
         """DOLFINx forms of energy, forces and tangent of the relative motions of all edges."""
         nodal = cells.frames
-        V = nodal.function.function_space
-        frames = nodal.frames[V.dofmap.list]
+        frames = nodal.frames[nodal.function.function_space.dofmap.list]
         turns = _turns(frames, cells.axes)
-        turned = _turned(frames, turns)
-        d0 = lie.se3_relative(
-            turned[:, _EDGES[:, 0]].reshape(-1, 4, 3), turned[:, _EDGES[:, 1]].reshape(-1, 4, 3)
-        ).reshape(-1, _MOTIONS)
+        d0 = _edge_motions(frames, turns)
         y = cells.cellwise(np.concatenate([d0, turns.reshape(-1, 8)], axis=1))
         unloaded = cells.cellwise(d0)
-        J = ufl.as_matrix([[g[0], g[1]] for g in _along(unloaded, cells.point)])
-        inverse = cells.at_points(ufl.inv(J))
-        weight = cells.at_points(ufl.det(J) / ufl.det(cells.jacobian_at_points))
-        G = [
-            now - then
-            for now, then in zip(_along(y, cells.point), _along(unloaded, cells.point), strict=True)
-        ]
-        D = cells.cellwise(_with_drilling(stiffness))
+        K = cells.cellwise(Edges.of(d0).stiffness(stiffness))
+        mesh = nodal.function.function_space.mesh
         energy = StrainEnergy(
-            strain=_strain([inverse[i, 0] * G[0] + inverse[i, 1] * G[1] for i in (0, 1)]),
-            law=lambda e: 0.5 * ufl.inner(e, D * e),
-            dx=cells.dx,
-            weight=weight,
+            strain=ufl.as_vector([y[k] - unloaded[k] for k in range(_MOTIONS)]),
+            law=lambda Δ: 0.5 * ufl.inner(Δ, K * Δ),
+            dx=ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": 0}),
+            weight=1.0 / ufl.det(cells.jacobian),  # one point, at the centre of the unit square
         )
         return LocalFrameForms(energy, nodal.function, nodal.increment, EDGE_MOTIONS, coordinates=y)
+
+    def stress(self, cells: ShellCells, forms: LocalFrameForms, stiffness: Array) -> Expr:
+        """Stress resultants ``(N, M, Q)`` of the stress field of a cell, shape (8,)."""
+        nodal, forces = cells.frames, forms.stress
+        assert forces is not None
+        frames = nodal.frames[nodal.function.function_space.dofmap.list]
+        edges = Edges.of(_edge_motions(frames, _turns(frames, cells.axes)))
+        parameters = cells.cellwise(edges.parameters(stiffness)) * forces
+        centroid, J = cells.cellwise(edges.centroid), cells.cellwise(edges.centre)
+        return QUADRILATERAL.field([*parameters], cells.point, centroid, J)
 
 
 _MEASURES = {("quadrilateral", 1): replace(MITC4, largest_turn=pi)}
@@ -219,33 +224,113 @@ def _turns(frames: Array, axes: Array) -> Array:
     return np.asarray(along / np.linalg.norm(along, axis=2, keepdims=True))
 
 
-def _turned(frames: Array, turns: Array) -> Array:
-    """Frames turned about their third axes, (m, 4, 4, 3)."""
-    out, (c, s) = frames.copy(), np.moveaxis(turns, 2, 0)[..., np.newaxis]
-    out[:, :, 1] = c * frames[:, :, 1] + s * frames[:, :, 2]
-    out[:, :, 2] = c * frames[:, :, 2] - s * frames[:, :, 1]
+def _edge_motions(frames: Array, turns: Array) -> Array:
+    """Relative motions of the edges of all cells, in axes of the cells, (m, 24)."""
+    turned, (c, s) = frames.copy(), np.moveaxis(turns, 2, 0)[..., np.newaxis]
+    turned[:, :, 1] = c * frames[:, :, 1] + s * frames[:, :, 2]
+    turned[:, :, 2] = c * frames[:, :, 2] - s * frames[:, :, 1]
+    ends = (turned[:, _EDGES[:, side]].reshape(-1, 4, 3) for side in (0, 1))
+    return lie.se3_relative(*ends).reshape(-1, _MOTIONS)
+
+
+class Edges(NamedTuple):
+    """Geometry of cells from their edges, at four quadrature points.
+
+    Attributes:
+        points: Reference coordinates of the points, (4, 2).
+        weights: Areas of the points, (m, 4).
+        inverse: Inverse Jacobians, (m, 4, 2, 2).
+        centre: Jacobians of the centres, (m, 2, 2).
+        centroid: Reference coordinates of the centroids, (m, 2).
+    """
+
+    points: Array
+    weights: Array
+    inverse: Array
+    centre: Array
+    centroid: Array
+
+    @classmethod
+    def of(cls, d0: Array) -> Edges:
+        """Geometry from the unloaded relative motions of the edges, (m, 24)."""
+        u = d0.reshape(-1, 4, 6)[:, :, :2]
+        J = np.einsum("pae,mek->mpak", _along(_POINTS), u)
+        area = np.linalg.det(J)
+        centroid = np.einsum("mp,pk->mk", area, _POINTS) / area.sum(axis=1, keepdims=True)
+        centre = np.einsum("pae,mek->mpak", _along(np.array([[0.5, 0.5]])), u)[:, 0]
+        return cls(_POINTS, 0.25 * area, np.linalg.inv(J), centre, centroid)
+
+    @property
+    def _gradients(self) -> Array:
+        """``(Γᵢ, κᵢ)`` at the points, of relative motions of the edges, (m, 4, 2, 6, 24)."""
+        found = np.einsum("mpia,pae,kl->mpikel", self.inverse, _along(self.points), np.eye(6))
+        return found.reshape(*found.shape[:4], _MOTIONS)
+
+    @property
+    def _modes(self) -> Array:
+        """Stress resultants at the points of the 14 parameters of a cell, (m, 4, 8, 14)."""
+        m, J = len(self.centre), self.centre
+        ξ, η = np.moveaxis(self.points - self.centroid[:, np.newaxis], 2, 0)
+        P = np.zeros((m, 4, 8, _FIELD))
+        for first, columns in ((0, 0), (3, 5)):
+            for k, (i, j) in enumerate(((0, 0), (1, 1), (0, 1))):
+                P[:, :, first + k, columns + k] = 1.0
+                P[:, :, first + k, columns + 3] = η * (J[:, 0, i] * J[:, 0, j])[:, np.newaxis]
+                P[:, :, first + k, columns + 4] = ξ * (J[:, 1, i] * J[:, 1, j])[:, np.newaxis]
+        for i in (0, 1):
+            P[:, :, 6 + i, 10 + i] = 1.0
+            P[:, :, 6 + i, 12] = η * J[:, 0, i, np.newaxis]
+            P[:, :, 6 + i, 13] = ξ * J[:, 1, i, np.newaxis]
+        return P
+
+    def stiffness(self, section: Array) -> Array:
+        """Stiffness of a cell in relative motions of its edges, (m, 24, 24).
+
+        Args:
+            section: Section stiffness of each cell, (m, 8, 8).
+        """
+        a, b = np.moveaxis(self._gradients, 2, 0)
+        B, S = self._work(), self._stiffness_of_field(section)
+        G, D = (section[:, k, k] for k in (MEMBRANE_SHEAR, TWIST))
+        K = np.einsum("mji,mjk,mkl->mil", B, S, B, optimize=True)
+        drilling = [(G, a[:, :, 1] - b[:, :, 0])]
+        drilling += [(FRACTION * D, a[:, :, 5]), (FRACTION * D, b[:, :, 5])]
+        for k, c in drilling:
+            K += np.einsum("m,mp,mpi,mpj->mij", k, self.weights, c, c, optimize=True)
+        return K
+
+    def parameters(self, section: Array) -> Array:
+        """Parameters of the stress field per force conjugate to relative motions, (m, 14, 24).
+
+        Args:
+            section: Section stiffness of each cell, (m, 8, 8).
+        """
+        inverse = np.linalg.pinv(self.stiffness(section), rcond=1e-12, hermitian=True)
+        return self._stiffness_of_field(section) @ self._work() @ inverse
+
+    def _work(self) -> Array:
+        """Strains that do work on the parameters, per relative motion of the edges, (m, 14, 24)."""
+        a, b = np.moveaxis(self._gradients, 2, 0)
+        membrane = [a[:, :, 0], b[:, :, 1], a[:, :, 1] + b[:, :, 0]]
+        bending = [a[:, :, 4], -b[:, :, 3], b[:, :, 4] - a[:, :, 3]]
+        ε = np.stack([*membrane, *bending, a[:, :, 2], b[:, :, 2]], axis=2)
+        return np.einsum("mp,mpij,mpik->mjk", self.weights, self._modes, ε, optimize=True)
+
+    def _stiffness_of_field(self, section: Array) -> Array:
+        """Parameters of the stress field per strain that does work on them, (m, 14, 14)."""
+        P, C = self._modes, np.linalg.inv(section)
+        flexibility = np.einsum("mp,mpij,mik,mpkl->mjl", self.weights, P, C, P, optimize=True)
+        return np.asarray(np.linalg.inv(flexibility))
+
+
+_SIDE = 0.5 / np.sqrt(3.0)
+_POINTS = 0.5 + _SIDE * np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
+
+
+def _along(points: Array) -> Array:
+    """Weights of the edges in the motions along ξ and η at points (p, 2), shape (p, 2, 4)."""
+    ξ, η = points.T
+    out = np.zeros((len(points), 2, 4))
+    out[:, 0, 0], out[:, 0, 1] = 1.0 - η, η
+    out[:, 1, 2], out[:, 1, 3] = 1.0 - ξ, ξ
     return out
-
-
-def _along(d: fem.Function, point: tuple[Expr, Expr]) -> list[Expr]:
-    """Relative motions along ξ and along η at a point, shape (6,) each."""
-    ξ, η = point
-    edge = [ufl.as_vector([d[6 * e + k] for k in range(6)]) for e in range(4)]
-    return [(1 - η) * edge[0] + η * edge[1], (1 - ξ) * edge[2] + ξ * edge[3]]
-
-
-def _strain(g: list[Expr]) -> Expr:
-    """The eight strains, the drilling strain and the curvatures in the surface, shape (11,)."""
-    a, b = g
-    membrane = [a[0], b[1], a[1] + b[0]]
-    bending = [a[4], -b[3], b[4] - a[3]]
-    return ufl.as_vector([*membrane, *bending, a[2], b[2], a[1] - b[0], a[5], b[5]])
-
-
-def _with_drilling(stiffness: Array) -> Array:
-    """Section stiffness with that of drilling strain and of curvatures, shape (m, 11, 11)."""
-    D = np.zeros((len(stiffness), 11, 11))
-    D[:, :8, :8] = stiffness
-    D[:, 8, 8] = stiffness[:, MEMBRANE_SHEAR, MEMBRANE_SHEAR]
-    D[:, 9, 9] = D[:, 10, 10] = stiffness[:, TWIST, TWIST]
-    return D
