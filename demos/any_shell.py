@@ -13,6 +13,7 @@ FORMULATIONS: dict[str, fl.elements.ShellFormulation] = {
     "HR": fl.elements.HellingerReissner(),
     "HW": fl.elements.HuWashizu(),
     "MITC4": fl.elements.DisplacementBased(),
+    "geodesic": fl.elements.GeodesicShell(),
     "HR+": fl.elements.HellingerReissner(fl.elements.MITC4_PLUS),
 }
 PATCHES = {

@@ -9,7 +9,8 @@ the strip and by (1 - cos(kappa L))/kappa across it.
 
 The full bending strain x,a . t,b of ``HR``, ``HW`` and ``MITC4`` feels that chords are shorter than
 arcs: 16 elements are 0.18 rad behind at the full circle. The decoupled one turns each element by
-the exact angle, and what is left, where the circle is not closed, is the chords.
+the exact angle, and what is left, where the circle is not closed, is the chords. With ``geodesic``
+edges are arcs, and the circle is exact.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ FORMULATIONS: dict[str, fl.elements.ShellFormulation] = {
     "HR": fl.elements.HellingerReissner(),
     "HW": fl.elements.HuWashizu(),
     "MITC4": fl.elements.DisplacementBased(),
+    "geodesic": fl.elements.GeodesicShell(),
     "decoupled": fl.elements.HellingerReissner(fl.elements.DECOUPLED),
 }
 

@@ -9,6 +9,7 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
+from studies import distorted_shells
 
 SHELL = fl.elements.GeodesicShell()
 LENGTH, WIDTH, THICKNESS, E = 1.0, 0.2, 0.01, 1e7
@@ -196,3 +197,24 @@ def test_bad_input():
     with pytest.raises(ValueError, match="GeodesicShell is for quadrilaterals"):
         mesh = fl.mesh.parametric_surface(flat, (1, 1), cell="triangle")
         fl.Shell(mesh, layer, formulation=SHELL)
+
+
+def test_drilling_helps_on_distorted_cells():
+    """In-plane bending of trapezoids and parallelograms, over beam theory."""
+    found = distorted_shells.main()
+    for cells, five, geodesic in (("trapezoids", 0.06, 0.9), ("parallelograms", 0.65, 0.97)):
+        assert found[cells]["five_in_plane"] < five
+        assert found[cells]["geodesic_in_plane"] > geodesic
+    for values in found.values():
+        assert values["geodesic_across"] == pytest.approx(values["five_across"], rel=1e-3)
+
+
+@pytest.mark.filterwarnings("ignore:.*fold at 3.14 rad")
+def test_moments_of_one_element():
+    """The stress field of a bent element has the moment at its end, and nothing else."""
+    shell, result = bent(np.pi / 2, 1)
+    found = fl.post.resultants(result, shell)
+    moment = E * THICKNESS**3 / 12 * np.pi / 2 / LENGTH
+    np.testing.assert_allclose(np.abs(found.at_points[..., 3]), moment, rtol=1e-9)
+    others = np.delete(found.at_points, 3, axis=-1)
+    np.testing.assert_allclose(others, 0.0, atol=1e-6 * moment)

@@ -34,6 +34,7 @@ from typing import ClassVar, NamedTuple
 import numba
 import numpy as np
 import ufl
+from dolfinx import fem
 from ufl.core.expr import Expr
 
 from fem_lie import lie
@@ -210,6 +211,9 @@ class GeodesicShell(ShellFormulation):
         assert forces is not None
         frames = nodal.frames[nodal.function.function_space.dofmap.list]
         edges = Edges.of(_edge_motions(frames, _turns(frames, cells.axes)))
+        # the same numbers, constant in each cell instead of at its only point
+        constant = cells.cellwise(np.zeros((len(frames), _MOTIONS))).function_space
+        forces = fem.Function(constant, x=forces.x)
         parameters = cells.cellwise(edges.parameters(stiffness)) * forces
         centroid, J = cells.cellwise(edges.centroid), cells.cellwise(edges.centre)
         return QUADRILATERAL.field([*parameters], cells.point, centroid, J)

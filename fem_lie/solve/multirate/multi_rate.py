@@ -284,8 +284,10 @@ class MultiRate(Integrator):
 def _check_alike(part: Equations, whole: Equations) -> None:
     """Raise ``ValueError`` if drilling rotations depend on joints between domains."""
     rows = rows_of(part, whole)
-    if (part.unknowns.kinds != whole.unknowns.kinds[rows]).any():
+    kinds = part.unknowns.kinds != whole.unknowns.kinds[rows]
+    held = part.unknowns.held != whole.unknowns.held[rows]
+    if kinds.any() or held.any():
         raise ValueError(
             "MultiRate: nodes of a shell turn about their third directors because of a joint with "
-            "a body of other steps; give both steps of one size"
+            "a body of other steps; give both steps of one size, or the shell drilling=True"
         )
