@@ -284,9 +284,9 @@ class MultiRate(Integrator):
 def _check_alike(part: Equations, whole: Equations) -> None:
     """Raise ``ValueError`` if drilling rotations depend on joints between domains."""
     rows = rows_of(part, whole)
-    kinds = part.unknowns.kinds != whole.unknowns.kinds[rows]
-    held = part.unknowns.held != whole.unknowns.held[rows]
-    if kinds.any() or held.any():
+    labels = {body.label for body in part.scene.bodies}
+    drilling = labels.intersection(whole.unknowns.drilling) != set(part.unknowns.drilling)
+    if drilling or (part.unknowns.kinds != whole.unknowns.kinds[rows]).any():
         raise ValueError(
             "MultiRate: nodes of a shell turn about their third directors because of a joint with "
             "a body of other steps; give both steps of one size, or the shell drilling=True"
