@@ -18,6 +18,7 @@ from fem_lie.extend import GAP_SIGNATURE, GapSurface, callback, compiled, evalua
 
 SOFT = fl.Material(E=1e6, nu=0.3, density=1000.0)
 RUBBER = fl.sections.NeoHooke(1e6, 0.3, 1000.0)
+SECTION = fl.Section.circle(0.05, SOFT)
 LAYER = fl.ShellSection.layer(0.02, SOFT)
 RADIUS, HALF, DEPTH, TURN = 0.05, 0.25, 2e-3, 0.4
 ROUND, WIDE = 20.0, 2000.0
@@ -110,6 +111,33 @@ def line(position: Place) -> Part:
     return Part(body, fl.contact.Line(body, RADIUS))
 
 
+def thread(position: Place, of: Callable[[fl.mesh.LineMesh], fl.extend.Body]) -> Part:
+    """A line along another body, with a small curvature."""
+
+    def axis(s: float) -> np.ndarray:
+        return position(2 * HALF * (s - 0.5), 0.02 * (s - 0.5) ** 2, RADIUS)
+
+    body = of(fl.mesh.curve(axis, 3))
+    return Part(body, fl.contact.Line(body, RADIUS))
+
+
+def spline(mesh: fl.mesh.LineMesh) -> fl.SplineCable:
+    return fl.SplineCable.through(mesh.points, SECTION)
+
+
+def net(mesh: fl.mesh.LineMesh) -> fl.Net:
+    """A cable, and one through its first node that does not touch anything."""
+    away = (
+        mesh.points[0]
+        + (mesh.points[0] - mesh.points[1]) @ Rotation.from_rotvec([0, 0, 1.0]).as_matrix()
+    )
+    return fl.Net(np.vstack([mesh.points, away]), [[0, 1, 2, 3], [0, 4]], SECTION)
+
+
+def discrete_rod(mesh: fl.mesh.LineMesh) -> fl.Rod:
+    return fl.Rod(mesh, SECTION, formulation=fl.elements.DiscreteRod())
+
+
 def vertices(position: Place) -> Part:
     body = beam(position, 2)
     return Part(body, fl.contact.Vertices([fl.extend.Point(body, k) for k in range(3)], RADIUS))
@@ -148,6 +176,10 @@ SURFACES: dict[str, Callable[[Place], Part]] = {
     "box": box,
     "bar": bar,
     "line": line,
+    "cable": lambda position: thread(position, lambda mesh: fl.Cable(mesh, SECTION)),
+    "spline cable": lambda position: thread(position, spline),
+    "net": lambda position: thread(position, net),
+    "discrete rod": lambda position: thread(position, discrete_rod),
     "shell": lambda position: sheet(position, smooth=True),
     "bilinear shell": lambda position: sheet(position, smooth=False),
     "triangles of a shell": lambda position: sheet(position, smooth=False, cell="triangle"),
@@ -250,7 +282,8 @@ def model(one: str, two: str) -> Model:
 
 
 STEP = 1e-6
-LINES, POINTS = {"bar", "line"}, {"ball", "nodes of a beam", "hollow", "knob", "plane"}
+THREADS = {"cable", "spline cable", "net", "discrete rod"}
+LINES, POINTS = {"bar", "line", *THREADS}, {"ball", "nodes of a beam", "hollow", "knob", "plane"}
 
 
 def parts_move(one: str, two: str) -> bool:
@@ -294,8 +327,8 @@ def test_a_rigid_motion_of_both_changes_nothing(one, two):
     assert of.term.energy(there) == pytest.approx(of.term.energy(of.H), rel=1e-9)
 
 
-OTHERS = {"triangles of a shell", "tetrahedra", "thin shell", "ANCF shell", "shell"}
-"""Patches whose laws are those of other patches: they run against few surfaces."""
+OTHERS = {"triangles of a shell", "tetrahedra", "thin shell", "ANCF shell", "shell", *THREADS}
+"""Patches and lines whose laws are those of others: they run against few surfaces."""
 RUN = [pair for pair in PAIRS if not OTHERS & {*pair} or {"ball", "line", "box"} & {*pair}]
 
 

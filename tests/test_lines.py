@@ -135,9 +135,10 @@ def crossing(law: fl.contact.Penalty | fl.contact.Impact, z: float = 0.02) -> fl
     )
 
 
-def refuse_self() -> None:
-    line = fl.contact.Line(straight((-1, 0, 0), (1, 0, 0)), RADIUS)
-    fl.contact.Contact(line, line, LAW).check()
+def refuse_twice() -> None:
+    beam = straight((-1, 0, 0), (1, 0, 0))
+    lines = (fl.contact.Line(beam, RADIUS) for _ in range(2))
+    fl.contact.Contact(*lines, LAW).check()
 
 
 def refuse_ball() -> None:
@@ -164,7 +165,7 @@ REFUSED = {
     "curl": (refuse_curl, "are not unique"),
     "impact": (lambda: crossing(fl.contact.Impact()).check(), "two: lines touch by Penalty"),
     "overlap": (lambda: crossing(LAW, 0.018).check(), r"two: they overlap by 0.0019"),
-    "itself": (refuse_self, "does not touch itself"),
+    "itself": (refuse_twice, "touches itself by one Line, given twice"),
     "ball": (refuse_ball, r"Sphere on ground.* they overlap by 0\.1"),
     "kink": (refuse_kink, "e₁ of node 0 is more than 10° off"),
     "ramp": (lambda: fl.contact.Penalty(1.0, 1.0, ramp=-1.0), "ramp must not be negative"),

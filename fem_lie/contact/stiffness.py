@@ -8,7 +8,7 @@ from functools import singledispatch
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.beams.line_body import LineBody
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.thin_shells.smooth_surface import SmoothSurface
@@ -21,8 +21,9 @@ _FRACTION = 0.2
 def chosen_stiffness(bodies: Iterable[Body], power: int, what: str) -> float:
     """Penalty stiffness by the softest element of the bodies.
 
-    For a beam it is a fifth of EA/ℓ. A shell is touched across its thickness, and is soft against
-    that load: its stiffness is E ℓ, with the membrane stiffness E t and the size ℓ of an element.
+    For a beam or a cable it is a fifth of EA/ℓ. A shell is touched across its thickness, and is
+    soft against that load: its stiffness is E ℓ, with the membrane stiffness E t and the size ℓ of
+    an element.
     A force that strains it by ε in bending is about 0.4 ε E t², so that it overlaps by a part
     0.8 ε t/ℓ of half the thickness. Where contact forces are per length both are divided by ℓ, and
     where they are per area by ℓ².
@@ -34,12 +35,12 @@ def chosen_stiffness(bodies: Iterable[Body], power: int, what: str) -> float:
         what: Label of the contact for the message.
 
     Raises:
-        ValueError: There is neither a beam nor a shell among the bodies.
+        ValueError: There is neither a body along a line nor a shell among the bodies.
     """
     known = [k for body in bodies if (k := _softest(body, power)) is not None]
     if not known:
         raise ValueError(
-            f"{what}: Penalty needs a stiffness, for neither surface belongs to a beam or a shell; "
+            f"{what}: Penalty needs a stiffness, for neither surface belongs to a line or a shell; "
             "give m v²/δ², for a mass m that comes with a speed v and is to go in by δ"
         )
     return min(known)
@@ -52,7 +53,7 @@ def _softest(body: Body, power: int) -> float | None:
 
 
 @_softest.register
-def _(body: Beam, power: int) -> float:
+def _(body: LineBody, power: int) -> float:
     of = body.model
     return float(_FRACTION * (of.stiffness[:, 0, 0] / of.lengths ** (1 + power)).min())
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, flag, instance
-from fem_lie.bodies.beams.line_body import LineBody, LineModel, Placed
+from fem_lie.bodies.beams.line_body import LineBody, LineModel, Placed, SmoothLine
 from fem_lie.bodies.beams.sectioned import (
     Sections,
     log_open_profiles,
@@ -50,6 +50,15 @@ class BeamModel(LineModel):
     """
 
     chains: Chains
+
+    @property
+    def smooth_lines(self) -> list[SmoothLine]:
+        """The chains."""
+        found = []
+        for own in np.split(self.chains.order, self.chains.first[1:]):
+            a, b = self.elements[own, 0], self.elements[own, 1]
+            found.append(SmoothLine(np.append(a, b[-1]), own))
+        return found
 
     def point_in_cell(self, element: int, part: float) -> MaterialPoint:
         """Material point within an element, as the element interpolates it, or one of its nodes.

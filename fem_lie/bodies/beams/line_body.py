@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Hashable, Sequence
 from typing import Any, NamedTuple
 
@@ -37,6 +38,23 @@ class Placed(NamedTuple):
     lengths: Array
     masters: Indices
     pairs: Indices
+
+
+class SmoothLine(NamedTuple):
+    """Elements that continue each other with one tangent.
+
+    Attributes:
+        nodes: Nodes along the line; the first one again at the end if the line is closed, (m + 1,).
+        elements: The elements, in order, shape (m,).
+    """
+
+    nodes: Indices
+    elements: Indices
+
+    @property
+    def closed(self) -> bool:
+        """Whether the line is closed."""
+        return bool(self.nodes[0] == self.nodes[-1])
 
 
 class LineModel(SectionedModel):
@@ -105,6 +123,11 @@ class LineModel(SectionedModel):
     def tension_only(self) -> bool:
         """Whether the formulation is tension-only."""
         return self.formulation.tension_only
+
+    @property
+    @abstractmethod
+    def smooth_lines(self) -> list[SmoothLine]:
+        """Lines of elements that continue each other smoothly."""
 
     @classmethod
     def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:

@@ -24,7 +24,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices, instance, members_within
 from fem_lie._jit import compiled
 from fem_lie.bodies.beams.assembly import BeamAssembly
-from fem_lie.bodies.beams.line_body import LineBody, LineModel, Placed
+from fem_lie.bodies.beams.line_body import LineBody, LineModel, Placed, SmoothLine
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.model import NO_HOLDS, AxesUpdate, HeldRotation, Holds, MaterialPoint
 from fem_lie.bodies.points import require_point
@@ -188,6 +188,33 @@ class CableModel(LineModel):
         if found:
             assembly.further_terms.append(BendingSprings(Bends.joined(found), assembly.count))
         return assembly
+
+    @property
+    def smooth_lines(self) -> list[SmoothLine]:
+        """Lines of successive elements."""
+        links: dict[tuple[int, int], int] = {}
+        both = np.column_stack([self.successive.nodes[:, 1], self.successive.edges])
+        for k in range(len(both)):
+            node, one, other = (int(number) for number in both[k])
+            links[one, node], links[other, node] = other, one
+        cells = self.elements[:, :2]
+        ends = [(e, int(cells[e, k])) for e in range(len(cells)) for k in range(2)]
+        found: list[SmoothLine] = []
+        done: set[int] = set()
+        # closed lines have no end: start them at the first node of their first element
+        for start, node in [end for end in ends if end not in links] + ends[::2]:
+            if start in done:
+                continue
+            nodes, e = [node], start
+            own: list[int] = []
+            while e not in done:
+                done.add(e)
+                own.append(e)
+                a, b = (int(number) for number in cells[e])
+                nodes.append(b if nodes[-1] == a else a)
+                e = links.get((e, nodes[-1]), e)
+            found.append(SmoothLine(np.array(nodes), np.array(own)))
+        return found
 
     @property
     def divisible_cells(self) -> Indices | None:

@@ -10,13 +10,14 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie.contact.sides.curves import set_curves
 from fem_lie.contact.sides.detection import first_crossing
-from fem_lie.contact.sides.gauss_points import middles_of as middles_of_lines
 from fem_lie.contact.sides.gauss_points import (
+    lines_of,
     runs_of,
     set_nearest_of_lines,
     set_separations,
     strands_of,
 )
+from fem_lie.contact.sides.gauss_points import middles_of as middles_of_lines
 from fem_lie.contact.sides.kinematics import positions
 from fem_lie.contact.sides.pairs import NearPairs
 from fem_lie.contact.sides.passage import Passage, first_passage
@@ -118,7 +119,7 @@ class CurveSides(PointSides):
             nodes: Gives the numbers of the nodes of a body in the scene.
         """
         self._b = strands_of(pieces, nodes)
-        self._chains = np.cumsum(np.append(0, ~self._b.continues[:-1]))
+        self._chains = lines_of(self._b)
         none = np.empty((0, 2), dtype=np.int64)
         super().__init__(samples, middles_of_lines(pieces, self._b), self._b.radii, none)
 
@@ -131,7 +132,7 @@ class CurveSides(PointSides):
         self, H: Array, workspace: ContactPoints, keys: Indices, beyond: float
     ) -> ContactPoints:
         set_curves(H, self._b, False)
-        runs = runs_of(self.near.now, self._b.continues)
+        runs = runs_of(self.near.now, self._b.after)
         given = H, self.samples, self._b, runs, self.near.first, beyond
         k = set_nearest_of_lines(*given, workspace, keys)
         return workspace._replace(pairs=workspace.pairs[:k])
@@ -147,7 +148,7 @@ class CurveSides(PointSides):
 
     def passed(self, start: Array, end: Array) -> Passage | None:
         """A point that passed through a line, on a straight path from its closest point there."""
-        runs = runs_of(self.near.in_step(start, end)[2], self._b.continues)
+        runs = runs_of(self.near.in_step(start, end)[2], self._b.after)
         separations, feet = np.empty((2, len(runs), 3)), empty_side(len(runs))
         set_curves(start, self._b, False)
         set_separations(start, end, self.samples.at, self._b, runs, feet, separations)

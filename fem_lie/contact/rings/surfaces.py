@@ -1,8 +1,6 @@
 """Ropes, as smooth curves through their nodes, and rings that they run through.
 
-Along its undeformed length ``σ`` a rope is a cubic between nodes, linear in the coordinates of at
-most four of them. It is Hermite's cubic of the nodal position gradients, or of the slope of the
-parabola through a node and its two neighbours. So the curve has no kinks.
+Along its undeformed length ``σ`` a rope is a cubic between nodes, see :mod:`.cubics`.
 """
 
 from __future__ import annotations
@@ -18,6 +16,7 @@ from fem_lie._arrays import Array, Indices, indices_of, instance, numbers
 from fem_lie.bodies.beams.line_body import LineBody
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_node, require_point
+from fem_lie.contact.rings.cubics import Cubics, cubics
 from fem_lie.contact.sides.surfaces import ContactSurface, initial_frame
 from fem_lie.lie.node_types import NodeType
 
@@ -109,43 +108,11 @@ class Rope(ContactSurface):
         """Initial positions of the nodes, shape (n, 3)."""
         return np.asarray(self.body.frames[self.path, 0])
 
-    def controls(self) -> tuple[Indices, Array]:
-        """Ends and tangents of the cubic of each segment, in a parameter from 0 to 1.
-
-        Returns:
-            Indices along the path of the nodes that it depends on, −1: none, shape (m, 4), and the
-            weights of their coordinate vectors 0 and 1 in both ends, then in both tangents, shape
-            (m, 4, 2, 4).
-        """
-        lengths, m = self.lengths, len(self.path) - 1
-        slots, found = np.full((m, 4), -1), np.zeros((m, 4, 2, 4))
-        by_places = self.body.model.node_types[self.path[0]] == NodeType.POSITION
-        for k in range(m):
-            first, count = (max(k - 1, 0), min(m, k + 2)) if by_places else (k, k + 1)
-            slots[k, : count - first + 1] = range(first, count + 1)
-            for end in range(2):
-                found[k, k + end - first, 0, end] = 1.0
-                if not by_places:
-                    found[k, end, 1, 2 + end] = lengths[k]
-                    continue
-                for node, factor in _slope(lengths, k + end).items():
-                    found[k, node - first, 0, 2 + end] = lengths[k] * factor
-        return slots, found
-
-
-def _slope(lengths: Array, k: int) -> dict[int, float]:
-    """Weights of positions in the slope at a node, that of the parabola through three nodes."""
-    m = len(lengths)
-    if k in (0, m):
-        # at an end: the slope of the neighbour's parabola
-        inner, side = (1, 0) if k == 0 else (m - 1, m - 1)
-        found = {node: -factor for node, factor in _slope(lengths, inner).items()}
-        found[side + 1] = found.get(side + 1, 0.0) + 2.0 / lengths[side]
-        found[side] = found.get(side, 0.0) - 2.0 / lengths[side]
-        return found
-    a, b = lengths[k - 1], lengths[k]
-    before, after = b / (a * (a + b)), a / (b * (a + b))
-    return {k - 1: -before, k: before - after, k + 1: after}
+    def controls(self) -> Cubics:
+        """Cubic of each segment."""
+        path = self.path
+        types = np.asarray(self.body.model.node_types[path], dtype=np.int64)
+        return cubics(self.body.frames[path], types, self.lengths)
 
 
 @dataclass(frozen=True, eq=False)

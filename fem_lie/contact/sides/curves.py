@@ -12,39 +12,43 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.contact.sides.kinematics import normal_of, position
-from fem_lie.contact.sides.table import GROUND, Side
+from fem_lie.contact.sides.surfaces import MOST_NODES
+from fem_lie.contact.sides.table import GROUND, UNUSED, Side
 from fem_lie.lie.motions import global_components
 from fem_lie.lie.tuples import Vector, combined, dot, load_row, minus, plus, scaled, store_row
 
 
 class Strands(NamedTuple):
-    """Segments of lines; consecutive segments of a line follow each other.
+    """Segments of lines; see :class:`~fem_lie.contact.sides.surfaces.Piece`.
 
     Attributes:
-        nodes: Nodes at both ends, shape (m, 2).
-        ends: Offsets of the ends in the frames of these nodes, shape (m, 2, 3).
-        tangents: Tangents in these frames, shape (m, 2, 3).
+        nodes: Nodes that a segment depends on, :data:`UNUSED` after the last, shape (m, 4).
+        weights: Weights of their positions in the ends and in the tangents, shape (m, 4, 4).
+        arms: Weights of their directors in the same, shape (m, 4, 4, 3).
         lengths: Undeformed arc lengths, shape (m,).
-        chords: Undeformed distances of the ends, shape (m,).
+        chords: Undeformed distances of the ends, zero for tangents that stretch with the nodes,
+            shape (m,).
         stretches: Stretches of the chords, by which the tangents are multiplied. They are updated
             in increments of :data:`_STRETCH`, so that points are linear in frames, shape (m,).
         radii: Radii, shape (m,).
-        continues: Whether the next segment continues the segment, shape (m,).
+        before: Segment that the segment continues, −1: none, shape (m,).
+        after: Segment that continues the segment, −1: none, shape (m,).
         curves: Present ends and tangents, shape (m, 4, 3).
         bulges: Largest distances of the curves from their chords, shape (m,).
     """
 
     nodes: Indices
-    ends: Array
-    tangents: Array
+    weights: Array
+    arms: Array
     lengths: Array
     chords: Array
     stretches: Array
     radii: Array
-    continues: Flags
+    before: Indices
+    after: Indices
     curves: Array
     bulges: Array
 
@@ -70,6 +74,9 @@ class Opposite(NamedTuple):
 _ZERO = 1e-14
 """Accuracy of a position on a segment, relative to its length."""
 
+_SEAM = 1e-9
+"""Parameter within which a position is at an end of a segment."""
+
 _TURNS = 60
 """Largest number of iterations; each at least halves the interval."""
 
@@ -82,19 +89,23 @@ _STRETCH = 1e-4
 def set_curves(H: Array, strands: Strands, stretched: bool) -> None:
     """Set ends and tangents at frames ``H``; if ``stretched``, update the stretches."""
     for i in range(strands.nodes.shape[0]):
-        for k in range(2):
-            node = strands.nodes[i, k]
-            p, t = load_row(strands.ends[i], k), load_row(strands.tangents[i], k)
-            if node != GROUND:
-                p = plus(load_row(H[node], 0), global_components(H[node], p))
-                t = global_components(H[node], t)
-            store_row(strands.curves[i], k, p)
-            store_row(strands.curves[i], 2 + k, t)
         C = strands.curves[i]
+        C[:] = 0.0
+        for a in range(MOST_NODES):
+            node = strands.nodes[i, a]
+            if node == UNUSED:
+                break
+            for q in range(4):
+                part = load_row(strands.arms[i, a], q)
+                if node != GROUND:
+                    x = scaled(strands.weights[i, a, q], load_row(H[node], 0))
+                    part = plus(x, global_components(H[node], part))
+                store_row(C, q, plus(load_row(C, q), part))
         chord = minus(load_row(C, 1), load_row(C, 0))
-        stretch = np.sqrt(dot(chord, chord)) / strands.chords[i]
-        if stretched and abs(stretch - strands.stretches[i]) > _STRETCH:
-            strands.stretches[i] = stretch
+        if stretched and strands.chords[i] > 0.0:
+            stretch = np.sqrt(dot(chord, chord)) / strands.chords[i]
+            if abs(stretch - strands.stretches[i]) > _STRETCH:
+                strands.stretches[i] = stretch
         for k in range(2):
             store_row(C, 2 + k, scaled(strands.stretches[i], load_row(C, 2 + k)))
         strands.bulges[i] = _bulge(chord, load_row(C, 2), load_row(C, 3))
@@ -200,6 +211,16 @@ def project(C: Array, P: Vector) -> float:
     return stationary(C, P, 0.0, 1.0, f0 / (f0 - f1), _ZERO)
 
 
+@inlined_uncounted
+def _is_beyond(C: Array, P: Vector) -> bool:
+    """Whether the closest point to ``P`` is after the start of a curve, not before.
+
+    Both lists of segments that meet there ask this of the same curve, so that round-off does not
+    give the point to both of them, or to none.
+    """
+    return bool(pull(C, 0.0, P)[0] < 0.0)
+
+
 @uncounted
 def nearest(strands: Strands, other: Opposite, P: Vector) -> tuple[float, int, float]:
     """Squared distance, segment and parameter of the closest point of a line."""
@@ -210,9 +231,12 @@ def nearest(strands: Strands, other: Opposite, P: Vector) -> tuple[float, int, f
         square = dot(separation, separation)
         if square < best:
             best, found, where = square, j, s
-    # at an end of the list where the line continues, another segment is closer
-    begins = found == other.first and where == 0.0 and found > 0 and strands.continues[found - 1]
-    if begins or (found == other.last and where == 1.0 and strands.continues[found]):
+    # at an end of the list where the line continues, another segment may be closer
+    begins = found == other.first and where < _SEAM and strands.before[found] >= 0
+    if begins and not _is_beyond(strands.curves[found], P):
+        return np.inf, -1, 0.0
+    ends = found == other.last and where > 1.0 - _SEAM and strands.after[found] >= 0
+    if ends and _is_beyond(strands.curves[strands.after[found]], P):
         return np.inf, found, where
     return best, found, where
 

@@ -1,4 +1,4 @@
-"""Gauss points of overlapping lines: each is a ball with a position linear in two nodes."""
+"""Gauss points of overlapping lines: each is a ball with a position linear in nodes."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
 from fem_lie.contact.sides.curves import (
     Opposite,
@@ -22,10 +22,11 @@ from fem_lie.contact.sides.curves import (
 from fem_lie.contact.sides.curves import at as position_at
 from fem_lie.contact.sides.kinematics import position
 from fem_lie.contact.sides.passage import are_apart
-from fem_lie.contact.sides.surfaces import Piece
+from fem_lie.contact.sides.surfaces import MOST_NODES, Piece
 from fem_lie.contact.sides.table import (
     GROUND,
     PLANE,
+    UNUSED,
     ContactPoints,
     Nodes,
     Samples,
@@ -34,7 +35,7 @@ from fem_lie.contact.sides.table import (
     empty_side,
     number_of,
 )
-from fem_lie.lie.tuples import Vector, dot, load_row, minus, plus, scaled, store_row
+from fem_lie.lie.tuples import Vector, combined, dot, load_row, minus, plus, scaled, store_row
 
 GAUSS = 3
 GAUSS_AT, GAUSS_WEIGHT = np.polynomial.legendre.leggauss(GAUSS)
@@ -46,31 +47,38 @@ _BULGE = 1.1
 
 def strands_of(pieces: Sequence[Piece], nodes: Nodes) -> Strands:
     """Segments of lines as packed arrays."""
-    numbers = [[number_of(*owner, nodes) for owner in piece.owners] for piece in pieces]
-    continues: Flags = np.array([piece.continues for piece in pieces], dtype=np.bool_)
+    m = len(pieces)
+    numbers = np.full((m, MOST_NODES), UNUSED)
+    weights_, arms = np.zeros((m, MOST_NODES, 4)), np.zeros((m, MOST_NODES, 4, 3))
+    after = np.array([piece.following for piece in pieces], dtype=np.int64)
+    before = np.full(m, -1)
+    before[after[after >= 0]] = np.flatnonzero(after >= 0)
+    for i, piece in enumerate(pieces):
+        k = len(piece.owners)
+        numbers[i, :k] = [number_of(*owner, nodes) for owner in piece.owners]
+        weights_[i, :k], arms[i, :k] = piece.weights, piece.arms
     return Strands(
-        np.array(numbers, dtype=np.int64).reshape(-1, 2),
-        np.array([piece.ends for piece in pieces]).reshape(-1, 2, 3),
-        np.array([piece.tangents for piece in pieces]).reshape(-1, 2, 3),
+        numbers,
+        weights_,
+        arms,
         np.array([piece.length for piece in pieces]),
         np.array([piece.chord for piece in pieces]),
-        np.ones(len(pieces)),
+        np.ones(m),
         np.array([piece.radius for piece in pieces]),
-        continues,
-        np.zeros((len(pieces), 4, 3)),
-        np.zeros(len(pieces)),
+        before,
+        after,
+        np.zeros((m, 4, 3)),
+        np.zeros(m),
     )
 
 
 def middles_of(pieces: Sequence[Piece], strands: Strands) -> Side:
     """Balls about the midpoints of segments that enclose the segments."""
     found = empty_side(len(pieces))
-    found.nodes[:, :2] = strands.nodes
-    w = weights(0.5)
-    found.weights[:, :2] = w[:2]
-    found.arms[:, :2] = 0.5 * strands.ends
-    found.arms[:, 0] += w[2] * strands.tangents[:, 0]
-    found.arms[:, 1] += w[3] * strands.tangents[:, 1]
+    w = np.array(weights(0.5))
+    found.nodes[:] = strands.nodes
+    found.weights[:] = strands.weights @ w
+    found.arms[:] = np.einsum("makj,k->maj", strands.arms, w)
     found.radii[:] = strands.radii + 0.5 * _BULGE * strands.lengths
     # each segment has an owner of its own: segments of the same body touch those of the other side
     found.owners[:] = np.where(strands.nodes[:, 0] == GROUND, GROUND, strands.nodes[:, 0])
@@ -82,12 +90,10 @@ def line_samples(pieces: Sequence[Piece], nodes: Nodes) -> Samples:
     strands = strands_of(pieces, nodes)
     m, found = len(pieces), empty_side(GAUSS * len(pieces))
     for q in range(GAUSS):
-        w = weights(0.5 + 0.5 * GAUSS_AT[q])
-        for k in range(2):
-            found.weights[q::GAUSS, k] = w[k]
-            tangents = w[2 + k] * strands.tangents[:, k]
-            found.arms[q::GAUSS, k] = w[k] * strands.ends[:, k] + tangents
-    found.nodes[:, :2] = np.repeat(strands.nodes, GAUSS, axis=0)
+        w = np.array(weights(0.5 + 0.5 * GAUSS_AT[q]))
+        found.weights[q::GAUSS] = strands.weights @ w
+        found.arms[q::GAUSS] = np.einsum("makj,k->maj", strands.arms, w)
+    found.nodes[:] = np.repeat(strands.nodes, GAUSS, axis=0)
     found.radii[:] = np.repeat(strands.radii, GAUSS)
     found.owners[:] = found.nodes[:, 0]
     measures = np.tile(0.5 * GAUSS_WEIGHT, m) * np.repeat(strands.lengths, GAUSS)
@@ -97,10 +103,9 @@ def line_samples(pieces: Sequence[Piece], nodes: Nodes) -> Samples:
 @uncounted
 def set_position(strands: Strands, i: int, s: float, out: Side, q: int) -> None:
     """Store a point of a segment as a ball."""
-    w = weights(s)
-    out.nodes[q, 0], out.nodes[q, 1] = strands.nodes[i, 0], strands.nodes[i, 1]
-    out.weights[q, 0], out.weights[q, 1] = w[0], w[1]
-    _set_arms(strands, i, w, out.arms[q])
+    for a in range(MOST_NODES):
+        out.nodes[q, a] = strands.nodes[i, a]
+    _set_factors(strands, i, weights(s), out.weights[q], out.arms[q])
     out.radii[q] = strands.radii[i]
     out.owners[q] = strands.nodes[i, 0]
 
@@ -108,21 +113,31 @@ def set_position(strands: Strands, i: int, s: float, out: Side, q: int) -> None:
 @uncounted
 def _set_sliding(b: Strands, j: int, σ: float, P: Vector, out: Sliding, q: int) -> None:
     """Set how the closest point to ``P`` moves along a segment."""
-    D, (w0, w1, m0, m1) = b.curves[j], slopes(σ)
+    D = b.curves[j]
     separation, t = minus(P, position_at(D, σ)), slope(D, σ)
     store_row(out.slopes[q], 0, scaled(1.0 if 0.0 < σ < 1.0 else 0.0, t))
     out.bends[q, 0] = dot(t, t) - dot(separation, bend(D, σ))
-    out.weights[q, 0, 0], out.weights[q, 0, 1] = w0, w1
-    _set_arms(b, j, (w0, w1, m0, m1), out.arms[q, 0])
+    _set_factors(b, j, slopes(σ), out.weights[q, 0], out.arms[q, 0])
 
 
 @inlined_uncounted
-def _set_arms(strands: Strands, i: int, w: tuple[float, float, float, float], out: Array) -> None:
-    ends, tangents = strands.ends[i], strands.tangents[i]
-    for k in range(2):
-        p, t = load_row(ends, k), load_row(tangents, k)
-        w_, m = (w[0], w[2]) if k == 0 else (w[1], w[3])
-        store_row(out, k, plus(scaled(w_, p), scaled(m * strands.stretches[i], t)))
+def _set_factors(
+    strands: Strands, i: int, w: tuple[float, float, float, float], by_positions: Array, arms: Array
+) -> None:
+    """Set the weights of the nodes of a segment, (4,) and (4, 3), for weights of its vectors."""
+    m0, m1 = w[2] * strands.stretches[i], w[3] * strands.stretches[i]
+    for a in range(MOST_NODES):
+        x, c = strands.weights[i, a], strands.arms[i, a]
+        by_positions[a] = w[0] * x[0] + w[1] * x[1] + m0 * x[2] + m1 * x[3]
+        ends = combined(w[0], load_row(c, 0), w[1], load_row(c, 1))
+        tangents = combined(m0, load_row(c, 2), m1, load_row(c, 3))
+        store_row(arms, a, plus(ends, tangents))
+
+
+def lines_of(strands: Strands) -> Indices:
+    """Number of the line that each segment is on, shape (m,)."""
+    starts = strands.after[:-1] != np.arange(1, len(strands.after))
+    return np.cumsum(np.append(0, starts)).astype(np.int64)
 
 
 @uncounted
@@ -237,18 +252,17 @@ def set_separations(
             store_row(out[1], run, minus(position(end, a, i), position(end, feet, run)))
 
 
-def runs_of(pairs: Indices, continues: Flags | None) -> Indices:
+def runs_of(pairs: Indices, after: Indices | None) -> Indices:
     """Runs of consecutive second segments: first point, first and last segment, first pair; (r, 4).
 
     Args:
         pairs: Points or segments and segments near them, sorted, shape (m, 2).
-        continues: Whether each segment is continued by the next one; ``None``: planes, which never
-            are.
+        after: Segment that continues each segment; ``None``: planes, which nothing continues.
     """
     i, j = pairs.T
     begins = np.ones(len(i), dtype=np.bool_)
-    if continues is not None and len(i):
-        begins[1:] = ~((i[1:] == i[:-1]) & (j[1:] == j[:-1] + 1) & continues[j[:-1]])
+    if after is not None and len(i):
+        begins[1:] = ~((i[1:] == i[:-1]) & (j[1:] == j[:-1] + 1) & (after[j[:-1]] == j[1:]))
     first = np.flatnonzero(begins)
     last = np.append(first[1:], len(i))[: len(first)] - 1
     return np.stack([i[first], j[first], j[last], first], axis=1)

@@ -52,25 +52,39 @@ class Ball(NamedTuple):
 
 
 class Piece(NamedTuple):
-    """A segment of a line.
+    """A segment of a line: a cubic with two ends and two tangents, in a parameter from 0 to 1.
+
+    Each of these four vectors is linear in the nodal coordinates, ``Σ (w x + R c)``.
 
     Attributes:
-        owners: Body and node at both ends; ``None``: ground.
-        ends: ``p`` in these frames, shape (2, 3).
-        tangents: ``t`` in these frames, shape (2, 3).
+        owners: Body and node of each frame, at most :data:`MOST_NODES`; ``None``: ground.
+        weights: ``w`` of each in the ends and in the tangents, shape (k, 4).
+        arms: ``c`` of each in the ends and in the tangents, shape (k, 4, 3).
         length: Undeformed arc length.
-        chord: Undeformed distance of the ends.
+        chord: Undeformed distance of the ends, if the tangents must be multiplied by the stretch of
+            the chord, as those of frames; else zero.
         radius: Radius.
-        continues: Whether the next segment starts at the end of this one, with the same tangent.
+        following: Index of the segment that starts at the end of this one, with the same tangent;
+            −1: none.
     """
 
-    owners: tuple[Owner, Owner]
-    ends: Array
-    tangents: Array
+    owners: tuple[Owner, ...]
+    weights: Array
+    arms: Array
     length: float
     chord: float
     radius: float
-    continues: bool
+    following: int
+
+    @property
+    def ends(self) -> tuple[Owner | None, Owner | None]:
+        """Nodes at the ends; ``None`` for an end that is no node."""
+        found: list[Owner | None] = [None, None]
+        for k, owner in enumerate(self.owners):
+            for end in range(2):
+                if self.weights[k, end] == 1.0 and not self.arms[k, end].any():
+                    found[end] = owner
+        return found[0], found[1]
 
 
 class Face(NamedTuple):

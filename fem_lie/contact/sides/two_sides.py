@@ -18,6 +18,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.contact.sides.curves import set_curves
 from fem_lie.contact.sides.gauss_points import (
     GAUSS,
+    lines_of,
     middles_of,
     runs_of,
     set_points,
@@ -190,16 +191,33 @@ class Lines(Sides):
     """A line, and another line or planes near it."""
 
     def __init__(
-        self, a: Sequence[Piece], b: Sequence[Piece], planes: Side | None, nodes: Nodes
+        self,
+        a: Sequence[Piece],
+        b: Sequence[Piece],
+        planes: Side | None,
+        nodes: Nodes,
+        *,
+        left_out: Indices | None = None,
     ) -> None:
-        """Store segments of both lines, or planes instead of the second, and numbers of nodes."""
+        """Store both sides.
+
+        Args:
+            a: Segments of the first line.
+            b: Segments of the second line.
+            planes: Planes instead of the second line.
+            nodes: Gives the numbers of the nodes of a body in the scene.
+            left_out: For a line that touches itself: pairs of segments that do not touch, (k, 2).
+        """
         self._a, self._b = strands_of(a, nodes), strands_of(b, nodes)
         middles = middles_of(a, self._a), middles_of(b, self._b) if planes is None else planes
         self._planes, self._kind = middles[1], ROUND if planes is None else PLANE
-        self.near = NearPairs(*middles, kind=self._kind, same=False)
+        self.near = NearPairs(*middles, kind=self._kind, same=False, left_out=left_out)
+        if left_out is not None:
+            # each pair of segments is integrated over both of them
+            self._a = self._a._replace(lengths=0.5 * self._a.lengths)
         self.radius = least(self._a.radii, self._b.radii)
         self.on_ground = bool(any((side.owners == GROUND).any() for side in middles))
-        self._chains = np.cumsum(np.append(0, ~self._b.continues[:-1])) if b else None
+        self._chains = lines_of(self._b) if b else None
         self._version = -1
         self._frozen = self._stretches
 
@@ -211,8 +229,8 @@ class Lines(Sides):
     def _meet(self, H: Array, *, stretched: bool = False) -> ContactPoints:
         if self.near.version != self._version:
             self._version = self.near.version
-            continues = self._b.continues if self._kind == ROUND else None
-            self._runs = runs_of(self.near.now, continues)
+            after = self._b.after if self._kind == ROUND else None
+            self._runs = runs_of(self.near.now, after)
             # two intervals of a segment for each run of opposite segments, or for a plane
             self._room = self._space(2 * GAUSS * len(self._runs))
         set_curves(H, self._a, stretched)

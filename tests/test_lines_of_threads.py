@@ -1,0 +1,131 @@
+"""Line contact of cables and nets: a line that touches itself, closed lines, threads that cross."""
+
+import numpy as np
+import pytest
+
+import fem_lie as fl
+
+RADIUS = 0.01
+SECTION = fl.Section.circle(RADIUS, fl.Material(1e8, 0.3, 1000.0))
+LAW = fl.contact.Penalty(1e6)
+DEPTH = 1e-3
+
+
+def forces(contact: fl.contact.Contact, *bodies: fl.extend.Body) -> np.ndarray:
+    """Forces on the nodes at the start, global components, shape (n, 3)."""
+    first = np.cumsum([0, *(len(body.frames) for body in bodies)])
+    numbers = {b: np.arange(len(b.frames)) + k for b, k in zip(bodies, first, strict=False)}
+    H, out = np.concatenate([body.frames for body in bodies]), np.zeros((first[-1], 6))
+    contact.term(numbers.__getitem__).add_forces(H, out)
+    # unit slopes at the start, so that these are the axes of all nodes
+    return np.einsum("nk,nkj->nj", out[:, :3], H[:, 1:])
+
+
+def loop(t: float) -> np.ndarray:
+    """A line that crosses over itself at right angles at the origin."""
+    x, y = np.sin(t), np.sin(t) * np.cos(t)
+    z = (RADIUS - 0.5 * DEPTH) * np.cos(t)
+    return np.array([x, np.sqrt(2.0) * y, z])
+
+
+def crossing(start: float, end: float, cells: int) -> fl.Cable:
+    """Part of the line."""
+    axis = fl.mesh.curve(lambda s: loop(np.pi * (start + s * (end - start))), cells)
+    return fl.Cable(axis, SECTION)
+
+
+def test_a_line_pushes_itself_apart_where_it_crosses_itself():
+    """As two lines with the same axes do, and without a resultant."""
+    whole = crossing(-0.4, 1.4, 90)
+    line = fl.contact.Line(whole, RADIUS)
+    found = forces(fl.contact.Contact(line, line, LAW), whole)
+    parts = crossing(-0.4, 0.4, 40), crossing(0.6, 1.4, 40)
+    lines = [fl.contact.Line(part, RADIUS) for part in parts]
+    two = forces(fl.contact.Contact(*lines, LAW), *parts)[:41].sum(axis=0)
+    push = np.linalg.norm(two)
+    assert push > 0.0
+    np.testing.assert_allclose(found.sum(axis=0), 0.0, atol=1e-12 * push)
+    np.testing.assert_allclose(found[:46].sum(axis=0), two, atol=1e-2 * push)
+
+
+@pytest.mark.parametrize("make", ["cable", "net", "beam"])
+def test_neighbours_along_a_line_do_not_touch(make):
+    """Segments may be shorter than their radius."""
+    axis = fl.mesh.curve(lambda s: np.array([s, 0.02 * s * s, 0.0]), 200)
+    body = {
+        "cable": lambda: fl.Cable(axis, SECTION),
+        "net": lambda: fl.Net(axis.points, [range(201)], SECTION),
+        "beam": lambda: fl.Beam(axis, SECTION),
+    }[make]()
+    line = fl.contact.Line(body, RADIUS)
+    contact = fl.contact.Contact(line, line, LAW)
+    contact.check()
+    assert not forces(contact, body).any()
+
+
+@pytest.mark.parametrize("make", ["spline", "net"])
+def test_a_closed_line_has_no_seam(make):
+    """A ball touches a ring with the same force wherever it is, at the first node, too."""
+    cells, ring = 24, 0.2
+    angles = np.linspace(0.0, 2.0 * np.pi, cells + 1)
+    around = ring * np.column_stack([np.cos(angles), np.sin(angles), 0.0 * angles])
+    body = {
+        "spline": lambda: fl.SplineCable.circle((0, 0, 0), ring, (0, 0, 1), SECTION, cells=cells),
+        "net": lambda: fl.Net(around[:-1], [[*range(cells), 0]], SECTION),
+    }[make]()
+    found = []
+    for part in np.linspace(0.0, 1.0, 9):
+        angle = 2.0 * np.pi * (part - 0.5) / cells
+        out = np.array([np.cos(angle), np.sin(angle), 0.0])
+        point = fl.RigidBody(1.0, np.eye(3), (ring + 2.0 * RADIUS - 4.0 * DEPTH) * out)
+        ball = fl.contact.Sphere(point.point("centre"), RADIUS)
+        contact = fl.contact.Contact(ball, fl.contact.Line(body, RADIUS), LAW)
+        found.append(np.linalg.norm(forces(contact, point, body)[0]))
+    assert min(found) > 0.0
+    assert np.ptp(found) < 0.02 * max(found)
+
+
+LAID = fl.elements.DiscreteCable(natural=True)
+
+
+def test_two_threads_collide_and_keep_energy_and_momenta():
+    """Free discrete cables that cross, at 1e-12; the upper one does not pass through."""
+    ends = np.array([[-0.5, 0.02, 0.0], [0.5, -0.02, 0.0]])
+    paths = [ends[0] + np.linspace(0, 1, 9)[:, None] * (ends[1] - ends[0])]
+    paths.append(paths[0][:, [1, 0, 2]] + [0.03, 0.0, 2.0 * RADIUS + 1e-4])
+    threads = [fl.Net(path, [range(9)], SECTION) for path in paths]
+    threads[1].add_velocity((0.0, 0.0, -2.0))
+    scene = fl.Scene()
+    for thread in threads:
+        scene.add(thread)
+    lines = [fl.contact.Line(thread, RADIUS) for thread in threads]
+    contact = scene.add(fl.contact.Contact(*lines, fl.contact.Penalty(1e6)))
+    result = fl.EnergyMomentum().run(scene, duration=0.05, step=2.5e-4, progress=False)
+    assert fl.post.contact_forces(result, contact).touching.max() > 0
+    assert result.balance_error < 1e-11
+    assert max(result.momentum_error, result.angular_momentum_error) < 1e-12
+    heights = [result.frames[:, result.info.body(t.label).nodes, 0, 2] for t in threads]
+    middles = [each[:, 4] for each in heights]
+    assert (middles[1] - middles[0]).min() > RADIUS
+
+
+def test_a_cable_touches_itself_and_keeps_energy_and_momenta():
+    """Both sides of a hairpin clap together."""
+    s = np.linspace(-1.0, 1.0, 41)
+    bend = 0.06
+    turn = np.clip(s / 0.3, -1.0, 1.0) * 0.5 * np.pi
+    x = np.where(np.abs(s) < 0.3, bend * np.cos(turn), -(np.abs(s) - 0.3) * 0.5)
+    y = np.where(np.abs(s) < 0.3, bend * np.sin(turn), bend * np.sign(s))
+    path = np.column_stack([x, y, 0.002 * s])
+    cable = fl.Net(path, [range(41)], SECTION, formulation=LAID, name="hairpin")
+    scene = fl.Scene()
+    scene.add(cable)
+    for k, way in ((0, 1.0), (40, -1.0)):
+        scene.add(fl.PointLoad(cable.point(k), force=(0, way, 0)))
+    line = fl.contact.Line(cable, RADIUS)
+    contact = scene.add(fl.contact.Contact(line, line, fl.contact.Penalty(1e6)))
+    result = fl.EnergyMomentum().run(scene, duration=0.3, step=1e-3, progress=False)
+    assert fl.post.contact_forces(result, contact).touching.max() > 0
+    assert result.balance_error < 1e-10
+    gap = result.frames[:, [0, 40], 0]
+    assert np.linalg.norm(gap[:, 0] - gap[:, 1], axis=1).min() > RADIUS
