@@ -18,6 +18,7 @@ import fem_lie as fl
 from tests.combinations import BODIES, END, GRAVITY, joined, moving
 from tests.scene_builder import build
 from tests.scene_data import JointData, PointRef, RigidData, SceneData, SlidingData
+from tests.test_contact_matrix import meeting
 
 CONSERVING: dict[str, fl.EnergyMomentum] = {
     "conserving": fl.EnergyMomentum(),
@@ -179,3 +180,15 @@ def test_drilling_inertia_is_small():
     for result in found:
         change = result.angular_momentum[0] - other.angular_momentum[0]
         assert 0 < np.linalg.norm(change) < 1e-4 * np.linalg.norm(other.angular_momentum[0])
+
+
+@pytest.mark.parametrize("other", ["reduced-order beam", "rigid body", "solid, hexahedra 1"])
+@pytest.mark.parametrize("scheme", [*CONSERVING, "variational"])
+def test_a_reduced_body_in_contact(scheme, other):
+    """It is struck at an interface: energy and momenta, as of other bodies."""
+    scene = meeting("reduced-order beam", other)
+    result = SCHEMES[scheme].run(scene, duration=1e-4, step=1e-5, progress=False)
+    assert fl.post.contact_forces(result, scene.contacts[0]).touching[-1] == 1
+    assert result.balance_error < (1e-11 if scheme in CONSERVING else 1e-4)
+    assert result.momentum_error < (1e-11 if scheme == "decaying" else 1e-12)
+    assert result.angular_momentum_error < 1e-11
