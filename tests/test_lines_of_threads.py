@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
+from tests.test_contact_pairs import Knob
 
 RADIUS = 0.01
-SECTION = fl.Section.circle(RADIUS, fl.Material(1e8, 0.3, 1000.0))
+SOFT = fl.Material(1e8, 0.3, 1000.0)
+SECTION = fl.Section.circle(RADIUS, SOFT)
 LAW = fl.contact.Penalty(1e6)
 DEPTH = 1e-3
 
@@ -129,3 +131,28 @@ def test_a_cable_touches_itself_and_keeps_energy_and_momenta():
     assert result.balance_error < 1e-10
     gap = result.frames[:, [0, 40], 0]
     assert np.linalg.norm(gap[:, 0] - gap[:, 1], axis=1).min() > RADIUS
+
+
+def test_a_net_wraps_a_free_ball_along_its_threads():
+    """Forces are integrated along the threads, between their nodes, too."""
+    along, size = np.linspace(-0.5, 0.5, 9), 0.2
+    x, y = np.meshgrid(along, along, indexing="ij")
+    positions = np.stack([x, y, 0.0 * x + size + 0.011], axis=-1).reshape(-1, 3)
+    numbers = np.arange(81).reshape(9, 9)
+    net = fl.Net(positions, [*numbers, *numbers.T], fl.Section.circle(1e-3, SOFT))
+    net.add_velocity((0.1, 0.0, -10.0))
+    ball = fl.RigidBody(0.5, 8e-3 * np.eye(3), (0.03, 0.02, 0.0))
+    scene = fl.Scene()
+    for body in (net, ball):
+        scene.add(body)
+    line = fl.contact.Line(net, RADIUS)
+    catch = fl.contact.Contact(Knob(ball.point("centre"), size), line, fl.contact.Penalty(2e4))
+    scene.add(catch)
+    scene.add(fl.contact.Contact(line, line, fl.contact.Penalty(1e5)))
+    result = fl.EnergyMomentum().run(scene, duration=0.02, step=2e-4, progress=False)
+    found = fl.post.contact_forces(result, catch)
+    # at several points at once, and not deeper than the threads are thick
+    assert found.touching.max() > 9
+    assert found.penetration.max() < RADIUS
+    assert result.balance_error < 1e-12
+    assert max(result.momentum_error, result.angular_momentum_error) < 1e-13
