@@ -7,7 +7,6 @@ import pytest
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.contact.impact.records import CONTACTS, RESIDUAL
 from fem_lie.lie.motions import move
 from fem_lie.solve.alpha import free_bodies, free_impacts
 from fem_lie.solve.alpha.run import Run
@@ -457,7 +456,7 @@ def unsettled() -> None:
     one = free_bodies.Run(fl.GeneralisedAlpha(radius=0.8), equations, 1e-2)
     assert one._impacts is not None
     one._impacts._why, reported = UNSETTLED, one._impacts._failed_step
-    reported[CONTACTS], reported[RESIDUAL] = 1, 4e-3
+    reported["contacts"], reported["residual"] = 1, 4e-3
     raise fl.ConvergenceError(one._failure(1))
 
 

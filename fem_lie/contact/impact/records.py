@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._jit.records import Records, record_type
 from fem_lie.contact.impact.jacobian import BlockRows, empty_rows
 from fem_lie.contact.impact.sweeps import Cones, cones_of
 from fem_lie.contact.sides.table import Side
@@ -14,10 +15,23 @@ from fem_lie.contact.sides.table import Side
 CLOSED = 1e-9
 """Gap of a closed contact relative to a length of the pair; divided by a step, a velocity."""
 
-CONTACTS, SWEEPS, RESIDUAL, PENETRATION, IMPACT, FRICTION, GROUND = range(7)
-"""Indices in the report of a step; the last is the first of six: impulse of ground and its
-moment."""
-REPORT_SIZE = GROUND + 6
+STEP_REPORT = record_type(
+    contacts=float,
+    sweeps=float,
+    residual=float,
+    penetration=float,
+    impact=float,
+    friction=float,
+    ground=(float, 6),
+)
+"""Report of a step: number of active contacts and of sweeps, residual of the cones, largest
+overlap, work of normal impulses and of friction, impulse of ground and its moment."""
+
+
+def step_reports(steps: int) -> Records:
+    """Zero reports of ``steps`` steps."""
+    return np.zeros(steps, STEP_REPORT.layout)
+
 
 LARGEST = 1e-3
 """Residual of the cones above which a step has failed."""

@@ -20,16 +20,11 @@ from __future__ import annotations
 
 from fem_lie._arrays import Array
 from fem_lie._jit import uncounted
+from fem_lie._jit.records import Record
 from fem_lie.contact.impact import cones
 from fem_lie.contact.impact.jacobian import along
 from fem_lie.contact.impact.positions import aim, moved, resolve_positions
 from fem_lie.contact.impact.records import (
-    CONTACTS,
-    FRICTION,
-    IMPACT,
-    PENETRATION,
-    RESIDUAL,
-    SWEEPS,
     Masses,
     Touch,
     Work,
@@ -68,13 +63,13 @@ def _pass(
     w: Work,
     factor: float,
     tolerance: float,
-    report: Array,
+    report: Record,
     limits: tuple[int, int, bool],
 ) -> bool:
     """One pass from the end without contacts to ``H``, ``v``; whether a contact became active."""
     k = set_cones(h, touch, masses, w, factor)
-    sweeps, _, report[RESIDUAL] = cones.solve(w.cones, k, tolerance)
-    report[CONTACTS], report[SWEEPS] = k, report[SWEEPS] + sweeps
+    sweeps, _, report.residual = cones.solve(w.cones, k, tolerance)
+    report.contacts, report.sweeps = k, report.sweeps + sweeps
     for body in range(v.shape[0]):
         for j in range(6):
             v[body, j] = w.v[body, j] + w.cones.W[body, j]
@@ -116,7 +111,7 @@ def resolve(
     v: Array,
     w: Work,
     tolerance: float,
-    report: Array,
+    report: Record,
 ) -> bool:
     """Apply impulses and position corrections at the end of a step; whether there were any.
 
@@ -129,9 +124,9 @@ def resolve(
         v: Velocities at the end without contacts, shape (n, 6), updated.
         w: Workspace; gaps and impulses are kept from step to step.
         tolerance: Tolerance of :func:`~fem_lie.contact.impact.sweeps.residual`.
-        report: See :data:`~fem_lie.contact.impact.records.REPORT_SIZE`, overwritten.
+        report: Of type :data:`~fem_lie.contact.impact.records.STEP_REPORT`, zero, overwritten.
     """
-    report[:], overlaps, m = 0.0, False, touch.pairs.shape[0]
+    overlaps, m = False, touch.pairs.shape[0]
     for c in range(m):
         w.smooth[c] = point_of(H, touch, c).gap
         w.joined[c] = w.smooth[c] <= 0.0
@@ -150,10 +145,10 @@ def resolve(
             w.v[body, j] = v[body, j]
     free, before = energy(masses, H, v), energy(masses, start[0], start[1])
     _guarded(h, touch, masses, before, H, v, w, tolerance, report)
-    report[IMPACT] = energy(masses, H, v) - free - report[FRICTION]
+    report.impact = energy(masses, H, v) - free - report.friction
     for c in range(m):
         w.gaps[c] = point_of(H, touch, c).gap
-        report[PENETRATION] = max(report[PENETRATION], -w.gaps[c])
+        report.penetration = max(report.penetration, -w.gaps[c])
     return True
 
 
@@ -167,7 +162,7 @@ def _guarded(
     v: Array,
     w: Work,
     tolerance: float,
-    report: Array,
+    report: Record,
 ) -> None:
     """Passes with the largest restitution that does not increase the energy beyond ``before``."""
     factor, least, most, below, above = 1.0, -1.0, 1.0, 0.0, 0.0
@@ -190,10 +185,10 @@ def _guarded(
         passes += 1
         if passes < _PASSES:
             continue
-        if last or _kick(touch, w) <= 1e-2 * _fall(w, int(report[CONTACTS])):
+        if last or _kick(touch, w) <= 1e-2 * _fall(w, int(report.contacts)):
             return
         excess = energy(masses, H, v) - before
-        if excess <= 1e-10 * abs(report[IMPACT] + report[FRICTION]) + 1e-14 * abs(before):
+        if excess <= 1e-10 * abs(report.impact + report.friction) + 1e-14 * abs(before):
             if tries == 0:
                 return
             least, below = factor, excess

@@ -8,15 +8,13 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
+from fem_lie._jit.records import Record
 from fem_lie.bodies.body import Body
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.convex.table import polyhedra_of
 from fem_lie.contact.impact.jacobian import along
 from fem_lie.contact.impact.records import (
     CLOSED,
-    FRICTION,
-    GROUND,
-    IMPACT,
     Masses,
     Touch,
     Work,
@@ -57,21 +55,24 @@ def energy(masses: Masses, H: Array, v: Array) -> float:
 
 
 @uncounted
-def note_works(w: Work, k: int, v: Array, report: Array) -> None:
+def note_works(w: Work, k: int, v: Array, report: Record) -> None:
     """Work of normal impulses and of friction impulses, with mean velocities."""
     problem = w.cones
-    report[IMPACT], report[FRICTION] = 0.0, 0.0
+    report.impact = report.friction = 0.0
     for i in range(k):
         for j in range(3):
             mean = 0.5 * (along(problem.rows, i, v, j) + along(problem.rows, i, w.v, j))
-            report[IMPACT if j == 0 else FRICTION] += mean * problem.r[i, j]
+            if j == 0:
+                report.impact += mean * problem.r[i, j]
+            else:
+                report.friction += mean * problem.r[i, j]
 
 
 @uncounted
-def note_ground(masses: Masses, w: Work, k: int, report: Array) -> None:
+def note_ground(masses: Masses, w: Work, k: int, report: Record) -> None:
     """Impulse of ground on all bodies, and its moment about the origin."""
     problem = w.cones
-    report[GROUND:] = 0.0
+    report.ground[:] = 0.0
     for i in range(k):
         block = problem.rows.first[i]
         if problem.rows.first[i + 1] - block > 1:  # a contact between two bodies
@@ -85,8 +86,8 @@ def note_ground(masses: Masses, w: Work, k: int, report: Array) -> None:
         local = rotate_back(load_row(J, 0), load_row(J, 1), load_row(J, 2), turning)
         moment = plus(cross(load_row(H, 0), impulse), global_components(H, local))
         for j in range(3):
-            report[GROUND + j] += impulse[j]
-            report[GROUND + 3 + j] += moment[j]
+            report.ground[j] += impulse[j]
+            report.ground[3 + j] += moment[j]
 
 
 @uncounted

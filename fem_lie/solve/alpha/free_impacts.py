@@ -16,7 +16,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._state import Stateful, attributes
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
-from fem_lie.contact.impact.records import CONTACTS, PENETRATION, REPORT_SIZE, RESIDUAL, Masses
+from fem_lie.contact.impact.records import Masses, step_reports
 from fem_lie.contact.impact.rows import set_gaps
 from fem_lie.contact.impact.touching import WIDTH, Touching
 from fem_lie.contact.impact.velocities import largest_speed
@@ -182,13 +182,13 @@ class FreeImpacts(Stateful):
             failed=np.full(1, -1),
             sum=np.zeros(1),
             times=np.zeros(0),
-            statistics=np.zeros((0, REPORT_SIZE)),
+            statistics=step_reports(0),
             balance=np.zeros(7),
             done=none,
             buffer=np.zeros((_BUFFER, WIDTH)),
             shown=np.zeros(1, dtype=np.int64),
         )
-        self._why, self._failed_step = MADE, np.zeros(REPORT_SIZE)
+        self._why, self._failed_step = MADE, step_reports(1)[0]
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Restore the state that :meth:`saved_state` returned."""
@@ -218,7 +218,7 @@ class FreeImpacts(Stateful):
         """
         plan = interval.plan
         last, factorisations, done = plan.first - 1, 0, np.zeros((int(interval.kept.sum()), 7))
-        reported, filled, left = np.zeros((len(interval.times), REPORT_SIZE)), 0, interval
+        reported, filled, left = step_reports(len(interval.times)), 0, interval
         while True:
             made = last + 1 - plan.first
             contacts = self._contacts._replace(
@@ -272,13 +272,13 @@ class FreeImpacts(Stateful):
         if self._why == OVERLAPPING:
             one, other = self._names(pair)
             return (
-                f"{one} and {other} still overlap by {self._failed_step[PENETRATION]:.2g} after "
+                f"{one} and {other} still overlap by {self._failed_step['penetration']:.2g} after "
                 "all iterations that separate contacts; are bodies wedged? Try smaller steps, or "
                 "Penalty"
             )
         if self._why != UNSETTLED:
             return ""
-        reached, count = float(self._failed_step[RESIDUAL]), int(self._failed_step[CONTACTS])
+        reached, count = float(self._failed_step["residual"]), int(self._failed_step["contacts"])
         worst = int(np.argmax(np.abs(touching.work.cones.r[:count]).max(axis=1)))
         one, other = self._names(int(touching.work.chosen[worst]))
         return (

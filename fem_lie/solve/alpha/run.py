@@ -14,8 +14,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit.packed_arrays import PackedArrays
+from fem_lie._jit.records import block_of
 from fem_lie._state import attributes
-from fem_lie.contact.impact.records import FRICTION, IMPACT
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Solution
 from fem_lie.results import Result
@@ -189,8 +189,8 @@ class Run(Newton):
             s.change_end(changed.frames, changed.twists, changed.rates)
             self.multipliers += changed.multipliers
             lost = self.balance.collide(end, before, self._accepted, contacts.work)
-            contacts.statistics[IMPACT] = -lost - contacts.statistics[FRICTION]
-        contacts.history.add(self.index, contacts.statistics[np.newaxis])
+            contacts.statistics.impact = -lost - contacts.statistics.friction
+        contacts.history.add(self.index, block_of(contacts.statistics))
         self.reason = contacts.passed(s.H)
         self._turn()
         return not self.reason

@@ -31,11 +31,8 @@ from fem_lie._state import Stateful, attributes
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.impact.jacobian import BlockRows
 from fem_lie.contact.impact.records import (
-    CONTACTS,
     LARGEST,
-    PENETRATION,
-    RESIDUAL,
-    SWEEPS,
+    STEP_REPORT,
 )
 from fem_lie.contact.impact.rows import choose_axes, set_ahead
 from fem_lie.forms.abilities import PassedThroughError
@@ -88,7 +85,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
 
     Attributes:
         statistics: Contact statistics of the last step, see
-            :data:`~fem_lie.contact.impact.records.REPORT_SIZE`.
+            :data:`~fem_lie.contact.impact.records.STEP_REPORT`.
         history: Contact statistics of all steps of the run.
         reactions: Joint impulses including those of contacts, over the step, shape (m,).
         work: Work of drives and prescribed motions by these impulses.
@@ -110,7 +107,8 @@ class CoupledContacts(CoupledVelocities, Stateful):
 
     def _forget(self) -> None:
         """Record that no contact is active."""
-        self.statistics[:], self.reactions[:], self.work = 0.0, 0.0, 0.0
+        self.statistics = STEP_REPORT()
+        self.reactions[:], self.work = 0.0, 0.0
         self.overlap = self.violation = 0.0
         self._last = _NOTHING
 
@@ -197,7 +195,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
         """
         end, time = step.frames, step.time
         defect, joined = self._rates(end, V, time), np.zeros(len(smooth), dtype=np.bool_)
-        self.statistics[SWEEPS] = 0.0
+        self.statistics.sweeps = 0.0
         # overlapping inactive pairs are added; this terminates, because the number of pairs is
         # finite
         while True:
@@ -231,8 +229,8 @@ class CoupledContacts(CoupledVelocities, Stateful):
     def failure(self) -> str:
         """Why the end of the last step cannot be accepted; empty if it can."""
         residual, many = (
-            float(self.statistics[RESIDUAL]),
-            f"{int(self.statistics[CONTACTS])} contacts",
+            float(self.statistics.residual),
+            f"{int(self.statistics.contacts)} contacts",
         )
         advice = "are bodies wedged? Try smaller steps, or Penalty"
         if not residual <= LARGEST:
@@ -272,8 +270,8 @@ class CoupledContacts(CoupledVelocities, Stateful):
             least = bounds.gaps(h, bounds.velocity if normal is None else normal, chosen)
             slid = bounds.rest[:, np.newaxis] * h * free[:, 1:]
             moved = self.part(chosen, end, Aims(least, slid), r)
-            self.statistics[SWEEPS] += moved.sweeps
-            self.statistics[RESIDUAL] = moved.residual
+            self.statistics.sweeps += moved.sweeps
+            self.statistics.residual = moved.residual
             rows, r = moved.rows, moved.r
             v, impulses = self._throw(chosen, moved, end, V, defect, impulses, time)
             normal = self._rates_of(rows, moved.H, self._all_rows(v, time))[:, 0]
@@ -282,8 +280,8 @@ class CoupledContacts(CoupledVelocities, Stateful):
     # --- the end of the step ---
 
     def _record_state(self, chosen: Chosen, gaps: Array, impulses: Array, speeds: Array) -> None:
-        self.statistics[CONTACTS] = len(chosen.pairs)
-        self.statistics[PENETRATION] = max(0.0, float(-gaps.min()))
+        self.statistics.contacts = len(chosen.pairs)
+        self.statistics.penetration = max(0.0, float(-gaps.min()))
         self.near.work.impulses[:] = 0.0
         self.near.work.impulses[chosen.pairs] = impulses
         slips = speeds[:, 1:]

@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._jit.records import Record
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.impact import cones
 from fem_lie.contact.impact.jacobian import BlockRows, slides
-from fem_lie.contact.impact.records import FRICTION, RESIDUAL, SWEEPS
-from fem_lie.contact.impact.records import REPORT_SIZE as SIZE
+from fem_lie.contact.impact.records import STEP_REPORT
 from fem_lie.contact.impact.sweeps import MOST_NEWTON, products
 from fem_lie.lie.node_types import all_from_local, all_to_group
 from fem_lie.solve.impacts.bodies import CoupledBodies, to_twists
@@ -185,7 +185,8 @@ class CoupledVelocities(CoupledPositions):
     ) -> None:
         """Set up the contacts of a scene for impacts at the ends of steps."""
         super().__init__(contacts, equations, rule, kept)
-        self.statistics, self.reactions = np.zeros(SIZE), np.zeros(self._m)
+        self.statistics: Record = STEP_REPORT()
+        self.reactions = np.zeros(self._m)
         self.work = self.exchanged = 0.0
         # normal velocities by restitution, and their changes without contacts
         self._law: tuple[Array, Array] = np.zeros(0), np.zeros(0)
@@ -238,8 +239,8 @@ class CoupledVelocities(CoupledPositions):
         problem.r[:], problem.least[0] = impulses, _TINY * float(np.abs(V).max())
         workspace = np.empty((k, 3)), np.empty((k, 3))
         sweeps, residual = cones.solve_exactly(problem, k, TOLERANCE, workspace)
-        self.statistics[SWEEPS] += sweeps
-        self.statistics[RESIDUAL] = max(self.statistics[RESIDUAL], residual)
+        self.statistics.sweeps += sweeps
+        self.statistics.residual = max(self.statistics.residual, residual)
         P, change = problem.r, problem.r - given
         end_twist = twist + responses.moved(change).reshape(-1, 6)
         driven = 0.5 * (self._V0 + V)
@@ -252,5 +253,5 @@ class CoupledVelocities(CoupledPositions):
         mean = 0.5 * (without + self._rates_of(B, H, self._all_rows(end_twist, time)))
         # closed contacts by their sliding distance, which is zero for sticking ones
         slid = np.where(chosen.closed[:, np.newaxis], moved.slips / self._h, mean[:, 1:])
-        self.statistics[FRICTION] = float((slid * P[:, 1:]).sum())
+        self.statistics.friction = float((slid * P[:, 1:]).sum())
         return end_twist, P.copy()

@@ -12,16 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._jit.records import Records
 from fem_lie._state import Stateful, attributes
-from fem_lie.contact.impact.records import (
-    CONTACTS,
-    FRICTION,
-    IMPACT,
-    PENETRATION,
-    REPORT_SIZE,
-    RESIDUAL,
-    SWEEPS,
-)
+from fem_lie.contact.impact.records import STEP_REPORT
 from fem_lie.contact.impact.rows import show_positions
 from fem_lie.contact.impact.touching import (
     GAP,
@@ -120,16 +113,16 @@ def refuse_impacts(equations: Equations) -> None:
         raise ValueError(f"{wanted}, without joints that roll; give Penalty")
 
 
-_LARGEST = CONTACTS, RESIDUAL, PENETRATION
-"""Columns with the worst value of all sub-steps of a step; all others are sums."""
+_LARGEST = "contacts", "residual", "penetration"
+"""Fields with the worst value of all sub-steps of a step; all others are sums."""
 
 
 class ContactHistory(Stateful):
     """Contact statistics of all steps of a run.
 
     Attributes:
-        steps: Statistics of each step, see :data:`~fem_lie.contact.impact.records.REPORT_SIZE`,
-            shape (S, 13).
+        steps: The numbers of :data:`~fem_lie.contact.impact.records.STEP_REPORT` of each step,
+            shape (S, 12).
         each: See :class:`~fem_lie.results.record.ContactSteps`, shape (k, 15).
     """
 
@@ -141,25 +134,29 @@ class ContactHistory(Stateful):
 
     def begin(self, steps: int) -> None:
         """Allocate the arrays for ``steps`` steps."""
-        self.steps: Array = np.zeros((steps, REPORT_SIZE))
+        self.steps: Array = np.zeros((steps, STEP_REPORT.layout.itemsize // 8))
         self.each: Array = np.zeros((0, WIDTH + 2))
 
     def begin_step(self, step: int) -> None:
         """Reset the statistics of the step with this number, counted from 1."""
         self.steps[step - 1] = 0.0
 
-    def add(self, first: int, reported: Array) -> None:
+    @property
+    def _reports(self) -> Records:
+        """The numbers by name, shape (S,)."""
+        return self.steps.view(STEP_REPORT.layout)[:, 0]
+
+    def add(self, first: int, reported: Records) -> None:
         """Add the statistics of steps or sub-steps.
 
         Args:
             first: Number of the first step.
-            reported: See :data:`~fem_lie.contact.impact.records.REPORT_SIZE`, shape (k, 13).
+            reported: Of type :data:`~fem_lie.contact.impact.records.STEP_REPORT`, shape (k,).
         """
-        rows = self.steps[first - 1 : first - 1 + len(reported)]
-        largest = [np.maximum(rows[:, k], reported[:, k]) for k in _LARGEST]
-        rows += reported
-        for k, column in zip(_LARGEST, largest, strict=True):
-            rows[:, k] = column
+        rows = self._reports[first - 1 : first - 1 + len(reported)]
+        for name in STEP_REPORT.layout.names or ():
+            joined = np.maximum if name in _LARGEST else np.add
+            rows[name] = joined(rows[name], reported[name])
 
     def append(self, rows: Array) -> None:
         """Append rows of single contacts, shape (·, 15)."""
@@ -171,15 +168,15 @@ class ContactHistory(Stateful):
         Args:
             h: Step size.
         """
-        steps = self.steps
+        steps = self._reports
         return ContactSteps(
             times=h * np.arange(1, len(steps) + 1, dtype=np.float64),
-            contacts=steps[:, CONTACTS].copy(),
-            sweeps=steps[:, SWEEPS].copy(),
-            cone_residual=steps[:, RESIDUAL].copy(),
-            penetration=steps[:, PENETRATION].copy(),
-            impact_loss=-steps[:, IMPACT],
-            friction_loss=-steps[:, FRICTION],
+            contacts=steps["contacts"].copy(),
+            sweeps=steps["sweeps"].copy(),
+            cone_residual=steps["residual"].copy(),
+            penetration=steps["penetration"].copy(),
+            impact_loss=-steps["impact"],
+            friction_loss=-steps["friction"],
             each=self.each,
         )
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit.packed_arrays import PackedArrays
+from fem_lie._jit.records import block_of
 from fem_lie._state import put_back, saved
-from fem_lie.contact.impact.records import FRICTION, IMPACT
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Factors
 from fem_lie.results import Result
@@ -321,9 +321,9 @@ class VariationalRun(Newton):
             equations.residual(now, np.ones(len(self.multipliers)), self._work)
             self.gap[:] = self._work[6 * n :]
             lost = self.balance.collide(time, was, now, contacts.work)
-            contacts.statistics[IMPACT] = -lost - contacts.statistics[FRICTION]
+            contacts.statistics.impact = -lost - contacts.statistics.friction
         self._v[:] = v
-        contacts.history.add(self.index, contacts.statistics[np.newaxis])
+        contacts.history.add(self.index, block_of(contacts.statistics))
         self.reason = contacts.passed(self.H)
         return not self.reason
 

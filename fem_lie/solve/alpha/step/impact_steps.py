@@ -8,10 +8,10 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked
+from fem_lie._jit.records import Records
 from fem_lie.contact.convex.table import Polyhedra
-from fem_lie.contact.impact import records
 from fem_lie.contact.impact.positions import deepest
-from fem_lie.contact.impact.records import FRICTION, GROUND, IMPACT, LARGEST, Masses, Touch, Work
+from fem_lie.contact.impact.records import LARGEST, Masses, Touch, Work
 from fem_lie.contact.impact.resolve import resolve
 from fem_lie.contact.impact.rows import find_crossed, set_ahead
 from fem_lie.contact.impact.touching import show
@@ -55,7 +55,7 @@ class Contacts(NamedTuple):
         sum: Bound on the motion since the last search, shape (1,).
         times: Times at the ends of these steps, shape (last − first + 1,).
         statistics: Contact statistics of these steps, see
-            :data:`fem_lie.contact.impact.records.REPORT_SIZE`, shape (·, 13).
+            :data:`fem_lie.contact.impact.records.STEP_REPORT`, zero, shape (·,).
         balance: Work of contacts, impulse on the ground and its moment so far, shape (7,).
         done: The same at the recorded steps, shape (kept, 7).
         buffer: Buffer for the data of each contact, see :mod:`fem_lie.contact.impact.touching`.
@@ -69,7 +69,7 @@ class Contacts(NamedTuple):
     failed: Indices
     sum: Array
     times: Array
-    statistics: Array
+    statistics: Records
     balance: Array
     done: Array
     buffer: Array
@@ -175,7 +175,7 @@ def advance(
         if resolve(
             p.h, touch, masses, start, state.H, state.v, work, contacts.tolerance, statistics
         ):
-            if not statistics[records.RESIDUAL] <= LARGEST:
+            if not statistics.residual <= LARGEST:
                 _take_back(state, H0, v0)
                 return index - 1, factorisations, UNSETTLED
             contacts.failed[0] = deepest(touch, work)
@@ -193,9 +193,9 @@ def advance(
                         state.kept[i],
                     )
                     _accelerate(mass[i], J[i], masses.inverse[i], f[i], here)
-            contacts.balance[0] -= statistics[IMPACT] + statistics[FRICTION]
+            contacts.balance[0] -= statistics.impact + statistics.friction
             for k in range(6):
-                contacts.balance[1 + k] += statistics[GROUND + k]
+                contacts.balance[1 + k] += statistics.ground[k]
         speed = max(speed, largest_speed(state.v, contacts.arm))
         contacts.sum[0] += p.h * speed
         if p.h * speed > 0.5 * contacts.thin:
@@ -212,7 +212,7 @@ def advance(
                 rows.frames[row, i], rows.velocities[row, i] = state.H[i], twist
                 rows.done[row - plan.row] += state.balance[i]
         if kept:
-            many = int(statistics[records.CONTACTS])
+            many = int(statistics.contacts)
             ends = state.H, state.v
             show(contacts.times[at], p.h, touch, work, many, ends, contacts.buffer, contacts.shown)
             contacts.done[row - plan.row] = contacts.balance
