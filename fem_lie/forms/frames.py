@@ -11,7 +11,7 @@ from dolfinx import fem, mesh
 from ufl.core.expr import Expr
 
 from fem_lie import _compat, lie
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, instance, whole
 from fem_lie._jit import compiled
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.kernels.addresses import FrameMap, Pointer, frame_function
@@ -107,6 +107,8 @@ class NodalFrames:
             ValueError: The mesh is not in three-dimensional space, or branches where DOLFINx cuts
                 it or may have cut it; on every rank.
         """
+        instance(msh, mesh.Mesh, "NodalFrames: mesh", "a mesh of DOLFINx")
+        whole(degree, "NodalFrames: degree")
         if msh.geometry.dim != 3:
             raise ValueError(f"nodal frames need a mesh with gdim 3, got gdim {msh.geometry.dim}")
         _compat.check_branches(msh)
@@ -168,6 +170,27 @@ def local_frame_forms(
             them.
 
     Raises:
-        ValueError: ``local`` is continuous between cells; see also :class:`LocalFrameForms`.
+        ValueError: ``local`` is continuous between cells, or the energy is on another mesh than the
+            frames; see also :class:`LocalFrameForms`.
+        TypeError: An argument is of another type, such as an energy that is not integrated.
     """
+    form = "a UFL form, such as w * ufl.dx(mesh), or a StrainEnergy"
+    instance(energy, StrainEnergy | ufl.Form, "local_frame_forms: energy", form)
+    instance(q, NodalFrames, "local_frame_forms: q", "NodalFrames")
+    function = "a function of DOLFINx, or None"
+    instance(local, fem.Function | None, "local_frame_forms: local", function)
+    if isinstance(energy, ufl.Form):
+        _check_mesh(energy, q)
     return LocalFrameForms(energy, q.function, q.increment, DIRECTORS, local=local)
+
+
+def _check_mesh(form: ufl.Form, q: NodalFrames) -> None:
+    """Raise ``ValueError`` if integrals or functions of a form are on another mesh than frames."""
+    own = q.function.function_space.mesh.ufl_domain()
+    spaces = [f.ufl_function_space() for f in form.coefficients()]
+    domains = [each.ufl_domain() for each in (*form.integrals(), *spaces)]
+    if others := {str(each) for each in domains if each != own}:
+        raise ValueError(
+            f"expected an energy on the mesh of the frames q, {own}, got integrals or functions on "
+            f"{', '.join(sorted(others))}"
+        )

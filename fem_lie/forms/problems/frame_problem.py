@@ -12,6 +12,7 @@ import ufl
 from dolfinx import fem
 from dolfinx.fem import petsc
 
+from fem_lie._arrays import instance
 from fem_lie._form_cache import compile_form
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.local_forms import LocalFrameForms
@@ -56,9 +57,17 @@ class FrameProblem:
 
         Raises:
             ValueError: There are no forms, forms of other frames, or supports in another space.
+            TypeError: An argument is of another type.
         """
+        instance(q, NodalFrames, "FrameProblem: q", "NodalFrames")
+        known = "a sequence of supports, as of fem.dirichletbc"
+        instance(bcs, Sequence, "FrameProblem: bcs", known)
         self.forms = [forms] if isinstance(forms, LocalFrameForms) else list(forms)
         self.q, self.bcs = q, list(bcs)
+        for form in self.forms:
+            instance(form, LocalFrameForms, "FrameProblem: forms", "forms of fl.local_frame_forms")
+        for bc in self.bcs:
+            instance(bc, fem.DirichletBC, "FrameProblem: bcs", known)
         V = q.increment.function_space
         if not self.forms:
             raise ValueError("expected forms, got an empty sequence")

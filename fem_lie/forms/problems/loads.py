@@ -7,6 +7,7 @@ has a tangent, as residuals are along nodal frames: ``−[Rᵀf]×`` times the r
 
 from __future__ import annotations
 
+import numpy as np
 import ufl
 from dolfinx import fem
 from ufl.core.expr import Expr
@@ -76,6 +77,8 @@ def _in_space(name: str, value: Expr, q: NodalFrames) -> Expr:
 
 
 def _vector(name: str, value: Expr) -> Expr:
+    if np.iscomplexobj(getattr(value, "value", 0.0)):
+        raise TypeError(f"expected {name} of real numbers, got the complex {value.value}")
     shape = getattr(value, "ufl_shape", None)
     if shape != (3,):
         raise ValueError(
