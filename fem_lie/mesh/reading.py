@@ -91,8 +91,10 @@ def lines_from_dolfinx(
 ) -> LineMesh:
     """A DOLFINx mesh of intervals; cells keep DOLFINx's numbers, points those of its geometry.
 
+    Each process has the whole of a distributed mesh, whose cells and points are numbered anew.
+
     Args:
-        mesh: Mesh of intervals of first order, on one process.
+        mesh: Mesh of intervals of first order; all processes of a distributed one call together.
         cell_tags: Tags of cells.
         vertex_tags: Tags of vertices (the facets of a line).
         groups: Name of each tag of cells; default: the tags' numbers are the names.
@@ -100,15 +102,15 @@ def lines_from_dolfinx(
         kink_angle: See :meth:`~fem_lie.mesh.lines.LineMesh.from_cells`.
 
     Raises:
-        ValueError: The mesh has other cells or is spread over processes, a tag does not exist, or
-            anything that the class refuses.
+        ValueError: The mesh has other cells, a tag does not exist, or anything that the class
+            refuses.
     """
     from dolfinx.mesh import entities_to_geometry
 
     from fem_lie._compat import geometry_dofmap
+    from fem_lie.mesh.collected import collected
 
-    if mesh.comm.size > 1:
-        raise ValueError(f"the mesh must be on one process, got one on {mesh.comm.size}")
+    mesh, (cell_tags, vertex_tags) = collected(mesh, cell_tags, vertex_tags)
     cells = geometry_dofmap(mesh)
     if mesh.topology.dim != 1 or cells.shape[1] != 2:
         raise ValueError(
@@ -177,11 +179,14 @@ def surface_from_dolfinx(
 ) -> SurfaceMesh:
     """A DOLFINx mesh of a surface; cells keep DOLFINx's numbers, points those of its geometry.
 
+    Each process has the whole of a distributed mesh, whose cells and points are numbered anew.
+
     To DOLFINx no cell has a side. Here all of a piece look to that to which its first one looks,
     and the nodes of the others are taken the other way round.
 
     Args:
-        mesh: Triangles or quadrilaterals of first order in space, on one process.
+        mesh: Triangles or quadrilaterals of first order in space; all processes of a distributed
+            mesh call together.
         cell_tags: Tags of cells.
         facet_tags: Tags of edges.
         vertex_tags: Tags of vertices.
@@ -190,18 +195,18 @@ def surface_from_dolfinx(
         named_points: Name of each tag of vertices; default: the tags' numbers.
 
     Raises:
-        ValueError: The mesh has other cells, lies in a plane of two dimensions or is spread over
-            processes, a tag does not exist, or anything that the class refuses.
+        ValueError: The mesh has other cells or lies in a plane of two dimensions, a tag does not
+            exist, or anything that the class refuses.
     """
     from dolfinx.mesh import entities_to_geometry
 
     from fem_lie._compat import geometry_dofmap, kinds_of_cells
+    from fem_lie.mesh.collected import collected
 
-    if mesh.comm.size > 1:
-        raise ValueError(f"the mesh must be on one process, got one on {mesh.comm.size}")
     kinds = kinds_of_cells(mesh)
     if len(kinds) != 1:
         raise ValueError(f"the mesh must have cells of one kind, got {' and '.join(kinds)}")
+    mesh, (cell_tags, facet_tags, vertex_tags) = collected(mesh, cell_tags, facet_tags, vertex_tags)
     cell = mesh.topology.cell_name()
     cells: Indices = geometry_dofmap(mesh).astype(np.int64)
     if {"triangle": 3, "quadrilateral": 4}.get(cell) != cells.shape[1] or mesh.geometry.dim != 3:

@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_lie import _compat
 from fem_lie._arrays import Indices
+from fem_lie.mesh.collected import collected
 from fem_lie.mesh.gmsh_cells import coordinates_of
 from fem_lie.mesh.gmsh_session import GmshScript, chosen_entities, logged, opened, physical
 from fem_lie.mesh.reading import tagged
@@ -69,7 +70,8 @@ def volume_from_dolfinx(
     """Volume mesh of a DOLFINx mesh, with names for tagged entities.
 
     Args:
-        mesh: Hexahedra or tetrahedra of degree 1 or 2 in space, on one process.
+        mesh: Hexahedra or tetrahedra of degree 1 or 2 in space; all processes of a distributed
+            mesh call together, and each has the whole of it, numbered anew.
         cell_tags: Tags of cells.
         facet_tags: Tags of facets.
         edge_tags: Tags of edges.
@@ -79,6 +81,8 @@ def volume_from_dolfinx(
         curves: Name of each tag of edges; default: the tags' numbers.
         named_points: Name of each tag of vertices; default: the tags' numbers.
     """
+    mesh, tags = collected(mesh, cell_tags, facet_tags, edge_tags, vertex_tags)
+    cell_tags, facet_tags, edge_tags, vertex_tags = tags
     names = (
         (cell_tags, groups, "cell_tags"),
         (facet_tags, faces, "facet_tags"),

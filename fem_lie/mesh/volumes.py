@@ -258,8 +258,8 @@ def entities_on(mesh: dolfinx.mesh.Mesh, dim: int, nodes: Indices) -> Indices:
 
 def geometry_of_vertices(mesh: dolfinx.mesh.Mesh) -> Indices:
     """Geometry node of each vertex, shape (v,)."""
-    mesh.topology.create_connectivity(0, 3)
-    mesh.topology.create_connectivity(3, 0)
+    mesh.topology.create_connectivity(0, mesh.topology.dim)
+    mesh.topology.create_connectivity(mesh.topology.dim, 0)
     count = mesh.topology.index_map(0).size_local
     every = np.arange(count, dtype=np.int32)
     return dolfinx.mesh.entities_to_geometry(mesh, 0, every).ravel().astype(np.int64)

@@ -13,6 +13,7 @@ from fem_lie.bodies.beams.assembly import mass_only
 from fem_lie.bodies.body import Body, Point, Where
 from fem_lie.bodies.solids.model import SolidMaterials, SolidModel
 from fem_lie.elements.solids.element import SolidFormulation
+from fem_lie.mesh.volume_reading import volume_from_dolfinx
 from fem_lie.mesh.volumes import VolumeMesh, brick
 from fem_lie.sections.material import Damping
 from fem_lie.sections.solid_materials import SolidMaterial
@@ -65,7 +66,7 @@ class Solid(Body):
             TypeError: An argument has an unexpected type.
         """
         if isinstance(mesh, dolfinx.mesh.Mesh):
-            mesh = VolumeMesh(mesh)
+            mesh = volume_from_dolfinx(mesh)
         instance(mesh, VolumeMesh, "Solid: mesh", "a VolumeMesh; see block(), read_gmsh_volume()")
         instance(formulation, SolidFormulation | None, "Solid: formulation", "an element or None")
         degree = mesh.degree if degree is None else whole(degree, "Solid: degree")
