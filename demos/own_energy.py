@@ -32,7 +32,7 @@ motion by 1000 rad and 1000 lengths.
 
 from __future__ import annotations
 
-from math import asinh, pi, sinh, sqrt
+from math import pi
 from typing import Any
 
 from mpi4py import MPI
@@ -40,16 +40,17 @@ from mpi4py import MPI
 import numpy as np
 import ufl
 from command_line import run
-from diagrams import COLOURS, diagram
 from dolfinx import fem, mesh
 from forms.clamped import end, line, position, problem
 from records import components
 from reference.derivatives import checks
+from reference.stiffening_strip import position as exact_position
+from strip_pictures import draw
 
 import fem_lie as fl
 
 LENGTH = 1.0
-BENDING, STIFFENING = 1.0, 0.1  # EI, c
+STRIP = BENDING, STIFFENING = 1.0, 0.1  # EI, c
 MOMENT = BENDING * 1.5 * pi + STIFFENING * (1.5 * pi) ** 3  # makes three quarters of a circle
 
 
@@ -61,8 +62,7 @@ def strip(
     stretch, kappa = fl.elements.director_strains(q)
     strain = ufl.as_vector([stretch[0] - 1, stretch[1], stretch[2], *kappa])
     EA = fem.Constant(msh, stiffness_ratio * BENDING / LENGTH**2)
-    EI = fem.Constant(msh, BENDING)
-    c = fem.Constant(msh, STIFFENING)
+    EI, c = (fem.Constant(msh, value) for value in STRIP)
 
     def law(s: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
         axial = EA / 2 * (s[0] ** 2 + s[1] ** 2 / 2 + s[2] ** 2 / 2)
@@ -71,17 +71,6 @@ def strip(
     dx = ufl.Measure("dx", domain=msh, metadata={"quadrature_degree": 3})
     energy = fl.extend.StrainEnergy(strain, law, dx)
     return q, fl.local_frame_forms(energy if carried else energy.form(), q)
-
-
-def exact_curvature(moment: float) -> float:
-    """The real root of EI kappa + c kappa^3 = M."""
-    scale = sqrt(BENDING / (3 * STIFFENING))
-    return 2 * scale * sinh(asinh(1.5 * moment / (BENDING * scale)) / 3)
-
-
-def exact_position(moment: float, s: float | np.ndarray = LENGTH) -> np.ndarray:
-    kappa = exact_curvature(moment)
-    return np.array([np.sin(kappa * s), 1 - np.cos(kappa * s), 0 * s]) / kappa
 
 
 def bend(
@@ -115,14 +104,15 @@ def curve(q: fl.NodalFrames) -> np.ndarray:
 def main(
     elements: int = 16, load_steps: int = 6, stiffness_ratio: float = 1e6, pictures: bool = True
 ) -> dict[str, Any]:
-    exact = exact_position(MOMENT)
+    exact = exact_position(MOMENT, LENGTH, *STRIP)
     q, iterations, curves = bend(elements, load_steps, stiffness_ratio)
     finer, _, _ = bend(2 * elements, load_steps, stiffness_ratio)
     _, plain, _ = bend(elements, load_steps, stiffness_ratio, carried=False)
     tip, finer_tip = (position(f, (LENGTH, 0.0, 0.0)) for f in (q, finer))
     gaps = [float(np.linalg.norm(x - exact) / LENGTH) for x in (tip, finer_tip)]
     if pictures and MPI.COMM_WORLD.size == 1:
-        draw(curves)
+        s = np.linspace(0.0, LENGTH, 200)
+        draw(curves, lambda share: exact_position(share * MOMENT, s, *STRIP))
     return {
         "elements": elements,
         "load_steps": load_steps,
@@ -135,18 +125,6 @@ def main(
         "iterations_per_step": sum(iterations) / load_steps,
         "plain_converged": 0 not in plain,
     }
-
-
-def draw(curves: list[np.ndarray]) -> None:
-    """Nodes at all load steps on the exact arcs."""
-    s, steps = np.linspace(0.0, LENGTH, 200), len(curves) - 1
-    with diagram("own_energy.png") as axes:
-        for step, curve in enumerate(curves):
-            x, y, _ = exact_position(MOMENT * step / steps, s) if step else (s, 0 * s, None)
-            axes.plot(x, y, color="black", linewidth=0.8, label="" if step else "closed form")
-            label = "" if step else "nodes of the elements"
-            axes.plot(curve[:, 0], curve[:, 1], "o", color=COLOURS[0], markersize=3.5, label=label)
-        axes.set(xlabel="x / L", ylabel="y / L", title="A strip that stiffens", aspect="equal")
 
 
 if __name__ == "__main__":

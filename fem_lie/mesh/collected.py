@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias, TypeVar
 
 from mpi4py import MPI
 
@@ -14,7 +14,8 @@ from fem_lie import _compat
 from fem_lie._arrays import Array, Indices
 from fem_lie.mesh.volumes import entities_at
 
-Tags = dolfinx.mesh.MeshTags | None
+Scalar = TypeVar("Scalar", bound=np.generic)
+Tags: TypeAlias = "dolfinx.mesh.MeshTags | None"
 
 
 class _Input(NamedTuple):
@@ -46,9 +47,10 @@ class _Input(NamedTuple):
         return cls(numbers, points, of_cells[order], np.searchsorted(numbers, cells[order]))
 
 
-def _joined(comm: MPI.Intracomm, values: npt.NDArray[np.generic]) -> npt.NDArray[np.generic]:
+def _joined(comm: MPI.Intracomm, values: npt.NDArray[Scalar]) -> npt.NDArray[Scalar]:
     """Rows of all processes, in their order."""
-    return np.concatenate(comm.allgather(values))
+    parts: list[npt.NDArray[Scalar]] = comm.allgather(values)
+    return np.concatenate(parts)
 
 
 def collected(mesh: dolfinx.mesh.Mesh, *tags: Tags) -> tuple[dolfinx.mesh.Mesh, list[Tags]]:
