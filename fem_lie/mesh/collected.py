@@ -79,31 +79,44 @@ def _tags(
     mesh: dolfinx.mesh.Mesh, tags: dolfinx.mesh.MeshTags, found: _Input, own: dolfinx.mesh.Mesh
 ) -> dolfinx.mesh.MeshTags:
     """Tags of the distributed mesh for the mesh on this process."""
-    dim = tags.dim
-    mesh.topology.create_connectivity(dim, mesh.topology.dim)
-    mesh.topology.create_connectivity(mesh.topology.dim, dim)
-    here = tags.indices < mesh.topology.index_map(dim).size_local
+    topology, dim = mesh.topology, tags.dim
+    topology.create_connectivity(dim, topology.dim)
+    topology.create_connectivity(topology.dim, dim)
+    here = tags.indices < topology.index_map(dim).size_local
     indices, values = tags.indices[here], _joined(mesh.comm, tags.values[here])
-    if dim == mesh.topology.dim:
-        numbers = _joined(mesh.comm, np.asarray(mesh.topology.original_cell_index)[indices])
+    if dim == topology.dim:
+        numbers = _joined(mesh.comm, np.asarray(topology.original_cell_index)[indices])
         at = np.argsort(own.topology.original_cell_index)
         entities = at[np.searchsorted(found.of_cells, numbers)]
-        order = np.argsort(entities)
-        return dolfinx.mesh.meshtags(
-            own, dim, entities[order].astype(np.int32), values[order].astype(np.int32)
-        )
+    else:
+        entities, values = _at_corners(own, dim, _corners(mesh, dim, indices, found, own), values)
+    order = np.argsort(entities)
+    kinds = values[order].astype(np.int32)
+    return dolfinx.mesh.meshtags(own, dim, entities[order].astype(np.int32), kinds)
+
+
+def _corners(
+    mesh: dolfinx.mesh.Mesh,
+    dim: int,
+    indices: npt.NDArray[np.int32],
+    found: _Input,
+    own: dolfinx.mesh.Mesh,
+) -> Indices:
+    """Geometry nodes in ``own`` of the corners of entities of all processes, flat."""
     corners = np.empty(0, np.int32)  # DOLFINx divides by the number of entities
     if len(indices):
         corners = dolfinx.mesh.entities_to_geometry(mesh, dim, indices).ravel()
     numbers = _joined(mesh.comm, mesh.geometry.input_global_indices[corners])
-    numbers = numbers.reshape(len(values), -1)
-    node = np.argsort(own.geometry.input_global_indices)[np.searchsorted(found.numbers, numbers)]
-    sorted_entities = {
-        value: entities_at(own, dim, node[values == value]) for value in np.unique(values)
-    }
-    entities = np.concatenate([np.empty(0, np.int64), *sorted_entities.values()])
-    kinds = np.repeat(
-        np.array([*sorted_entities], dtype=np.int32), [len(e) for e in sorted_entities.values()]
-    )
-    order = np.argsort(entities)
-    return dolfinx.mesh.meshtags(own, dim, entities[order].astype(np.int32), kinds[order])
+    node = np.argsort(own.geometry.input_global_indices)
+    return np.asarray(node[np.searchsorted(found.numbers, numbers)])
+
+
+def _at_corners(
+    own: dolfinx.mesh.Mesh, dim: int, corners: Indices, values: npt.NDArray[np.int32]
+) -> tuple[Indices, npt.NDArray[np.int32]]:
+    """Entities with these corners, and their tags."""
+    each = corners.reshape(len(values), len(corners) // max(len(values), 1))
+    kinds = np.unique(values)
+    entities = [entities_at(own, dim, each[values == kind]) for kind in kinds]
+    counts = [len(of_kind) for of_kind in entities]
+    return np.concatenate([np.empty(0, np.int64), *entities]), np.repeat(kinds, counts)
