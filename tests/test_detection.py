@@ -6,7 +6,8 @@ import pytest
 from fem_lie.contact.sides.curves import Opposite, Strands, at, overlaps, set_curves
 from fem_lie.contact.sides.detection import near, near_between
 from fem_lie.contact.sides.passage import are_apart
-from fem_lie.contact.sides.table import GROUND
+from fem_lie.contact.sides.surfaces import MOST_NODES
+from fem_lie.contact.sides.table import GROUND, UNUSED
 
 RADIUS = 0.1
 
@@ -40,17 +41,23 @@ def curved(count: int, bend: float, seed: int) -> Strands:
     start = rng.uniform(0, 2, size=(count, 3))
     along = rng.normal(size=(count, 3))
     along /= np.linalg.norm(along, axis=1)[:, np.newaxis]
+    nodes = np.full((count, MOST_NODES), UNUSED)
+    nodes[:, 0] = GROUND
+    ends, tangents = np.stack([start, start + along], axis=1), bend * rng.normal(size=(count, 2, 3))
+    arms = np.zeros((count, MOST_NODES, 4, 3))
+    arms[:, 0] = np.concatenate([ends, along[:, np.newaxis] + tangents], axis=1)
     strands = Strands(
-        np.full((count, 2), GROUND),
-        np.stack([start, start + along], axis=1),
-        along[:, np.newaxis] + bend * rng.normal(size=(count, 2, 3)),
-        np.ones(count),
-        np.ones(count),
-        np.ones(count),
-        np.full(count, RADIUS),
-        np.zeros(count, dtype=np.bool_),
-        np.zeros((count, 4, 3)),
-        np.zeros(count),
+        nodes=nodes,
+        weights=np.zeros((count, MOST_NODES, 4)),
+        arms=arms,
+        lengths=np.ones(count),
+        chords=np.ones(count),
+        stretches=np.ones(count),
+        radii=np.full(count, RADIUS),
+        before=np.full(count, -1),
+        after=np.full(count, -1),
+        curves=np.zeros((count, 4, 3)),
+        bulges=np.zeros(count),
     )
     set_curves(np.zeros((1, 4, 3)), strands, False)
     return strands
