@@ -77,7 +77,7 @@ def main(mesh: int = 16, load_steps: int = 30) -> dict[str, Any]:
         lines.append(fl.contact.Line(beam, RADIUS))
     contact = scene.add(fl.contact.Contact(*lines, fl.contact.Penalty(penalty()), name="beams"))
     result = fl.statics(scene, load_steps=load_steps)
-    beam = lines[0].beam
+    beam = lines[0].body
     moved = result.position(fl.extend.Point(beam, mesh // 2))[-1] - beam.frames[mesh // 2, 0]
     overlap = fl.post.contact_forces(result, contact, [-1]).gaps
     record = {

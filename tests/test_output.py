@@ -346,5 +346,9 @@ def adios2():
     library = ctypes.CDLL(str(names[0]))
     pointers = ("init_serial", "declare_io", "open", "inquire_variable")
     for each in pointers:
-        getattr(library, f"adios2_{each}").restype = ctypes.c_void_p
+        getattr(library, f"adios2_{each}").restype = Handle
     return library
+
+
+class Handle(ctypes.c_void_p):
+    """An address that is passed on whole; a number would be cut to 32 bits."""

@@ -15,6 +15,7 @@ import logging
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.forms.assembly import MassMatrix
 from fem_lie.joints.redundant import RedundantConstraints
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.redundancy import redundant_constraints
@@ -25,7 +26,7 @@ from fem_lie.system.describe import refuse
 from fem_lie.system.load_cases import LoadCases
 from fem_lie.system.nodes.convected_axes import BodyAxes, ConvectedAxes, ConvectedDrilling
 from fem_lie.system.nodes.element_rotations import ElementRotations
-from fem_lie.system.nodes.masses import Loads, MassMatrix, floating_of, inertia_of, weight_of
+from fem_lie.system.nodes.masses import Loads, floating_of, inertia_of, weight_of
 from fem_lie.system.nodes.numbering import numbering_for
 from fem_lie.system.nodes.parts import shared_nodes
 from fem_lie.system.nodes.sums import add_joints, nodal_residual, report, residual

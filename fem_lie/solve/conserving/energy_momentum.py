@@ -41,6 +41,7 @@ from typing import Any
 import numpy as np
 
 from fem_lie._arrays import Indices, number
+from fem_lie.forms.assembly import MassMatrix
 from fem_lie.forms.term import Term
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import POSITION_GRADIENT
@@ -56,7 +57,6 @@ from fem_lie.solve.motion.variable_steps import Stepper
 from fem_lie.solve.recording.plan import ChosenSteps
 from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
-from fem_lie.system.nodes.masses import MassMatrix
 
 
 def refuse_scene(equations: Equations) -> None:

@@ -21,6 +21,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices, number
 from fem_lie._state import attributes
+from fem_lie.forms.assembly import MassMatrix
 from fem_lie.forms.cell_forms import CELLS, FIRST, NO_ROWS, NODES
 from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.lie.node_types import POSITION
@@ -34,7 +35,6 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.system.equations import Equations, TimeState
-from fem_lie.system.nodes.masses import MassMatrix
 
 _log = logging.getLogger(__name__)
 

@@ -29,6 +29,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie._state import attributes
+from fem_lie.forms.assembly import MassMatrix
 from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import MIXED_DERIVATIVE, SURFACE_GRADIENT
@@ -55,7 +56,6 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps, Plan
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.system.equations import Equations, TimeState
-from fem_lie.system.nodes.masses import MassMatrix
 
 _log = logging.getLogger(__name__)
 

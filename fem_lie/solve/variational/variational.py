@@ -40,6 +40,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+from fem_lie.forms.assembly import MassMatrix
 from fem_lie.lie.motions import Group
 from fem_lie.scene import Scene
 from fem_lie.solve.impacts.impulses import massless
@@ -49,7 +50,6 @@ from fem_lie.solve.motion.policies import Automatic, RefactorisationPolicy
 from fem_lie.solve.variational.run import VariationalRun
 from fem_lie.solve.variational.run_state import Options
 from fem_lie.system.equations import Equations
-from fem_lie.system.nodes.masses import MassMatrix
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.forms.assembly import MassMatrix
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.saddle_point import KKT
 from fem_lie.parts.part_scene import ScenePart
@@ -25,7 +26,6 @@ from fem_lie.system.equations.prescribed import Prescribed
 from fem_lie.system.equations.report import ConstraintsAt, Report, contents
 from fem_lie.system.equations.unknowns import Start, SystemArrays, Unknowns
 from fem_lie.system.nodes.fixed_axes import Supports
-from fem_lie.system.nodes.masses import MassMatrix
 from fem_lie.system.small_motions import SmallMotions, fill_steady
 from fem_lie.system.system import System
 from fem_lie.system.time_state import Forces, Plan, TimeState

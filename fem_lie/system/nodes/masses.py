@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from enum import Enum, auto
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -12,7 +11,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit.packed_arrays import Frames, Numbers2, Sixes
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.rigid import RigidBody
-from fem_lie.forms.assembly import NodalInertia
+from fem_lie.forms.assembly import MassMatrix, NodalInertia
 from fem_lie.forms.term import add_at
 from fem_lie.lie.node_types import MODAL, POSITION_GRADIENT, SURFACE_GRADIENT
 from fem_lie.lie.node_types.floating import Floating, FloatingModes
@@ -40,21 +39,6 @@ class Loads(NamedTuple):
     def plain(self) -> PlainLoads:
         """Plain tuple of the fields, which makes calls of compiled functions faster."""
         return (*self,)
-
-
-class MassMatrix(Enum):
-    """Mass matrix of a scene.
-
-    Attributes:
-        CONSISTENT: Consistent with the interpolation. Drilling rotations of shells have no inertia.
-        WITH_DRILLING: The same, with the rotary inertia of
-            :func:`~fem_lie.elements.shells.drilling.drilling_inertia`.
-        LUMPED: The same, lumped, so that nodes are not coupled by inertia.
-    """
-
-    CONSISTENT = auto()
-    WITH_DRILLING = auto()
-    LUMPED = auto()
 
 
 def inertia_of(
