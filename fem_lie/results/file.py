@@ -18,7 +18,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo, SupportInfo
-from fem_lie.results.files.records import DAMAGES
+from fem_lie.results.files.records import opened
 from fem_lie.results.files.storage import (
     CHECKSUMS,
     COUNT,
@@ -194,22 +194,12 @@ def read(path: str | os.PathLike[str], names: Sequence[str]) -> Stored:
 
     For errors see :meth:`fem_lie.Result.load`.
     """
-    import h5py
-
-    source = Path(path)
-    if not source.is_file():
-        raise FileNotFoundError(f"no file of results {str(source)!r}")
-    if not h5py.is_hdf5(source):
-        raise ValueError(f"{str(source)!r} is not a file of results (not HDF5)")
-    try:
-        with h5py.File(source, "r") as file:
-            given = file.attrs.get("format"), file.attrs.get("version")
-            if given[0] == _FORMAT and given[1] in _READERS:
-                return _READERS[given[1]](file, names)
-    except DAMAGES as error:
-        raise ValueError(f"{str(source)!r} is damaged: {error}") from error
+    with opened(path) as file:
+        given = file.attrs.get("format"), file.attrs.get("version")
+        if given[0] == _FORMAT and given[1] in _READERS:
+            return _READERS[given[1]](file, names)
     raise ValueError(
-        f"{str(source)!r} is not a file of results of versions {min(_READERS)} to {_VERSION}: "
+        f"{str(path)!r} is not a file of results of versions {min(_READERS)} to {_VERSION}: "
         f"format {given[0]!r}, version {given[1]}"
     )
 

@@ -9,7 +9,8 @@ once, with a link for each further time. All contents have checksums
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from pathlib import Path
@@ -23,7 +24,7 @@ _FORMAT, _VERSION = "fem_lie", 1
 _CONTENT, _CLASS, _KEYS = "result", "class", "keys"
 _MAPPING, _TUPLE = "mapping", "tuple"
 
-DAMAGES = (
+_DAMAGES = (
     DamagedError,
     # exceptions of h5py for a damaged file structure
     *(OSError, KeyError, ValueError, TypeError, RuntimeError, MemoryError, OverflowError),
@@ -59,6 +60,28 @@ def write_record(path: str | os.PathLike[str], record: object, leave_out: Iterab
     write_in_memory(Path(path), fill)
 
 
+@contextmanager
+def opened(path: str | os.PathLike[str]) -> Iterator[Any]:
+    """Context with an HDF5 file of results for reading.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        ValueError: It is not HDF5, or what is read in the context is damaged.
+    """
+    import h5py
+
+    source = Path(path)
+    if not source.is_file():
+        raise FileNotFoundError(f"no file of results {str(source)!r}")
+    if not h5py.is_hdf5(source):
+        raise ValueError(f"{str(source)!r} is not a file of results (not HDF5)")
+    try:
+        with h5py.File(source, "r") as file:
+            yield file
+    except _DAMAGES as error:
+        raise ValueError(f"{str(source)!r} is damaged: {error}") from error
+
+
 def read_record(path: str | os.PathLike[str], kind: type[Kind], parts: Iterable[type]) -> Kind:
     """Read a file of :func:`write_record`.
 
@@ -71,26 +94,16 @@ def read_record(path: str | os.PathLike[str], kind: type[Kind], parts: Iterable[
         FileNotFoundError: There is no such file.
         ValueError: It is a file of something else or of a later version, or it is damaged.
     """
-    import h5py
-
-    source = Path(path)
-    if not source.is_file():
-        raise FileNotFoundError(f"no file of results {str(source)!r}")
-    if not h5py.is_hdf5(source):
-        raise ValueError(f"{str(source)!r} is not a file of results (not HDF5)")
-    try:
-        with h5py.File(source, "r") as file:
-            given = file.attrs.get("format"), file.attrs.get("version")
-            if given == (_format(kind), _VERSION):
-                check(file)
-                known = {each.__name__: each for each in (kind, *parts)}
-                found: Kind = _read_group(file[_CONTENT], known, {})
-                return found
-    except DAMAGES as error:
-        raise ValueError(f"{str(source)!r} is damaged: {error}") from error
+    with opened(path) as file:
+        given = file.attrs.get("format"), file.attrs.get("version")
+        if given == (_format(kind), _VERSION):
+            check(file)
+            known = {each.__name__: each for each in (kind, *parts)}
+            found: Kind = _read_group(file[_CONTENT], known, {})
+            return found
     raise ValueError(
         f"expected a file of a {kind.__name__}, format {_format(kind)!r}, version {_VERSION}, got "
-        f"{str(source)!r} with format {given[0]!r}, version {given[1]}"
+        f"{str(path)!r} with format {given[0]!r}, version {given[1]}"
     )
 
 
