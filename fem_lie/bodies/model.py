@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
+from enum import Enum, auto
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias, TypeVar
 
@@ -144,6 +145,21 @@ class LagrangeNodes(NamedTuple):
     mesh: dolfinx.mesh.Mesh
     degree: int
     nodes: Indices
+
+
+class MassMatrix(Enum):
+    """Mass matrix of a scene.
+
+    Attributes:
+        CONSISTENT: Consistent with the interpolation. Drilling rotations of shells have no inertia.
+        WITH_DRILLING: The same, with the rotary inertia of
+            :func:`~fem_lie.elements.shells.drilling.drilling_inertia`.
+        LUMPED: The same, lumped, so that nodes are not coupled by inertia.
+    """
+
+    CONSISTENT = auto()
+    WITH_DRILLING = auto()
+    LUMPED = auto()
 
 
 class BodyModel:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum, auto
 from functools import cached_property
 from typing import Any
 
@@ -25,21 +24,6 @@ from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.forms.term import Pairs, Term, add_at
-
-
-class MassMatrix(Enum):
-    """Mass matrix of a scene.
-
-    Attributes:
-        CONSISTENT: Consistent with the interpolation. Drilling rotations of shells have no inertia.
-        WITH_DRILLING: The same, with the rotary inertia of
-            :func:`~fem_lie.elements.shells.drilling.drilling_inertia`.
-        LUMPED: The same, lumped, so that nodes are not coupled by inertia.
-    """
-
-    CONSISTENT = auto()
-    WITH_DRILLING = auto()
-    LUMPED = auto()
 
 
 @dataclass(frozen=True, eq=False)

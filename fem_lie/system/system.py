@@ -15,7 +15,7 @@ import logging
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.forms.assembly import MassMatrix
+from fem_lie.bodies.model import MassMatrix
 from fem_lie.joints.redundant import RedundantConstraints
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.redundancy import redundant_constraints

@@ -41,7 +41,7 @@ from typing import Any
 import numpy as np
 
 from fem_lie._arrays import Indices, number
-from fem_lie.forms.assembly import MassMatrix
+from fem_lie.bodies.model import MassMatrix
 from fem_lie.forms.term import Term
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import POSITION_GRADIENT

@@ -21,7 +21,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices, number
 from fem_lie._state import attributes
-from fem_lie.forms.assembly import MassMatrix
+from fem_lie.bodies.model import MassMatrix
 from fem_lie.forms.cell_forms import CELLS, FIRST, NO_ROWS, NODES
 from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.lie.node_types import POSITION

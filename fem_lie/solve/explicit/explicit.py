@@ -29,7 +29,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie._state import attributes
-from fem_lie.forms.assembly import MassMatrix
+from fem_lie.bodies.model import MassMatrix
 from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import MIXED_DERIVATIVE, SURFACE_GRADIENT

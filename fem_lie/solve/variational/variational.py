@@ -40,7 +40,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from fem_lie.forms.assembly import MassMatrix
+from fem_lie.bodies.model import MassMatrix
 from fem_lie.lie.motions import Group
 from fem_lie.scene import Scene
 from fem_lie.solve.impacts.impulses import massless

@@ -13,7 +13,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
-from fem_lie.forms.assembly import MassMatrix
+from fem_lie.bodies.model import MassMatrix
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.saddle_point import KKT
 from fem_lie.parts.part_scene import ScenePart

@@ -10,8 +10,9 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit.packed_arrays import Frames, Numbers2, Sixes
 from fem_lie.bodies.body import Body
+from fem_lie.bodies.model import MassMatrix
 from fem_lie.bodies.rigid import RigidBody
-from fem_lie.forms.assembly import MassMatrix, NodalInertia
+from fem_lie.forms.assembly import NodalInertia
 from fem_lie.forms.term import add_at
 from fem_lie.lie.node_types import MODAL, POSITION_GRADIENT, SURFACE_GRADIENT
 from fem_lie.lie.node_types.floating import Floating, FloatingModes
