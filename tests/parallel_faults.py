@@ -54,7 +54,7 @@ AT_ONCE = {
     "error at once": (error, "ArithmeticError: no push is known here"),
     "full at once": (full, "File too large"),
 }
-"""Likewise, before there is a scene."""
+"""Likewise, once there is a scene, before it is run."""
 
 MESSAGES = {name: message for name, (_, message) in (IN_TIME | AT_ONCE).items()}
 
@@ -83,8 +83,9 @@ def run(file, fault="", rank=-1):
 
 
 if __name__ == "__main__":
-    faulthandler.dump_traceback_later(500, exit=True)
+    faulthandler.dump_traceback_later(240, exit=True)
     name, where, shares = sys.argv[1].split(",")
+    fl.Scene()  # from here on the ranks end together
     if name in AT_ONCE and MPI.COMM_WORLD.rank == int(where):
         AT_ONCE[name][0]()
     if shares == "shared":
