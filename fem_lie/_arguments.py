@@ -6,10 +6,8 @@ import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from functools import wraps
-from types import FunctionType, ModuleType
-from typing import Any
-
-from fem_lie._jit.decorators import explain_compiled
+from types import FunctionType
+from typing import Any, Protocol, runtime_checkable
 
 MEANT = {
     "dt": ("step",),
@@ -61,32 +59,46 @@ ELSEWHERE = {
 """What is no argument of the constructor or function that is called, and where it is given."""
 
 
-def explain_arguments(package: ModuleType) -> None:
-    """Let all public functions and classes of a package explain calls with wrong arguments.
+@runtime_checkable
+class _Compiled(Protocol):
+    """A compiled function, which explains calls from Python with wrong arguments itself."""
 
-    Functions are replaced in the namespaces only; the package itself calls the originals. The
-    constructors and public methods of classes are replaced in the classes.
+    def explain_calls(self, explanation: Callable[..., TypeError]) -> None:
+        """Let it explain calls from now on."""
+
+
+def explained_function(thing: Any, namespace: str) -> Any:
+    """A public function that explains calls with wrong arguments; anything else as it is.
+
+    A Python function stays as it is inside the package, which calls it without a check.
 
     Args:
-        package: The package; its namespaces are the modules in its ``__all__``.
+        thing: The function, or another object of a public name.
+        namespace: Name of the module that offers it.
     """
-    classes: dict[type, None] = {}
-    public = [getattr(package, name) for name in package.__all__]
-    for namespace in [package, *(thing for thing in public if isinstance(thing, ModuleType))]:
-        for name in namespace.__all__:
-            thing = getattr(namespace, name)
-            if isinstance(thing, FunctionType):
-                explained = _explained(thing)
-                explained.__module__ = namespace.__name__  # where pickle finds it
-                setattr(namespace, name, explained)
-            elif isinstance(thing, type):
-                classes |= dict.fromkeys(thing.__mro__)
-            else:
-                explain_compiled(thing, explanation)
-    for cls in classes:
-        if cls.__module__.startswith("fem_lie."):
-            for name, method in [*_explained_methods(cls)]:
-                setattr(cls, name, method)
+    if isinstance(thing, FunctionType):
+        explained = _explained(thing)
+        explained.__module__ = namespace  # where pickle finds it
+        return explained
+    if isinstance(thing, _Compiled):
+        thing.explain_calls(explanation)
+    return thing
+
+
+_explained_classes: set[type] = set()
+
+
+def explain_class(cls: type) -> None:
+    """Let the constructors and public methods of a class explain calls with wrong arguments.
+
+    Args:
+        cls: The class; its base classes in the package are explained as well.
+    """
+    for each in cls.__mro__:
+        if each.__module__.startswith("fem_lie.") and each not in _explained_classes:
+            _explained_classes.add(each)
+            for name, method in [*_explained_methods(each)]:
+                setattr(each, name, method)
 
 
 def _explained_methods(cls: type) -> Iterator[tuple[str, Any]]:

@@ -1,8 +1,4 @@
-"""Where public names are: the errors for names that have moved or are in another namespace."""
-
-import sys
-from collections.abc import Callable
-from typing import NoReturn
+"""Public names of earlier versions; the errors for them say the new ones."""
 
 RENAMED = {
     "Choices": "fl.schemes.MatrixTerms",
@@ -54,37 +50,3 @@ RENAMED = {
     "surface": "fl.mesh.parametric_surface",
 }
 """Names of earlier versions, and what they are called now."""
-
-
-def unknown_name(module: str) -> Callable[[str], NoReturn]:
-    """A module's ``__getattr__``, which says where a name that the module does not have is.
-
-    Args:
-        module: Name of the module, ``fem_lie`` or a namespace in it.
-    """
-
-    def fail(name: str) -> NoReturn:
-        """Raise ``AttributeError`` with the new name, or the namespace that has the name."""
-        message = f"{module} has no {name!r}"
-        if name in RENAMED:
-            message += f"; it is {RENAMED[name]} now (fl is fem_lie)"
-        elif namespaces := _namespaces_with(name):
-            message += f"; expected {' or '.join(namespaces)} (fl is fem_lie)"
-        raise AttributeError(message, name=name, obj=sys.modules[module])
-
-    return fail
-
-
-def _namespaces_with(name: str) -> list[str]:
-    """Public names that end in this one, as users write them."""
-    package = sys.modules["fem_lie"]
-    modules = {"fl": package} | {
-        f"fl.{each}": sys.modules[f"fem_lie.{each}"]
-        for each in getattr(package, "__all__", ())
-        if f"fem_lie.{each}" in sys.modules
-    }
-    return [
-        f"{shown}.{name}"
-        for shown, module in modules.items()
-        if name in getattr(module, "__all__", ())
-    ]

@@ -36,65 +36,70 @@ scenes are in :mod:`fem_lie` itself; this module has what scenes do not show.
 
 from typing import TYPE_CHECKING
 
-from fem_lie._arrays import Array, Indices
-from fem_lie._jit import callback, compiled
-from fem_lie._renamed import unknown_name
-from fem_lie._state import attributes
-from fem_lie.adaptivity.estimates.estimate import ElementErrors
-from fem_lie.bodies.body import Body, Point
-from fem_lie.bodies.cells.element_body import ElementBody
-from fem_lie.bodies.model import BodyModel
-from fem_lie.contact.pairs.balls import BallGapPair
-from fem_lie.contact.pairs.pair import ContactPair, PenaltyPair, register_contact_pair
-from fem_lie.contact.pairs.patch_surfaces import PatchSurface
-from fem_lie.contact.sides.gap_functions import GAP_SIGNATURE, evaluate
-from fem_lie.contact.sides.surfaces import (
-    GapSurface,
-    LineSurface,
-    PlaneSurface,
-    PointSurface,
-    PolyhedralSurface,
-)
-from fem_lie.elements.beams.element import CellData, cellwise, present_values
-from fem_lie.forms.energy import StrainEnergy
-from fem_lie.forms.kernels.addresses import FrameMap, frame_function
-from fem_lie.forms.local_forms import LocalFrameForms
-from fem_lie.forms.problems.coupling import derivative_in_field, derivative_in_frames
-from fem_lie.forms.problems.loads import (
-    dead_force,
-    dead_moment,
-    follower_force,
-    follower_moment,
-)
-from fem_lie.forms.small_energy import cell
-from fem_lie.forms.small_energy.assembly import CellFunctions
-from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
-from fem_lie.forms.term import Pairs, Term
-from fem_lie.joints.connection import rows
-from fem_lie.lie import node_types, tuples
-from fem_lie.lie.node_types import NodeType, move_all
-from fem_lie.linear.direct import DirectSolver
-from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.linear.packages import Method
-from fem_lie.pictures.diagrams import COLOURS
-from fem_lie.scene.load import Carrier, History, Load, NodalLoad, Sum
-from fem_lie.solve.convergence import (
-    DIVERGED,
-    ROUND_OFF,
-    Verdict,
-    estimate,
-    failure,
-    unknown_scaling,
-)
-from fem_lie.solve.iteration import FROZEN, NEWTON, Iterated, LinearRate, QuadraticRate, iterate
-from fem_lie.solve.motion.consistent import accelerations, check_velocities
-from fem_lie.solve.motion.integration import DividedIntegration, Integration
-from fem_lie.solve.motion.integrator import Integrator, check_kinds, refuse
-from fem_lie.solve.motion.policies import PolicyState
-from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.solve.refactorisation import Refactorisation
-from fem_lie.solve.step_control import Control, StepChoice
-from fem_lie.system.equations import Equations, Plan, TimeState
+from fem_lie._public_names import public_names
+
+if TYPE_CHECKING:
+    import fem_lie.forms.small_energy.cell as cell
+    import fem_lie.lie.node_types as node_types
+    import fem_lie.lie.tuples as tuples
+    from fem_lie._arrays import Array, Indices
+    from fem_lie._jit import callback, compiled
+    from fem_lie._state import attributes
+    from fem_lie.adaptivity.estimates.estimate import ElementErrors
+    from fem_lie.bodies.body import Body, Point
+    from fem_lie.bodies.cells.element_body import ElementBody
+    from fem_lie.bodies.model import BodyModel
+    from fem_lie.contact.pairs.balls import BallGapPair
+    from fem_lie.contact.pairs.pair import ContactPair, PenaltyPair, register_contact_pair
+    from fem_lie.contact.pairs.patch_surfaces import PatchSurface
+    from fem_lie.contact.sides.gap_functions import GAP_SIGNATURE, evaluate
+    from fem_lie.contact.sides.surfaces import (
+        GapSurface,
+        LineSurface,
+        PlaneSurface,
+        PointSurface,
+        PolyhedralSurface,
+    )
+    from fem_lie.elements.beams.element import CellData, cellwise, present_values
+    from fem_lie.forms.energy import StrainEnergy
+    from fem_lie.forms.kernels.addresses import FrameMap, frame_function
+    from fem_lie.forms.local_forms import LocalFrameForms
+    from fem_lie.forms.problems.coupling import derivative_in_field, derivative_in_frames
+    from fem_lie.forms.problems.loads import (
+        dead_force,
+        dead_moment,
+        follower_force,
+        follower_moment,
+    )
+    from fem_lie.forms.small_energy.assembly import CellFunctions
+    from fem_lie.forms.small_energy.element import CELL_SIGNATURE, cell_data, element
+    from fem_lie.forms.term import Pairs, Term
+    from fem_lie.joints.connection import rows
+    from fem_lie.lie.node_types import NodeType, move_all
+    from fem_lie.linear.direct import DirectSolver
+    from fem_lie.linear.equilibrated import SingularMatrixError
+    from fem_lie.linear.packages import Method
+    from fem_lie.pictures.diagrams import COLOURS
+    from fem_lie.scene.load import Carrier, History, Load, NodalLoad, Sum
+    from fem_lie.solve.convergence import (
+        DIVERGED,
+        ROUND_OFF,
+        Verdict,
+        estimate,
+        failure,
+        unknown_scaling,
+    )
+    from fem_lie.solve.iteration import FROZEN, NEWTON, Iterated, LinearRate, QuadraticRate, iterate
+    from fem_lie.solve.motion.consistent import accelerations, check_velocities
+    from fem_lie.solve.motion.integration import DividedIntegration, Integration
+    from fem_lie.solve.motion.integrator import Integrator, check_kinds, refuse
+    from fem_lie.solve.motion.policies import PolicyState
+    from fem_lie.solve.recording.recorder import Recorder
+    from fem_lie.solve.refactorisation import Refactorisation
+    from fem_lie.solve.step_control import Control, StepChoice
+    from fem_lie.system.equations import Equations, Plan, TimeState
+else:
+    __getattr__, __dir__ = public_names(__name__)
 
 __all__ = [
     "CELL_SIGNATURE",
@@ -181,6 +186,3 @@ __all__ = [
     "tuples",
     "unknown_scaling",
 ]
-
-if not TYPE_CHECKING:  # for users; type checkers know what there is
-    __getattr__ = unknown_name(__name__)

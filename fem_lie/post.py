@@ -2,22 +2,26 @@
 
 from typing import TYPE_CHECKING
 
-from fem_lie._renamed import unknown_name
-from fem_lie.pictures.page.colours import NodalColours
-from fem_lie.pictures.page.page import Page
-from fem_lie.pictures.stage import Units
-from fem_lie.pictures.vtk import write_resultants
-from fem_lie.results.record import StepHistory
-from fem_lie.results.stresses.contacts import ContactForces, contact_forces
-from fem_lie.results.stresses.section_forces import SectionForces, section_forces
-from fem_lie.results.stresses.shell_resultants import (
-    Resultants,
-    resultant_colours,
-    resultant_series,
-    resultants,
-)
-from fem_lie.results.stresses.solid_stress import SolidStresses, solid_stresses
-from fem_lie.results.stresses.thin_resultants import ThinResultants, thin_resultants
+from fem_lie._public_names import public_names
+
+if TYPE_CHECKING:
+    from fem_lie.pictures.page.colours import NodalColours
+    from fem_lie.pictures.page.page import Page
+    from fem_lie.pictures.stage import Units
+    from fem_lie.pictures.vtk import write_resultants
+    from fem_lie.results.record import StepHistory
+    from fem_lie.results.stresses.contacts import ContactForces, contact_forces
+    from fem_lie.results.stresses.section_forces import SectionForces, section_forces
+    from fem_lie.results.stresses.shell_resultants import (
+        Resultants,
+        resultant_colours,
+        resultant_series,
+        resultants,
+    )
+    from fem_lie.results.stresses.solid_stress import SolidStresses, solid_stresses
+    from fem_lie.results.stresses.thin_resultants import ThinResultants, thin_resultants
+else:
+    __getattr__, __dir__ = public_names(__name__)
 
 __all__ = [
     "ContactForces",
@@ -38,6 +42,3 @@ __all__ = [
     "thin_resultants",
     "write_resultants",
 ]
-
-if not TYPE_CHECKING:  # for users; type checkers know what there is
-    __getattr__ = unknown_name(__name__)

@@ -2,28 +2,32 @@
 
 from typing import TYPE_CHECKING
 
-from fem_lie._renamed import unknown_name
-from fem_lie.results.record import Record
-from fem_lie.scene.matrix_terms import MatrixTerms
-from fem_lie.solve.alpha.options import ConstraintIndex, MatrixFrame
-from fem_lie.solve.composed.composed import Composed
-from fem_lie.solve.composed.parts import Composition, FiveStages, NineStages, TripleJump
-from fem_lie.solve.explicit.asynchronous import Asynchronous
-from fem_lie.solve.hamel.hamel import Hamel
-from fem_lie.solve.motion.policies import (
-    Automatic,
-    ConstraintsOnly,
-    EveryIteration,
-    FactoriseOnce,
-    IterationLimit,
-    RefactorisationPolicy,
-)
-from fem_lie.solve.motion.richardson import TimeErrorEstimate, estimate_time_error
-from fem_lie.solve.multirate.multi_rate import MultiRate
-from fem_lie.solve.statics.load_steps import Newton
-from fem_lie.solve.step_control import AdaptiveStep, ConstantStep
-from fem_lie.solve.variational.variational import Variational
-from fem_lie.system.nodes.element_rotations import CoarseElementsWarning
+from fem_lie._public_names import public_names
+
+if TYPE_CHECKING:
+    from fem_lie.results.record import Record
+    from fem_lie.scene.matrix_terms import MatrixTerms
+    from fem_lie.solve.alpha.options import ConstraintIndex, MatrixFrame
+    from fem_lie.solve.composed.composed import Composed
+    from fem_lie.solve.composed.parts import Composition, FiveStages, NineStages, TripleJump
+    from fem_lie.solve.explicit.asynchronous import Asynchronous
+    from fem_lie.solve.hamel.hamel import Hamel
+    from fem_lie.solve.motion.policies import (
+        Automatic,
+        ConstraintsOnly,
+        EveryIteration,
+        FactoriseOnce,
+        IterationLimit,
+        RefactorisationPolicy,
+    )
+    from fem_lie.solve.motion.richardson import TimeErrorEstimate, estimate_time_error
+    from fem_lie.solve.multirate.multi_rate import MultiRate
+    from fem_lie.solve.statics.load_steps import Newton
+    from fem_lie.solve.step_control import AdaptiveStep, ConstantStep
+    from fem_lie.solve.variational.variational import Variational
+    from fem_lie.system.nodes.element_rotations import CoarseElementsWarning
+else:
+    __getattr__, __dir__ = public_names(__name__)
 
 __all__ = [
     "AdaptiveStep",
@@ -52,6 +56,3 @@ __all__ = [
     "Variational",
     "estimate_time_error",
 ]
-
-if not TYPE_CHECKING:  # for users; type checkers know what there is
-    __getattr__ = unknown_name(__name__)

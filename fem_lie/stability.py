@@ -2,26 +2,30 @@
 
 from typing import TYPE_CHECKING
 
-from fem_lie._renamed import unknown_name
-from fem_lie.results.mode_shapes import BucklingModes
-from fem_lie.results.path import CriticalPoint, CriticalPointType, EquilibriumPath, PathState
-from fem_lie.results.vibrations import Modes
-from fem_lie.solve.stability.branches import switch_branch
-from fem_lie.solve.stability.imperfections import (
-    FieldImperfection,
-    Imperfection,
-    ModeImperfection,
-    RandomImperfection,
-    apply_imperfections,
-)
-from fem_lie.solve.stability.path_options import (
-    DisplacementControl,
-    LoadControl,
-    PathEnds,
-    PathOptions,
-)
-from fem_lie.solve.statics.arc_length import ArcLength, Equilibrium
-from fem_lie.solve.statics.unstable import UnstableEquilibriumWarning
+from fem_lie._public_names import public_names
+
+if TYPE_CHECKING:
+    from fem_lie.results.mode_shapes import BucklingModes
+    from fem_lie.results.path import CriticalPoint, CriticalPointType, EquilibriumPath, PathState
+    from fem_lie.results.vibrations import Modes
+    from fem_lie.solve.stability.branches import switch_branch
+    from fem_lie.solve.stability.imperfections import (
+        FieldImperfection,
+        Imperfection,
+        ModeImperfection,
+        RandomImperfection,
+        apply_imperfections,
+    )
+    from fem_lie.solve.stability.path_options import (
+        DisplacementControl,
+        LoadControl,
+        PathEnds,
+        PathOptions,
+    )
+    from fem_lie.solve.statics.arc_length import ArcLength, Equilibrium
+    from fem_lie.solve.statics.unstable import UnstableEquilibriumWarning
+else:
+    __getattr__, __dir__ = public_names(__name__)
 
 __all__ = [
     "ArcLength",
@@ -44,6 +48,3 @@ __all__ = [
     "apply_imperfections",
     "switch_branch",
 ]
-
-if not TYPE_CHECKING:  # for users; type checkers know what there is
-    __getattr__ = unknown_name(__name__)

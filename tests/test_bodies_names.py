@@ -8,6 +8,7 @@ import pytest
 import fem_lie as fl
 from fem_lie.extend import Body, BodyModel
 from tests.own_elements import random_body
+from tests.test_packages import import_all
 
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
 TUBE = fl.Section.circle(0.01, STEEL)
@@ -110,6 +111,7 @@ def documented(cls, name):
     return descriptor and bool(inspect.getdoc(getattr(cls, name)))
 
 
+import_all()
 # in one order in all processes that share the tests
 MODELS = sorted(
     (cls for cls in subclasses(BodyModel) if cls.__module__.startswith("fem_lie.")),

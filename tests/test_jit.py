@@ -85,6 +85,35 @@ def test_cache_is_found_again_and_notices_changes(run, decorator):
     assert run(7.0, decorator)[:2] == ([8.0, 9.0], 0)
 
 
+ON_DEMAND = """
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from small.helper import helper as helper
+else:
+    __getattr__ = lambda name: __import__("small.helper").helper.helper
+"""
+
+
+@pytest.mark.parametrize(
+    ("names", "imports"),
+    [
+        ("names.py", "from small.names import helper"),
+        ("names.py", "from small import _jit, names\nhelper = names.helper"),
+        ("__init__.py", "import small as s\nhelper = s.multiply"),
+        ("__init__.py", "from small import caller_of, multiply\nhelper = multiply"),
+    ],
+)
+def test_changes_are_noticed_of_names_that_are_imported_on_demand(run, tmp_path, names, imports):
+    (tmp_path / "small" / names).write_text(ON_DEMAND)
+    (tmp_path / "small" / "caller_of.py").touch()
+    caller = tmp_path / "small" / "caller.py"
+    caller.write_text(caller.read_text().replace("from small.helper import helper", imports))
+    assert run(3.0)[:2] == ([4.0, 5.0], 0)
+    assert run(3.0)[:2] == ([4.0, 5.0], 2)
+    assert run(7.0)[:2] == ([8.0, 9.0], 0)
+
+
 def test_that_machine_code_is_made_is_said_once_and_only_then(run):
     assert run(3.0)[2].count("small compiles machine code") == 1
     assert run(3.0)[2] == ""

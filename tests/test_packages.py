@@ -5,6 +5,7 @@ Imports are read from the sources, including those within functions and those fo
 
 import ast
 from graphlib import CycleError, TopologicalSorter
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -23,6 +24,7 @@ OUTSIDE = {
     "_ffcx_warnings",
     "_form_cache",
     "_precompile",
+    "_public_names",
     "_renamed",
     "_state",
     "_summary",
@@ -36,6 +38,7 @@ COMMON = {
     "_ffcx_warnings",
     "_form_cache",
     "_jit",
+    "_public_names",
     "_renamed",
     "_state",
     "_summary",
@@ -148,6 +151,12 @@ def modules():
 
 
 MODULES = modules()
+
+
+def import_all():
+    """Import all modules, which public names import only when they are used."""
+    for module in MODULES:
+        import_module(f"{PACKAGE.name}.{module}".rstrip("."))
 
 
 def package_of(module):

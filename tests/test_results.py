@@ -1,8 +1,6 @@
 """Results: look-up, invariants, files and pictures, on a rod whose motion is known."""
 
 import os
-import subprocess
-import sys
 from dataclasses import replace
 from itertools import pairwise
 
@@ -372,10 +370,3 @@ def test_a_missing_x_server_is_named(rod, tmp_path, no_display, monkeypatch):
     (tmp_path / "Xvfb").chmod(0o755)
     with pytest.raises(RuntimeError, match="Xvfb does not start"):
         rod.picture(tmp_path / "rod.png")
-
-
-def test_looking_at_results_imports_no_drawing_library():
-    heavy = "matplotlib", "pyvista", "vtkmodules", "gmsh", "h5py", "PIL", "imageio"
-    code = f"import fem_lie, sys; print([m for m in {heavy} if m in sys.modules])"
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert run.stdout.strip() == "[]"

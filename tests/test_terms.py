@@ -19,7 +19,7 @@ from fem_lie.system.terms.all_terms import Terms
 from fem_lie.system.terms.attached import AttachedTerm
 from tests.own_elements import random_body
 from tests.own_surface import Quartic
-from tests.test_packages import MODULES, imports_of
+from tests.test_packages import MODULES, import_all, imports_of
 
 MATERIAL = fl.Material(100.0, 0.3, 2.0)
 INERTIA = np.diag([0.5, 0.0, 0.01, 0.02])
@@ -725,6 +725,8 @@ def test_matrix_is_that_of_the_forces_it_is_given(scene, dynamics):
 
 
 # --- nobody asks which they are ---
+
+import_all()
 
 
 def all_kinds(of: type[fl.extend.Term] = fl.extend.Term) -> list[type[fl.extend.Term]]:

@@ -232,6 +232,15 @@ class _CalledFromPython(_Dispatcher):
     def _numba_type_(self) -> Any:
         return numba.types.Dispatcher(self.for_callers)
 
+    def explain_calls(self, explanation: Callable[..., TypeError]) -> None:
+        """Let the function explain calls from Python with wrong arguments, as public ones do.
+
+        Args:
+            explanation: Makes the error, see :class:`_Public`.
+        """
+        public = cast(Any, self)
+        public.explanation, public.__class__ = explanation, _Public
+
 
 class _Unmade(_CalledFromPython):
     """A function that Python has not called yet; its numba dispatcher is created at the first call.
@@ -244,6 +253,11 @@ class _Unmade(_CalledFromPython):
     """
 
     made: type[_CalledFromPython] = _CalledFromPython
+
+    def explain_calls(self, explanation: Callable[..., TypeError]) -> None:
+        """As in the base class, after the first call."""
+        public = cast(Any, self)
+        public.explanation, public.made = explanation, _Public
 
     def __call__(self, *args: Any, **named: Any) -> Any:
         """Create the dispatcher and call it."""
@@ -287,18 +301,6 @@ class _Public(_CalledFromPython):
             if error.__traceback__ is None or error.__traceback__.tb_next is not None:
                 raise  # an error of the function, not of the call
             raise self.explanation(self.__name__, self.function, args, named) from None
-
-
-def explain_compiled(function: object, explanation: Callable[..., TypeError]) -> None:
-    """Let a compiled function explain calls from Python with wrong arguments.
-
-    Args:
-        function: The function, not called before; other objects stay as they are.
-        explanation: See :class:`_Public`.
-    """
-    if isinstance(function, _CalledFromPython):
-        public = cast(Any, function)
-        public.made, public.explanation = _Public, explanation
 
 
 def _entrance(function: Callable[..., Any], inner: Any) -> Callable[..., Any]:

@@ -148,16 +148,22 @@ _IMPORT = re.compile(
 )
 
 
+_ON_DEMAND = "else:\n    __getattr__"
+"""What follows the imports of a namespace, which are for type hints and on demand."""
+
+
 @cache
 def _imports(file: Path) -> list[Path]:
-    """Files of this package that ``file`` imports at run time, not only for type hints."""
+    """Files of this package that ``file`` imports at run time or on demand."""
+    source = file.read_text(encoding="utf-8")
+    if _ON_DEMAND in source:
+        source = re.sub("^    ", "", source, flags=re.MULTILINE)
     files: list[Path] = []
-    for package, names, module in _IMPORT.findall(file.read_text(encoding="utf-8")):
+    for package, names, module in _IMPORT.findall(source):
         path = PACKAGE.joinpath(*(package or module).split(".")[1:])
-        inside = [path / name for name in re.findall(r"\w+", names)]
-        modules = [path for name in inside for path in _of_module(name) if path.is_file()]
-        files += modules
-        if path != PACKAGE and not modules:
+        inside = [_of_module(path / name) for name in re.findall(r"\w+", names)]
+        files += [each for candidates in inside for each in candidates]
+        if not inside or not all(any(map(Path.is_file, candidates)) for candidates in inside):
             files += _of_module(path)
     return [path for path in files if path.is_file()]
 

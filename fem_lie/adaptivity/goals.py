@@ -16,9 +16,9 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices, instance
 from fem_lie._summary import Summarised
+from fem_lie.adaptivity.discretisation_error import draw_error, worst
 from fem_lie.adaptivity.estimates.estimate import Estimated
 from fem_lie.adaptivity.estimates.recovery import StressFields, fields_of
-from fem_lie.adaptivity.space_error import draw_error, worst
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.pictures.stage import SI, Units
 from fem_lie.results.equilibrium import StaticResult
@@ -62,7 +62,7 @@ def goal_error(
         goal: The goal.
 
     Raises:
-        ValueError: See :func:`~fem_lie.adaptivity.space_error.space_error` and the goal; or a body
+        ValueError: See :func:`~fem_lie.adaptivity.space_error` and the goal; or a body
             is a thin shell, or a beam with bending flexibility, whose displacements are more
             accurate than its stress.
     """

@@ -28,10 +28,10 @@ import numpy as np
 
 from fem_lie._arrays import Array, instance, positive, whole
 from fem_lie._summary import Summarised
+from fem_lie.adaptivity.discretisation_error import SpaceError, space_error
 from fem_lie.adaptivity.estimates.estimate import ErrorEstimate, Estimated
 from fem_lie.adaptivity.goals import Goal, GoalError, goal_error
 from fem_lie.adaptivity.refinement import Onto, Refinable, Sizes, check_refinable, order_of, refine
-from fem_lie.adaptivity.space_error import SpaceError, space_error
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell

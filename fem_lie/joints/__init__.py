@@ -2,26 +2,30 @@
 
 from typing import TYPE_CHECKING
 
-from fem_lie._renamed import unknown_name
-from fem_lie.joints.connection import Connection, Coordinate
-from fem_lie.joints.joint import Joint
-from fem_lie.joints.kinds import (
-    Cylindrical,
-    Distance,
-    Fixed,
-    InPlane,
-    Planar,
-    Prismatic,
-    Revolute,
-    Screw,
-    Spherical,
-    Universal,
-)
-from fem_lie.joints.redundant import RedundantConstraints
-from fem_lie.joints.rigid_link import RigidLink
-from fem_lie.joints.rolling import KnifeEdge, RollingDisc
-from fem_lie.joints.sliding import Collar, Sleeve, Sliding
-from fem_lie.joints.springs import Drive, Gear, Spring
+from fem_lie._public_names import public_names
+
+if TYPE_CHECKING:
+    from fem_lie.joints.connection import Connection, Coordinate
+    from fem_lie.joints.joint import Joint
+    from fem_lie.joints.kinds import (
+        Cylindrical,
+        Distance,
+        Fixed,
+        InPlane,
+        Planar,
+        Prismatic,
+        Revolute,
+        Screw,
+        Spherical,
+        Universal,
+    )
+    from fem_lie.joints.redundant import RedundantConstraints
+    from fem_lie.joints.rigid_link import RigidLink
+    from fem_lie.joints.rolling import KnifeEdge, RollingDisc
+    from fem_lie.joints.sliding import Collar, Sleeve, Sliding
+    from fem_lie.joints.springs import Drive, Gear, Spring
+else:
+    __getattr__, __dir__ = public_names(__name__)
 
 __all__ = [
     "Collar",
@@ -48,6 +52,3 @@ __all__ = [
     "Spring",
     "Universal",
 ]
-
-if not TYPE_CHECKING:  # for users; type checkers know what there is
-    __getattr__ = unknown_name(__name__)

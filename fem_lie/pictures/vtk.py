@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 import numpy.typing as npt
@@ -286,7 +286,7 @@ def _series(path: str | os.PathLike[str], count: int) -> tuple[Path, list[str]]:
 def _write_collection(target: Path, names: Sequence[str], times: Array) -> None:
     """Write the collection last: the series appears when it is complete."""
     rows = [
-        f'<DataSet timestep="{float(time)!r}" file={quoteattr(name)}/>'
+        f'<DataSet timestep="{float(time)!r}" file="{escape(name)}"/>'
         for name, time in zip(names, times, strict=True)
     ]
     target.write_text(

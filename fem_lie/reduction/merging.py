@@ -32,7 +32,7 @@ from fem_lie._arrays import Array, Flags, Indices, instance, positive
 from fem_lie.adaptivity.following.transfer import Transferred, mass_matrix
 from fem_lie.lie.node_types import NodeType
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.reduction.merged_motion import MergedMotion, RegionSegment
+from fem_lie.reduction.merged_result import MergedMotion, RegionSegment
 from fem_lie.results.history import Result
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import Began, require_scene

@@ -22,11 +22,11 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices, instance, positive, whole
 from fem_lie._summary import Summarised
+from fem_lie.adaptivity.discretisation_error import SpaceError, space_error
 from fem_lie.adaptivity.estimates.estimate import ErrorEstimate
 from fem_lie.adaptivity.following.transfer import Transferred, transfer
 from fem_lie.adaptivity.loop import named_body
 from fem_lie.adaptivity.refinement import Followed, Onto, Sizes, check_refinable, order_of
-from fem_lie.adaptivity.space_error import SpaceError, space_error
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.surfaces import SurfaceMesh

@@ -13,7 +13,7 @@ from fem_lie._summary import Summarised
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.reduction.basis import Basis
-from fem_lie.reduction.ecsw import CellSample, ReducedCells, ReducedNodes, summed
+from fem_lie.reduction.energy_sampling import CellSample, ReducedCells, ReducedNodes, summed
 from fem_lie.reduction.linearised import equations_of
 from fem_lie.results.states import Displaced
 from fem_lie.scene import Scene
