@@ -1,11 +1,19 @@
-"""Further loads, prestress and temperature, and histories in time."""
+"""Further loads, prestress and temperature, force laws, and histories in time."""
 
 from typing import TYPE_CHECKING
 
 from fem_lie._public_names import public_names
 
 if TYPE_CHECKING:
+    from fem_lie.joints.force_law import ForceLaw
     from fem_lie.joints.histories import PiecewiseLinear, PiecewiseSmooth
+    from fem_lie.joints.laws import (
+        CompressionOnly,
+        ForceLawError,
+        SpringTable,
+        TensionOnly,
+        compiled_law,
+    )
     from fem_lie.scene.pressure_loads import PressureLoad, SurfacePressure
     from fem_lie.scene.solid_loads import BulkLoad, FaceLoad, FacePressure
     from fem_lie.scene.strain_loads import Eigenstrain, PreStress, Temperature
@@ -15,16 +23,22 @@ else:
 
 __all__ = [
     "BulkLoad",
+    "CompressionOnly",
     "EdgeLoad",
     "Eigenstrain",
     "FaceLoad",
     "FacePressure",
+    "ForceLaw",
+    "ForceLawError",
     "MassLoad",
     "PiecewiseLinear",
     "PiecewiseSmooth",
     "PreStress",
     "PressureLoad",
+    "SpringTable",
     "SurfacePressure",
     "Temperature",
+    "TensionOnly",
     "VolumeLoad",
+    "compiled_law",
 ]

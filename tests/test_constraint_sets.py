@@ -235,7 +235,7 @@ def test_geometric_stiffness_is_the_derivative_of_the_forces(name, seed):
     if case.set.of_velocities:
         pytest.skip("forces that bind velocities have no stiffness in the matrix")
     K = case.stiffness(lambda position, K: case.set.geometric(case.H, case.weights, position, K))
-    K += case.stiffness(lambda position, K: case.set.stiffen(case.H, position, 1.0, 0.0, K))
+    K += case.stiffness(lambda position, K: case.set.stiffen(case.H, case.v, position, 1.0, 0.0, K))
     h, numeric = case.along(lambda H: case.forces(H)[0])
     np.testing.assert_allclose(K @ h, numeric, atol=1e-6 * (1 + np.abs(K).max()))
 
@@ -243,7 +243,7 @@ def test_geometric_stiffness_is_the_derivative_of_the_forces(name, seed):
 @some
 def test_dampers_resist_velocities_and_take_what_they_lose(name, seed):
     case = Case(name, seed)
-    C = case.stiffness(lambda position, K: case.set.stiffen(case.H, position, 0.0, 1.0, K))
+    C = case.stiffness(lambda position, K: case.set.stiffen(case.H, case.v, position, 0.0, 1.0, K))
     moving, still = (case.forces(case.H, v)[0] for v in (case.v, np.zeros_like(case.v)))
     twists = case.v[: case.n].ravel()
     np.testing.assert_allclose(moving - still, C @ twists, atol=1e-11 * (1 + np.abs(C).max()))

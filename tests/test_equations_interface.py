@@ -29,7 +29,7 @@ RECORDS = {
 
 VERBS = {
     "time": {"prescribed"},
-    "forces": {"residual"},
+    "forces": {"check_laws", "residual"},
     "matrix": {"constraints", "fill", "linear_state"},
     "what is reported of a state": {"energy_balance", "report"},
     "what they are like": {"contents", "small_motions"},
@@ -148,7 +148,10 @@ def test_views_have_these_names_and_no_others(name):
 
 
 def test_the_list_does_not_grow_in_silence():
-    """There were 166 paths and names before; views must not grow instead."""
+    """There were 166 paths and names before; views must not grow instead.
+
+    ``check_laws`` came with force laws of users, whose errors compiled loops cannot raise.
+    """
     names = len(RECORDS.union(*VERBS.values()) | IMPORTED | COMPILED)
-    assert names <= 31
-    assert names + sum(map(len, VIEWS.values())) <= 62
+    assert names <= 32
+    assert names + sum(map(len, VIEWS.values())) <= 63

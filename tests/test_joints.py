@@ -180,7 +180,7 @@ def test_forces_are_transposed_jacobian_and_geometric_their_derivative(name, see
         assert np.abs(f - rows.T @ case.weights).max() < 1e-12 * (1 + np.abs(rows).max())
     K = case.blocks(
         lambda position, K: terms.geometric(H, table, case.weights, position, K)
-    ) + case.blocks(lambda position, K: terms.add_springs(H, table, position, 1.0, 0.0, K))
+    ) + case.blocks(lambda position, K: terms.add_springs(H, case.v, table, position, 1.0, 0.0, K))
     numeric = differences(lambda F: case.evaluate(F)[:12], H)
     assert np.abs(K - numeric).max() < 10 * DIFFERENCE * (1 + np.abs(K).max())
 
@@ -194,7 +194,8 @@ def test_springs_have_an_energy_and_dampers_take_it(seed):
     assert np.abs(energy[0] - f).max() < 10 * DIFFERENCE * (1 + np.abs(f).max())
     viscous = case.evaluate(case.H, case.v)[:12] - f
     assert viscous @ case.v.ravel() > 0.0
-    D = case.blocks(lambda position, K: terms.add_springs(case.H, case.table, position, 0, 1.0, K))
+    given = case.H, case.v, case.table
+    D = case.blocks(lambda position, K: terms.add_springs(*given, position, 0.0, 1.0, K))
     # linear in the velocities: an identity but for round-off
     assert np.abs(D @ case.v.ravel() - viscous).max() < 1e-12 * (1 + np.abs(D).max())
 

@@ -17,6 +17,7 @@ from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body, Point
 from fem_lie.joints.equations import functions as joint_functions
 from fem_lie.joints.equations.relative_motion import relative_motion
+from fem_lie.joints.laws import Law
 
 History = Callable[[float], float]
 
@@ -142,6 +143,16 @@ class Connection(ABC):
     @property
     def spring(self) -> tuple[float, float, float] | None:
         """Stiffness, damping and rest value of the spring term; ``None``: no spring."""
+        return None
+
+    @property
+    def force_law(self) -> Law | None:
+        """Force law of the spring term instead of stiffness and damping; ``None``: no law."""
+        return None
+
+    @property
+    def fingerprint(self) -> Array | None:
+        """Numbers that differ if the force law does; ``None``: no law."""
         return None
 
     @property

@@ -228,6 +228,26 @@ class Connections:
         for each in self.sets:
             each.targets[:] = values[each.own]
 
+    @property
+    def has_laws(self) -> bool:
+        """Whether there are force laws."""
+        return any(item.force_law is not None for item in self.items)
+
+    @property
+    def laws_depend_on_time(self) -> bool:
+        """Whether force laws may depend on time."""
+        return any(each.depends_on_time for each in self.sets)
+
+    def set_clock(self, time: float) -> None:
+        """Set the time at which force laws are evaluated."""
+        for each in self.sets:
+            each.set_clock(time)
+
+    def check_laws(self) -> None:
+        """Raise the error of a force law, if there was one."""
+        for each in self.sets:
+            each.check_laws()
+
     def target_rates(self, time: float, step: float) -> tuple[Array, Array]:
         """Rates of targets, see :meth:`~.constraint_sets.constraint_set.Targets.rates`."""
         return self._targets.rates(time, step)

@@ -189,6 +189,7 @@ class System:
             lasting[:] = now
         self._plain_loads = self.loads.plain
         self.floating.numbers[:3] = factor * self._gravity
+        self.connections.set_clock(time)
         if self.connections.driven:
             self.connections.set_time(time)
 

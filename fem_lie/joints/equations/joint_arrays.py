@@ -1,8 +1,8 @@
-"""Packed arrays of all joints of a scene, for compiled loops: twelve arrays passed as two.
+"""Packed arrays of all joints of a scene, for compiled loops: fifteen arrays passed as two.
 
 The time to call a compiled function from Python grows with the number of its arrays. They are
 therefore packed into one array of numbers and one of integers, with the sizes at the head; the
-twelve arrays are views of these.
+fifteen arrays are views of these.
 """
 
 from __future__ import annotations
@@ -35,7 +35,12 @@ class JointArrays(NamedTuple):
         curved: 1 for pairs that have terms with functions, else 0, shape (j,).
         turned: Angle at the last accepted state, rad, shape (j,).
         targets: Prescribed values of the constraints, shape (m,).
-        springs: Stiffness, damping and rest value, shape (k, 3).
+        springs: Stiffness, damping and rest value, shape (k, 3). With a force law: factors of its
+            derivatives in the coordinate and in its rate, and the shift of the coordinate.
+        laws: Address of the force law of each spring, 0: none; first of its data and the end, shape
+            (k, 3). See :mod:`fem_lie.joints.equations.laws`.
+        data: Data of all force laws.
+        clock: Time at which force laws are evaluated, shape (1,).
     """
 
     nodes: Indices
@@ -50,14 +55,18 @@ class JointArrays(NamedTuple):
     turned: Array
     targets: Array
     springs: Array
+    laws: Indices
+    data: Array
+    clock: Array
 
 
 def pack(arrays: JointArrays) -> PackedJoints:
     """Pack the arrays into two; :func:`views` is the inverse."""
     j, t, m, k = len(arrays.nodes), len(arrays.rows), len(arrays.targets), len(arrays.springs)
     shapes = (arrays.frames, arrays.selection, arrays.functions, arrays.angle)
-    numbers = (*shapes, arrays.turned, arrays.targets, arrays.springs)
-    integers = (arrays.nodes, arrays.first, arrays.rows, arrays.incidences, arrays.curved)
+    numbers = (*shapes, arrays.turned, arrays.targets, arrays.springs, arrays.data, arrays.clock)
+    nodes, of_terms = (arrays.nodes, arrays.first), (arrays.rows, arrays.incidences)
+    integers = (*nodes, *of_terms, arrays.curved, arrays.laws)
     sizes = np.array([j, t, m, k], dtype=np.int64)
     return (
         np.concatenate([array.ravel() for array in numbers]),
@@ -74,10 +83,12 @@ def views(packed: PackedJoints) -> JointArrays:
     turned = angle + 24 * j
     targets = turned + j
     springs = targets + m
+    data = springs + 3 * k
     first = 4 + 2 * j
     rows = first + j + 1
     incidences = rows + t
     curved = incidences + 2 * t
+    laws = curved + j
     return JointArrays(
         i[4:first].reshape(j, 2),
         x[:selection].reshape(j, 2, 4, 3),
@@ -87,10 +98,13 @@ def views(packed: PackedJoints) -> JointArrays:
         i[rows:incidences],
         i[incidences:curved].reshape(t, 2),
         x[angle:turned].reshape(j, 2, 12),
-        i[curved : curved + j],
+        i[curved:laws],
         x[turned:targets],
         x[targets:springs],
-        x[springs : springs + 3 * k].reshape(k, 3),
+        x[springs:data].reshape(k, 3),
+        i[laws:].reshape(k, 3),
+        x[data : x.shape[0] - 1],
+        x[x.shape[0] - 1 :],
     )
 
 

@@ -13,7 +13,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 from fem_lie._jit.copies import copy_vector
-from fem_lie.joints.equations import functions
+from fem_lie.joints.equations import functions, laws
 from fem_lie.joints.equations.joint_arrays import JointArrays
 from fem_lie.joints.equations.relative_motion import relative_motion, variation
 
@@ -129,9 +129,13 @@ def load(
             multiplier = multipliers[row]
         else:
             k, damping, rest = arrays.springs[row - m]
-            multiplier = k * (term(arrays, t, z, f) - rest)
+            q, rate = term(arrays, t, z, f), 0.0
             if damping != 0.0:
-                multiplier += damping * rate_of_term(v, arrays, j, t, z)
+                rate = rate_of_term(v, arrays, j, t, z)
+            if arrays.laws[row - m, 0] != 0:
+                multiplier = laws.force(arrays, row - m, q, rate)
+            else:
+                multiplier = k * (q - rest) + damping * rate
         for k in range(12):
             p[k] += multiplier * arrays.selection[t, k]
         for k in range(3):

@@ -5,7 +5,7 @@ R_B``, joints constrain, drive, couple and load terms ``S z + Σ cₖ fₖ(z)``,
 constant selection ``S`` and the functions ``f`` of :mod:`fem_lie.joints.equations.functions`. The
 terms are invariant under rigid motion and, without functions, at most quadratic in positions and
 directors. A constraint ``Φ = 0`` is the sum of its terms minus a target; a spring with damper is a
-force ``k (q − q₀) + c q̇`` along its term ``q``.
+force ``k (q − q₀) + c q̇``, or a force law of ``(t, q, q̇)``, along its term ``q``.
 
 Nodes from ``count`` on do not move by themselves: ground and prescribed frames.
 """
@@ -18,7 +18,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, uncounted
 from fem_lie._jit.stack import stack, vector_at
-from fem_lie.joints.equations import functions
+from fem_lie.joints.equations import functions, laws
 from fem_lie.joints.equations.joint_arrays import JointArrays, PackedJoints, joint_arrays
 from fem_lie.joints.equations.one_pair import (
     WORKSPACE,
@@ -125,30 +125,39 @@ def unwrap(H: Array, arrays: JointArrays) -> None:
 
 @compiled
 def spring_energy(H: Array, arrays: JointArrays) -> float:
-    """Energy ``½ k (q − q₀)²`` of all springs."""
+    """Energy ``½ k (q − q₀)²``, or the potential of the force law, of all springs."""
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
     m, energy = len(arrays.targets), 0.0
     for j in range(arrays.nodes.shape[0]):
         for t in range(arrays.first[j], arrays.first[j + 1]):
             if arrays.rows[t] >= m:
                 locate(H, arrays, j, A, B, z, f)
-                k, _, rest = arrays.springs[arrays.rows[t] - m]
-                energy += 0.5 * k * (term(arrays, t, z, f) - rest) ** 2
+                spring, q = arrays.rows[t] - m, term(arrays, t, z, f)
+                k, _, rest = arrays.springs[spring]
+                if arrays.laws[spring, 0] != 0:
+                    energy += laws.potential(arrays, spring, q)
+                else:
+                    energy += 0.5 * k * (q - rest) ** 2
     return energy
 
 
 @compiled
 def damper_loss(H: Array, v: Array, arrays: JointArrays) -> float:
-    """Power ``c q̇²`` dissipated by all dampers at nodal twists ``v``."""
+    """Power ``c q̇²`` dissipated by all dampers at nodal twists ``v``.
+
+    Force laws without a potential contribute ``F q̇``.
+    """
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
     m, loss = len(arrays.targets), 0.0
     for j in range(arrays.nodes.shape[0]):
         for t in range(arrays.first[j], arrays.first[j + 1]):
             if arrays.rows[t] >= m and arrays.springs[arrays.rows[t] - m, 1] != 0.0:
                 locate(H, arrays, j, A, B, z, f)
-                loss += (
-                    arrays.springs[arrays.rows[t] - m, 1] * rate_of_term(v, arrays, j, t, z) ** 2
-                )
+                spring, rate = arrays.rows[t] - m, rate_of_term(v, arrays, j, t, z)
+                if arrays.laws[spring, 0] != 0:
+                    loss += laws.force(arrays, spring, term(arrays, t, z, f), rate) * rate
+                else:
+                    loss += arrays.springs[spring, 1] * rate**2
     return loss
 
 
@@ -239,9 +248,18 @@ def geometric(H: Array, arrays: JointArrays, multipliers: Array, index: Indices,
 
 @compiled
 def add_springs(
-    H: Array, arrays: JointArrays, index: Indices, stiff: float, damp: float, K: Array
+    H: Array,
+    v: Array,
+    arrays: JointArrays,
+    index: Indices,
+    stiff: float,
+    damp: float,
+    K: Array,
 ) -> None:
-    """Add ``(stiff k + damp c) bᵀb`` of springs and dampers, ``b = ∂q/∂h``, to blocks ``K``."""
+    """Add ``(stiff k + damp c) bᵀb`` of springs and dampers, ``b = ∂q/∂h``, to blocks ``K``.
+
+    ``k`` and ``c`` of a force law are its derivatives at the rates that follow from twists ``v``.
+    """
     A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
     f, sides, b = np.zeros(3), np.empty((2, 6)), np.empty((2, 6))
     m = len(arrays.targets)
@@ -249,8 +267,13 @@ def add_springs(
         for t in range(arrays.first[j], arrays.first[j + 1]):
             if arrays.rows[t] < m:
                 continue
-            k, c, _ = arrays.springs[arrays.rows[t] - m]
+            spring = arrays.rows[t] - m
+            k, c, _ = arrays.springs[spring]
             locate(H, arrays, j, A, B, z, f)
+            if arrays.laws[spring, 0] != 0:
+                rate = rate_of_term(v, arrays, j, t, z)
+                by = laws.derivatives(arrays, spring, term(arrays, t, z, f), rate)
+                k, c = k * by[0], c * by[1]
             gradient(arrays, j, t, z, p)
             force(z, p, sides[0], sides[1])
             for side in range(2):

@@ -197,7 +197,7 @@ class Run(Newton):
 
     def _make_in_loop(self, history: Recorder) -> bool:
         """Make as many steps as the loop can make and record by itself, at least one."""
-        progress, index, most = self.progress, self.index, 1 if self._changing else self._most
+        progress, index, most = self.progress, self.index, 1 if self._prescribes else self._most
         self.reason = ""
         if history.whole and self._fills:
             last, wanted = history.steps_in_loop(index, most)
@@ -258,6 +258,7 @@ class Run(Newton):
             accounts=not balance.empty,
             loads=balance.looks[0],
             joints=balance.looks[1],
+            began=self.equations.scene.began.time,
         ).plain
 
     def _served(self, code: int) -> bool:

@@ -88,6 +88,8 @@ class RunState(DividedIntegration[Recorder]):
         self.s = State.start(equations.start.frames, unknowns.kinds, scaling)
         self._guided, self._moving = bool(equations.supports), unknowns.moving
         self._changing = unknowns.time_dependent
+        # compiled loops set the time of force laws that are in their sum
+        self._prescribes = unknowns.prescribes or not equations.arrays.in_one_sum
         stabilised = options.index == ConstraintIndex.STABILISED_TWO
         self._projects = stabilised and unknowns.constraints > 0
         self._turned = options.matrix_frame == MatrixFrame.INERTIAL

@@ -73,6 +73,7 @@ def refuse_scene(equations: Equations) -> None:
         if not _has_forces_over_steps(term, known.kinds)
     ]
     reasons = {
+        "force laws without a potential (ForceLaw)": unknowns.laws_without_potential,
         "springs along coordinates of joints between the nodes of a Beam": (
             unknowns.other_springs if pairs is None else pairs.other_springs
         ),

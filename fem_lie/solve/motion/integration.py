@@ -16,6 +16,7 @@ from fem_lie._arrays import Array
 from fem_lie._state import HasState, Stateful, attributes
 from fem_lie.bodies.model import FoldedElementError
 from fem_lie.forms.abilities import PassedThroughError
+from fem_lie.joints.laws import ForceLawError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result
 from fem_lie.solve.division import HALVINGS, Division
@@ -115,7 +116,7 @@ class Driver(ABC, Stateful, Generic[HistoryT]):
         watch = Stopwatch(history.seconds)
         with history:
             while not self._finished(history):
-                done = self._advance(history)
+                done = self._advance_or_fail(history)
                 history.seconds = watch.seconds
                 if not done:
                     raise ConvergenceError(self._failure(history.steps), self._result(history))
@@ -123,6 +124,21 @@ class Driver(ABC, Stateful, Generic[HistoryT]):
                 if history.checkpoint_due(self.index):
                     self._save(history)
         return self._result(history)
+
+    def _advance_or_fail(self, history: HistoryT) -> bool:
+        """:meth:`_advance`; the error of a force law ends the run, with the results so far.
+
+        Raises:
+            ConvergenceError: A force law failed.
+        """
+        try:
+            done = self._advance(history)
+            if not done:
+                self.equations.check_laws()
+        except ForceLawError as error:
+            text = f"step {self.index} failed: {error}"
+            raise ConvergenceError(text, self._result(history)) from error
+        return done
 
     def _keep(self, history: HistoryT) -> None:
         """Record the current state if it is due; raise if an element has folded."""

@@ -75,6 +75,7 @@ class Fingerprint:
             for name, value in (
                 ("constraint definitions", (type(item), item.size, item.definitions())),
                 ("stiffness, damping and rest", item.spring),
+                ("force law", item.fingerprint),
                 ("sliding", item.sliding_definition()),
                 ("rolling", item.velocity_definitions()),
             ):

@@ -127,6 +127,7 @@ def _refuse(equations: Equations) -> None:
     """Raise ``ValueError`` if the scheme does not support the scene."""
     unknowns = equations.unknowns
     reasons = {
+        "force laws without a potential (ForceLaw)": unknowns.laws_without_potential,
         "velocity constraints (KnifeEdge, RollingDisc), whose motion makes no action stationary": (
             unknowns.of_velocities > 0
         ),

@@ -21,6 +21,9 @@ from fem_lie.system.constraint_sets.relative_motions import RelativeMotions
 from fem_lie.system.nodes.held_attachments import HeldAttachments
 from fem_lie.system.nodes.numbering import Numbering
 
+_OF_DATA: Indices = np.array([0, 1, 1])
+"""Columns of laws that number their data."""
+
 _NO_ARM = 1e-9
 """Smallest moment arm of a point, over the extent of a scene."""
 
@@ -106,14 +109,28 @@ def _joined(tables: Sequence[JointArrays], rows: Sequence[Indices]) -> JointArra
     own = zip(tables, rows, strict=True)
     joined = {
         name: np.concatenate([getattr(table, name) for table in tables])
-        for name in ("frames", "selection", "functions", "angle", "curved", "turned", "springs")
+        for name in (
+            "frames",
+            "selection",
+            "functions",
+            "angle",
+            "curved",
+            "turned",
+            "springs",
+            "data",
+        )
     }
+    data = np.cumsum([0, *(len(table.data) for table in tables)])
     return JointArrays(
         nodes=np.concatenate([numbers[table.nodes] for table, numbers in own]),
         first=np.concatenate(first),
         rows=np.concatenate(of_terms),
         incidences=np.full((terms, 2), -1, dtype=np.int64),
         targets=np.zeros(m),
+        laws=np.concatenate(
+            [table.laws + at * _OF_DATA for table, at in zip(tables, data, strict=False)]
+        ),
+        clock=np.zeros(1),
         **joined,
     )
 

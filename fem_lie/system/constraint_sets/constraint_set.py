@@ -316,6 +316,27 @@ class ConstraintSet(ABC):
     # --- springs and dampers along coordinates ---
 
     @property
+    def depends_on_time(self) -> bool:
+        """Whether force laws may depend on time."""
+        return False
+
+    def set_clock(self, time: float) -> None:
+        """Set the time at which force laws are evaluated.
+
+        Args:
+            time: Time, or load factor in statics.
+        """
+        return  # most sets have none
+
+    def check_laws(self) -> None:
+        """Raise the error of a force law, if there was one.
+
+        Raises:
+            ForceLawError: A law of the user has failed since the last call.
+        """
+        return  # most sets have none
+
+    @property
     def springs(self) -> Array:
         """Stiffness, damping and rest value of each spring, shape (k, 3)."""
         return np.empty((0, 3))
@@ -325,8 +346,20 @@ class ConstraintSet(ABC):
         """Whether springs couple each of :attr:`pairs`; of the same shape."""
         return np.ones(self.pairs[0].shape, dtype=bool)
 
-    def stiffen(self, H: Array, index: Indices, stiff: float, damp: float, K: Array) -> None:
-        """Add ``(stiff k + damp c) bᵀb`` of springs and dampers to blocks, as :meth:`geometric`."""
+    def stiffen(
+        self, H: Array, v: Array, index: Indices, stiff: float, damp: float, K: Array
+    ) -> None:
+        """Add ``(stiff k + damp c) bᵀb`` of springs and dampers to blocks, as :meth:`geometric`.
+
+        Args:
+            H: Frames of all nodes.
+            v: Twists of the moving nodes, at which force laws are differentiated; fewer rows: the
+                other nodes are at rest.
+            index: Block of each of :attr:`pairs`, −1: none.
+            stiff: Factor of the stiffness ``k``.
+            damp: Factor of the damping ``c``.
+            K: Blocks, shape (any, 6, 6).
+        """
         return  # most sets have none
 
     def stretch_springs(self, H: Array, h: Array) -> None:

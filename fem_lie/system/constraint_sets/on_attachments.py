@@ -305,15 +305,31 @@ class OnAttachments(ConstraintSet):
     # --- springs and dampers ---
 
     @property
+    def depends_on_time(self) -> bool:
+        """Whether force laws may depend on time."""
+        return self.inner.depends_on_time
+
+    def set_clock(self, time: float) -> None:
+        """Set the time at which force laws are evaluated."""
+        self.inner.set_clock(time)
+
+    def check_laws(self) -> None:
+        """Raise the error of a force law, if there was one."""
+        self.inner.check_laws()
+
+    @property
     def springs(self) -> Array:
         """Stiffness, damping and rest value of each spring, shape (k, 3)."""
         return self.inner.springs
 
-    def stiffen(self, H: Array, index: Indices, stiff: float, damp: float, K: Array) -> None:
+    def stiffen(
+        self, H: Array, v: Array, index: Indices, stiff: float, damp: float, K: Array
+    ) -> None:
         """Add ``(stiff k + damp c) bᵀb`` of springs and dampers to blocks, as :meth:`geometric`."""
         frames, J = self._inner_frames(H)
         blocks = np.zeros((self._blocks, 6, 6))
-        self.inner.stiffen(frames, self._inner_index, stiff, damp, blocks)
+        twists = self._twists(J, v) if len(v) else v
+        self.inner.stiffen(frames, twists, self._inner_index, stiff, damp, blocks)
         self._add_pulled(J, blocks, index, K)
         self._add_averaged(H, blocks, np.zeros((self._attachments.count, 6)), index, K)
 

@@ -14,6 +14,7 @@ from fem_lie.joints.equations.functions import ANGLE, DISTANCE
 from fem_lie.joints.equations.joint_arrays import JointArrays, PackedJoints, pack, views
 from fem_lie.joints.equations.turns import spring_changes
 from fem_lie.joints.joint import Joint
+from fem_lie.joints.laws import ForceLawError, Law
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstrainedFrames,
@@ -137,7 +138,10 @@ class RelativeMotions(ConstraintSet):
                     touched[row].update(pair.nodes)
         self.owner = np.repeat(numbers, sizes)
         self.incidences = Incidences.of(touched, constrained.count)
-        springs = [item.spring for item, _, _ in items if item.spring is not None]
+        springs = [(item.spring, item.force_law) for item, _, _ in items if item.spring is not None]
+        self.laws = [
+            (item.label, item.force_law) for item, _, _ in items if item.force_law is not None
+        ]
         self.packed = _packed(constrained, pairs, self.m, springs, self.incidences, start.incidence)
         self.arrays = views(self.packed)
         self.targets = self.arrays.targets
@@ -235,6 +239,23 @@ class RelativeMotions(ConstraintSet):
         return np.where(self._keeps, values, 0.0)
 
     @property
+    def depends_on_time(self) -> bool:
+        """Whether force laws may depend on time: those without a potential."""
+        return any(not law.has_potential for _, law in self.laws)
+
+    def set_clock(self, time: float) -> None:
+        """Set the time at which force laws are evaluated."""
+        self.arrays.clock[0] = time
+
+    def check_laws(self) -> None:
+        """Raise the error of a force law, if there was one."""
+        for label, law in self.laws:
+            if error := law.failure():
+                time = self.arrays.clock[0]
+                what = f"{type(error).__name__}: {error}"
+                raise ForceLawError(f"{label}: {what} (at time {time:g})") from error
+
+    @property
     def springs(self) -> Array:
         """Stiffness, damping and rest value of each spring, shape (k, 3)."""
         return self.arrays.springs
@@ -247,10 +268,12 @@ class RelativeMotions(ConstraintSet):
         found[np.searchsorted(self.arrays.first, term, side="right") - 1] = True
         return found
 
-    def stiffen(self, H: Array, index: Indices, stiff: float, damp: float, K: Array) -> None:
+    def stiffen(
+        self, H: Array, v: Array, index: Indices, stiff: float, damp: float, K: Array
+    ) -> None:
         """Add ``(stiff k + damp c) bᵀb`` of springs and dampers to blocks, as :meth:`geometric`."""
         if len(self.arrays.springs):
-            terms.add_springs(H, self.arrays, index, stiff, damp, K)
+            terms.add_springs(H, v, self.arrays, index, stiff, damp, K)
 
     def stretch_springs(self, H: Array, h: Array) -> None:
         """Change rest values of springs by the changes of coordinates along ``h`` (n, 6)."""
@@ -368,7 +391,7 @@ def _packed(
     constrained: ConstrainedFrames,
     pairs: Sequence[Pair],
     m: int,
-    springs: Sequence[tuple[float, float, float]],
+    springs: Sequence[tuple[tuple[float, float, float], Law | None]],
     incidences: Incidences | None,
     incidence: int,
 ) -> PackedJoints:
@@ -381,6 +404,9 @@ def _packed(
     at = np.full_like(nodes, -1) if incidences is None else incidences.find(of_terms, nodes)
     of_pairs = np.array([pair.nodes for pair in pairs], dtype=np.int64).reshape(-1, 2)
     frames = np.array([pair.definition.frames for pair in pairs]).reshape(-1, 2, 4, 3)
+    laws = [law for _, law in springs]
+    data = [np.empty(0) if law is None else law.data for law in laws]
+    ends = np.cumsum([0, *map(len, data)], dtype=np.int64)
     arrays = JointArrays(
         nodes=of_pairs,
         frames=relative_frames(constrained, of_pairs, frames),
@@ -393,6 +419,16 @@ def _packed(
         curved=np.array([pair.definition.functions.any() for pair in pairs], dtype=np.int64),
         turned=np.zeros(len(pairs)),
         targets=np.zeros(m),
-        springs=np.array(springs, dtype=np.float64).reshape(-1, 3),
+        springs=np.array([row for row, _ in springs], dtype=np.float64).reshape(-1, 3),
+        laws=np.stack(
+            [
+                np.array([0 if law is None else law.address for law in laws], dtype=np.int64),
+                ends[:-1],
+                ends[1:],
+            ],
+            axis=1,
+        ),
+        data=np.concatenate([np.empty(0), *data]),
+        clock=np.zeros(1),
     )
     return pack(arrays)

@@ -14,6 +14,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.bodies.model import MassMatrix
+from fem_lie.joints.laws import ForceLawError
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.saddle_point import KKT
 from fem_lie.parts.part_scene import ScenePart
@@ -240,7 +241,18 @@ class Equations:
                 self._terms.condense(state.H)
             self._system.residual(state, scale, r, found, per_increment=per_increment)
         self.shared.sum(r[: 6 * self.unknowns.moving].reshape(-1, 6))
+        self.check_laws()
         return found
+
+    def check_laws(self) -> None:
+        """Raise the error of a force law, if there was one, on all ranks.
+
+        Raises:
+            ForceLawError: A law of the user has failed since the last call.
+        """
+        if self.unknowns.has_laws:
+            with self.shared.errors(ForceLawError):
+                self._system.connections.check_laws()
 
     def linear_state(self, H: Array, dx: Array, forces: Forces) -> LinearState:
         """Stress and forces of linear theory along ``dx`` (size,) from frames ``H``.

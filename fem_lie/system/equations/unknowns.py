@@ -49,7 +49,10 @@ class Unknowns(NamedTuple):
         total: Number of all nodes, attached ones included.
         bodies: Numbers of the nodes of each body.
         rigid: Whether there are no elements.
-        time_dependent: Whether loads, drives or prescribed motions depend on time.
+        time_dependent: Whether loads, drives, prescribed motions or force laws depend on time.
+        has_laws: Whether there are force laws.
+        prescribes: Whether loads, drives or prescribed motions do.
+        laws_without_potential: Whether there are force laws without a potential.
         driven: Whether targets of constraints depend on time.
         strains_change: Whether stress-free strains depend on time.
         preloaded: Whether there are springs with a prescribed rest value.
@@ -84,6 +87,9 @@ class Unknowns(NamedTuple):
     bodies: Mapping[Body, Indices]
     rigid: bool
     time_dependent: bool
+    has_laws: bool
+    prescribes: bool
+    laws_without_potential: bool
     driven: bool
     strains_change: bool
     preloaded: bool
@@ -128,7 +134,10 @@ class Unknowns(NamedTuple):
             total=numbering.total,
             bodies=numbering.nodes,
             rigid=shared.all(not numbering.assemblies),
-            time_dependent=shared.any(system.time_dependent),
+            time_dependent=shared.any(system.time_dependent or connections.laws_depend_on_time),
+            has_laws=shared.any(connections.has_laws),
+            prescribes=shared.any(system.time_dependent),
+            laws_without_potential=shared.any(connections.laws_depend_on_time),
             driven=shared.any(connections.driven),
             strains_change=shared.any(system.load_cases.strains_change),
             preloaded=shared.any(connections.preloaded),

@@ -131,7 +131,7 @@ class Springs(_Along):
     def tangent(self, H: Array, kept: Array) -> Array:
         """``k bᵀb`` with the derivatives ``b`` of the coordinates."""
         blocks = self._blocks()
-        self._joints.stiffen(H, self._index, 1.0, 0.0, blocks)
+        self._joints.stiffen(H, np.empty((0, 6)), self._index, 1.0, 0.0, blocks)
         return blocks
 
     def geometric(self, H: Array) -> Array:
@@ -170,5 +170,5 @@ class Dampers(_Along, ViscousForces):
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
         """``c bᵀb``; the derivative of ``b`` is neglected."""
         blocks = self._blocks()
-        self._joints.stiffen(H, self._index, 0.0, 1.0, blocks)
+        self._joints.stiffen(H, v, self._index, 0.0, 1.0, blocks)
         return blocks, None

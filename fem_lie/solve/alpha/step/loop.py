@@ -24,7 +24,7 @@ from fem_lie._jit.packed_arrays import (
     unpacking,
 )
 from fem_lie._jit.records import Records, record_type
-from fem_lie.joints.equations.joint_arrays import PackedJoints
+from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays
 from fem_lie.joints.equations.terms import unwrap_both
 from fem_lie.lie.polar import PlainSurroundings, convect_axes
 from fem_lie.linear.factors import PlainSolution, solve_by_call
@@ -134,6 +134,7 @@ class Steps(NamedTuple):
         accounts: Whether the energy balance is updated.
         loads: Whether loads contribute to the balance.
         joints: Whether joints contribute to it.
+        began: Time at step 0.
     """
 
     tolerance: float
@@ -148,6 +149,7 @@ class Steps(NamedTuple):
     accounts: bool
     loads: bool
     joints: bool
+    began: float
 
     @property
     def plain(self) -> PlainSteps:
@@ -156,7 +158,7 @@ class Steps(NamedTuple):
 
 
 PlainSteps: TypeAlias = tuple[
-    float, float, int, float, bool, bool, bool, bool, bool, bool, bool, bool
+    float, float, int, float, bool, bool, bool, bool, bool, bool, bool, bool, float
 ]
 """Plain tuple of :class:`Steps`."""
 
@@ -308,6 +310,8 @@ def run(
             if progress.step >= last:
                 return DONE
             _begin(table, scheme, state)
+            if ended:
+                joint_arrays(this.joints[0]).clock[0] = Steps(*steps).began + progress.step * h
             progress.phase = OPEN
         if progress.phase == OPEN:
             progress.phase = WEIGHED

@@ -17,7 +17,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked, uncounted
 from fem_lie._jit.stack import blocks_at, stack, vector_at
 from fem_lie.forms.fixed_arrays import put
-from fem_lie.joints.equations import functions
+from fem_lie.joints.equations import functions, laws
 from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays
 from fem_lie.joints.equations.one_pair import term
 from fem_lie.joints.equations.relative_motion import relative_motion
@@ -156,7 +156,10 @@ def add_joints(
             else:
                 stiffness, damping, rest = arrays.springs[row - m]
                 before = term(arrays, t, z, f)
-                weight = stiffness * (before + 0.5 * gain - rest) + damping * gain / h
+                if arrays.laws[row - m, 0] != 0:
+                    weight = laws.mean_force(arrays, row - m, before, gain)
+                else:
+                    weight = stiffness * (before + 0.5 * gain - rest) + damping * gain / h
                 loss += damping * gain * gain / h
             for k in range(12):
                 p[k] += weight * g[k]
