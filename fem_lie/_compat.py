@@ -101,6 +101,38 @@ def integration_entities(form: fem.Form, kind: IntegralType) -> npt.NDArray[np.i
     return np.concatenate([np.empty(0, dtype=np.int32), *rows])
 
 
+def packed_constants(form: fem.Form) -> npt.NDArray[np.float64]:
+    """Values of all constants of a form, in a row."""
+    return dolfinx.cpp.fem.pack_constants(form._cpp_object)
+
+
+def packed_coefficients(form: fem.Form) -> npt.NDArray[np.float64]:
+    """Values of all coefficients of a form with one integral, a row for each of its cells."""
+    (values,) = dolfinx.cpp.fem.pack_coefficients(form._cpp_object).values()
+    return np.asarray(values, dtype=np.float64)
+
+
+def first_column(form: fem.Form, coefficient: fem.Function | None) -> int:
+    """First column of a coefficient in the packed ones; their end if the form does not have it."""
+    column = 0
+    for each in form._cpp_object.coefficients:
+        if coefficient is not None and each is coefficient._cpp_object:
+            break
+        dofmap = each.function_space.dofmap
+        column += dofmap.map().shape[1] * dofmap.bs
+    return column
+
+
+def has_same_coefficients(form: fem.Form, other: fem.Form) -> bool:
+    """Whether two forms have the same coefficients in the same order."""
+    return bool(form._cpp_object.coefficients == other._cpp_object.coefficients)
+
+
+def is_on_space(bc: fem.DirichletBC, space: fem.FunctionSpace) -> bool:
+    """Whether a support is one of the unknowns of a space itself, not of an equal space."""
+    return bool(bc.function_space == space._cpp_object)
+
+
 def geometry_dofmap(mesh: dolfinx.mesh.Mesh) -> npt.NDArray[np.int32]:
     """Geometry nodes of the local cells, shape ``(num_cells, nodes)``.
 

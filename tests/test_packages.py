@@ -233,6 +233,22 @@ def test_common_modules_import_only_each_other(package):
     assert {package_of(other) for module in inside for other in IMPORTS[module]} <= COMMON
 
 
+def calls_of_cpp_layer(path):
+    """Names of DOLFINx's C++ layer that a file uses: it differs between versions."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    used = [node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)]
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            package = getattr(node, "module", None) or ""
+            used += [f"{package}.{alias.name}" for alias in node.names]
+    return [name for name in used if {"_cpp_object", "cpp"} & {*name.split(".")}]
+
+
+def test_only_compat_calls_the_cpp_layer_of_dolfinx():
+    users = {path.stem for path in PACKAGE.rglob("*.py") if calls_of_cpp_layer(path)}
+    assert users == {"_compat"}
+
+
 def test_no_circle_of_files():
     try:
         TopologicalSorter(IMPORTS).prepare()

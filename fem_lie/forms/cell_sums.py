@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
 
-import dolfinx
 import numpy as np
 import numpy.typing as npt
 from dolfinx import fem
@@ -228,21 +227,20 @@ class CellForm(CellSum):
             other: A form on the same cells, whose coordinates are shared, and whose coefficients
                 are shared if they are the same.
         """
-        self._form, self.cells = form._cpp_object, cells
-        constants = dolfinx.cpp.fem.pack_constants(self._form)
+        self._form, self.cells = form, cells
+        constants = _compat.packed_constants(form)
         if other is None:
             mesh = form.mesh
             x = mesh.geometry.x[_compat.geometry_dofmap(mesh)].reshape(len(cells), -1)
             values = self._packed()
         else:
-            x, same = other._x, self._form.coefficients == other._form.coefficients
+            x, same = other._x, _compat.has_same_coefficients(form, other._form)
             values = other.values if same else self._packed()
         super().__init__(cells, int(kernel.address), values, constants, x, separate_nodes=True)
 
     def _packed(self) -> Array:
         """Packed coefficients without the state."""
-        (values,) = dolfinx.cpp.fem.pack_coefficients(self._form).values()
-        return np.asarray(values)[:, 12 * self.cells.shape[1] :]
+        return _compat.packed_coefficients(self._form)[:, 12 * self.cells.shape[1] :]
 
     def pack(self) -> None:
         """Pack all coefficients again."""

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-import dolfinx
 import numba
 import numpy as np
 from dolfinx import fem
@@ -68,23 +67,14 @@ class _Form:
     """Form with packed coefficients at a fixed address."""
 
     def __init__(self, form: fem.Form, kernel: Any, given: fem.Function | None) -> None:
-        self.form, self.kernel = form._cpp_object, int(kernel.address)
-        self.constants = dolfinx.cpp.fem.pack_constants(self.form)
-        self.w = np.ascontiguousarray(self._packed())
-        self.at = 0
-        for f in self.form.coefficients:
-            if given is not None and f is given._cpp_object:
-                break
-            space = f.function_space
-            self.at += space.dofmap.map().shape[1] * space.dofmap.bs
-
-    def _packed(self) -> Array:
-        (values,) = dolfinx.cpp.fem.pack_coefficients(self.form).values()
-        return np.asarray(values, dtype=np.float64)
+        self._form, self.kernel = form, int(kernel.address)
+        self.constants = _compat.packed_constants(form)
+        self.w = np.ascontiguousarray(_compat.packed_coefficients(form))
+        self.at = _compat.first_column(form, given)
 
     def pack(self) -> None:
         """Pack all coefficients again."""
-        self.w[:] = self._packed()
+        self.w[:] = _compat.packed_coefficients(self._form)
 
 
 class Cells:

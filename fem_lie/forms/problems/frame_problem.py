@@ -12,6 +12,7 @@ import ufl
 from dolfinx import fem
 from dolfinx.fem import petsc
 
+from fem_lie import _compat
 from fem_lie._arrays import instance
 from fem_lie._form_cache import compile_form
 from fem_lie.forms.frames import NodalFrames
@@ -75,7 +76,7 @@ class FrameProblem:
             if form.increment is not q.increment:
                 raise ValueError("expected forms of the frames q, got forms of other frames")
         for bc in self.bcs:
-            if bc.function_space != V._cpp_object:
+            if not _compat.is_on_space(bc, V):
                 raise ValueError("expected bcs on q.increment.function_space, got another space")
         self.x = fem.Function(V, name="sum of increments")
         u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
