@@ -17,6 +17,7 @@ NEEDED = {
     "scipy": "scipy",
     "matplotlib": "matplotlib",
     "h5py": "h5py",
+    "pandas": "pandas",
     "tqdm": "tqdm",
     "gmsh": "gmsh",
     "pyvista": "pyvista",
