@@ -271,8 +271,10 @@ def test_tables(results, solver, tmp_path):
     pandas = pytest.importorskip("pandas")
     frame = result.to_dataframe([end])
     assert frame.index.name == label and list(frame.columns) == header[1:]
-    read = pandas.read_csv(tmp_path / "table.csv", index_col=label)
-    np.testing.assert_allclose(read.to_numpy(), frame.to_numpy(), rtol=1e-14)
+    exact = {"index_col": label, "float_precision": "round_trip"}
+    read = pandas.read_csv(tmp_path / "table.csv", **exact)
+    np.testing.assert_array_equal(read.to_numpy(), frame.to_numpy())
+    np.testing.assert_array_equal(read.index, frame.index)
 
 
 def test_without_pandas_the_way_out_is_named(results, monkeypatch):

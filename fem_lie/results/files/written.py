@@ -101,6 +101,8 @@ class Written(ABC):
     ) -> None:
         """Write the table of :meth:`to_dataframe`, without pandas; values are kept to all digits.
 
+        ``pandas.read_csv(path, float_precision="round_trip")`` reads all of them.
+
         Args:
             path: Name of the ``.csv`` file.
             points: As for :meth:`to_dataframe`.
