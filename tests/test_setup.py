@@ -4,6 +4,7 @@ import os
 import pty
 import shutil
 import subprocess
+import sys
 import tempfile
 from functools import partial
 from pathlib import Path
@@ -103,3 +104,34 @@ def test_another_value_of_the_variable_is_named():
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode != 0
     assert "FEM_LIE_SUDO is 'maybe', wanted is yes, no or nothing" in done.stderr
+
+
+INSTALLS_PYTHON = """
+source {setup}
+cache={folder}/cache key=key HOSTNAME=host
+try_python() {{ return 1; }}
+try_distribution() {{
+  ln --symbolic "$(readlink --canonicalize {python})" {folder}/python3
+  found=it
+}}
+mention_blas() {{
+  "$BASH" -c 'source {common}; cache={folder}/cache key=key HOSTNAME=host; read_choice && echo $way'
+}}
+choose
+"""
+
+
+def test_the_choice_is_found_where_the_distribution_brings_the_first_python(tmp_path):
+    """Else the set-up would wait for itself, as on a bare Debian."""
+    tools = tmp_path / "bin"
+    tools.mkdir()
+    for name in ("awk", "bash", "cat", "cut", "dirname", "ln", "mkdir", "mv", "readlink", "sed"):
+        (tools / name).symlink_to(shutil.which(name))
+    (tools / "sha256sum").symlink_to(shutil.which("sha256sum"))
+    common = SETUP.with_name("common.bash")
+    code = INSTALLS_PYTHON.format(setup=SETUP, folder=tools, common=common, python=sys.executable)
+    environment = {"PATH": str(tools), "HOME": str(tmp_path)}
+    done = subprocess.run(
+        [shutil.which("bash"), "-c", code], env=environment, capture_output=True, text=True
+    )
+    assert done.stdout.strip() == "distribution", done.stderr
