@@ -135,3 +135,41 @@ def test_the_choice_is_found_where_the_distribution_brings_the_first_python(tmp_
         [shutil.which("bash"), "-c", code], env=environment, capture_output=True, text=True
     )
     assert done.stdout.strip() == "distribution", done.stderr
+
+
+@pytest.mark.parametrize(
+    ("log", "verdict"),
+    [
+        ("I: resolving what to install\nE: no such thing\n", "mmdebstrap failed, E: no such thing"),
+        ("Unpacking libconnect ...\ndpkg: error: it broke\n", "mmdebstrap failed, dpkg: error: it"),
+        ("E: Failed to fetch http://x/y.deb\n", "do not answer or do not have unstable"),
+        ("Err:4 http://x unstable\n  404  Not Found\n", "do not answer or do not have unstable"),
+        ("E: The repository 'x' does not have a Release file.\n", "do not have unstable"),
+        ("cannot write: No space left on device\n", "is full"),
+    ],
+)
+def test_a_failure_of_the_private_root_says_what_apt_says(tmp_path, log, verdict):
+    (tmp_path / "setup.log").write_text(log)
+    (tmp_path / "debian.sources").write_text("URIs: http://x\n")
+    code = f"source {SETUP}; work={tmp_path}; explain_failure $work/setup.log; echo $verdict"
+    environment = os.environ | {"FEM_LIE_SUITE": "unstable"}
+    done = subprocess.run(["bash", "-c", code], env=environment, capture_output=True, text=True)
+    assert verdict in done.stdout
+
+
+def test_the_root_of_another_suite_is_another_one():
+    code = f"source {SETUP}; echo $SUITE $root ${{FEM_LIE_WAY:-any}}"
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("FEM_LIE")}
+    found = [
+        subprocess.check_output(["bash", "-c", code], env=environment | suite, text=True).split()
+        for suite in ({}, {"FEM_LIE_SUITE": "unstable"})
+    ]
+    assert [each[0] for each in found] == ["trixie", "unstable"]
+    assert [each[2] for each in found] == ["any", "root"]
+    assert found[0][1] != found[1][1]
+
+
+@pytest.mark.parametrize("name", ["", "../trixie"])
+def test_a_suite_that_is_none_is_refused(name):
+    done = subprocess.run(["bash", SETUP, "--suite", name], capture_output=True, text=True)
+    assert done.returncode == 1 and f"--suite is '{name}'" in done.stderr

@@ -15,6 +15,8 @@ function renamed(uris, suites,    i, j, m, n, uri, suite, code, result) {
             code = codename[file, plain(uri[i]), suite[j]]
             if (code !~ /^[a-z]+(-updates|-security)?$/)
                 continue
+            if (release ~ /^(unstable|sid|experimental)$/ && code ~ /-/)
+                break # it has neither updates nor security updates
             sub(/^[a-z]+/, release, code)
             result = result " " code
             break

@@ -1,7 +1,10 @@
 # shellcheck shell=bash
 # Shared by tools/setup, tools/run, tools/lint, tools/docs and tools/notebooks: where things lie and which way was chosen.
 
-readonly SUITE=trixie   # Debian release of the private root: the first with DOLFINx 0.9
+# Debian release of the private root; trixie is the first with DOLFINx 0.9. Another one is a root of
+# its own, which neither the current python3 nor the distribution's packages replace.
+readonly SUITE=${FEM_LIE_SUITE:-trixie}
+[[ -z ${FEM_LIE_SUITE:-} ]] || export FEM_LIE_WAY=root
 readonly LAYOUT=1       # count up when the same package list has to make a new private root
 readonly PLAIN_PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
 
