@@ -20,8 +20,8 @@ from typing import NamedTuple
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.reduction.ecsw import ReducedCells
-from fem_lie.reduction.sampled_statics import ReducedLoads, equilibria, loads_of
+from fem_lie.reduction.energy_sampling import ReducedCells
+from fem_lie.reduction.sampled_equilibria import ReducedLoads, equilibria, loads_of
 
 RUBBER = fl.Material(E=5e6, nu=0.3, density=1100.0)
 LEVELS = np.linspace(0.125, 1.0, 8)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
-from fem_lie.reduction.ecsw import ReducedCells, forces_of_training
+from fem_lie.reduction.energy_sampling import ReducedCells, forces_of_training
 from fem_lie.reduction.merging import ActivityCheck
 from tests.test_regions import rod
 from tests.test_sampling import BOTH, trained
