@@ -1,8 +1,10 @@
 """Scenes divided among ranks, for test_divided.py: ``mpirun -n 2 divided_scenes.py OUT``."""
 
 import faulthandler
+import logging
 import sys
 import warnings
+from contextlib import contextmanager
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -157,6 +159,18 @@ def balls():
     return scene, [ball.point for ball in found]
 
 
+def free_balls():
+    """A beam of one cell, which one rank has, and balls that another one has."""
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.rectangle(0.02, 0.03, STEEL), cells=1)
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(beam)
+    scene.add(fl.Clamp(beam.point("start")))
+    balls = [scene.add(fl.RigidBody(1.0, np.diag([1.0, 2.0, 3.0]), (k, 1, 0))) for k in range(3)]
+    for ball in balls:
+        ball.add_velocity(omega=(1.0, 2.0, 0.0), about=(0, 0, 0))
+    return scene, [beam.point("end"), *(ball.point("centre") for ball in balls)]
+
+
 def tumbling(body):
     """A free body that spins, whose nodal axes rotate with the deformation."""
     scene = fl.Scene()
@@ -247,11 +261,26 @@ MOTIONS = REST | {
     "net": net,
     "cable": cable,
     "balls": balls,
+    "free balls": free_balls,
     "plate": tumbling_plate,
     "soft block": tumbling_block,
 }
 EXPLICIT = {name: MOTIONS[name] for name in ("net", "cable", "balls", "soft block")}
 EXPLICIT["linked beams"] = linked
+
+
+@contextmanager
+def counted_refinements():
+    """Context with the messages that solutions are refined."""
+    messages, handler = [], logging.Handler()
+    handler.emit = lambda record: messages.append(record) if "refined" in record.msg else None
+    log = logging.getLogger("fem_lie.linear.direct")
+    level = log.level
+    log.addHandler(handler)
+    log.setLevel(logging.INFO)
+    yield messages
+    log.removeHandler(handler)
+    log.setLevel(level)
 
 
 def statics(build):
@@ -274,8 +303,10 @@ def motion(build):
     scene, points = build()
     # with contacts, iterations of several ranks take other corrections to the same solution
     scheme = fl.GeneralisedAlpha(tolerance=1e-12) if scene.contacts else fl.GeneralisedAlpha()
-    found = scheme.run(scene, duration=0.02, step=2e-3, progress=False)
+    with counted_refinements() as refined:
+        found = scheme.run(scene, duration=0.02, step=2e-3, progress=False)
     return {
+        "refined": np.array(len(refined)),
         **{f"position {k}": found.position(point) for k, point in enumerate(points)},
         **{f"velocity {k}": found.velocity(point) for k, point in enumerate(points)},
         "joint forces": found.joint_forces,

@@ -45,7 +45,7 @@ VIEWS = {
         "saved_state",
         "restore",
         "rotate_axes",
-        "stretch_springs",
+        "turns",
         "unchanged",
         "watch",
         "with_matrix",

@@ -376,6 +376,9 @@ class DirectSolver:
             self._set_up()
             self._solve_scaled(self._b, self._x)
             error = self._refined()
+        if self._refines:
+            times, package = self._refines, self._methods[0].package
+            _log.info("solutions by %s are refined %d times each", package, times)
         self._checked = True
 
     def _refined(self) -> float:

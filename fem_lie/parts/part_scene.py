@@ -111,6 +111,31 @@ def divided(scene: Scene, prefix: str, *, supported: bool = True) -> ScenePart |
     return part
 
 
+def undivided(scene: Scene) -> ScenePart:
+    """All of a scene as a part, with its nodes numbered body after body."""
+    ends = np.cumsum([len(body.frames) for body in scene.bodies])
+    numbers = {
+        body: np.arange(end - len(body.frames), end)
+        for body, end in zip(scene.bodies, ends, strict=True)
+    }
+    return ScenePart(
+        scene,
+        scene,
+        numbers,
+        {},
+        np.arange(len(connections_of(scene))),
+        _length(scene),
+        int(ends[-1]),
+        MPI.COMM_SELF,
+    )
+
+
+def _length(scene: Scene) -> float:
+    """Length of the model."""
+    places: Array = np.concatenate([body.frames[:, 0] for body in scene.bodies])
+    return max(diameter(places), *(body.model.size for body in scene.bodies))
+
+
 def part_of(scene: Scene, comm: MPI.Intracomm) -> ScenePart:
     """The part of a scene that this rank has.
 
@@ -145,15 +170,14 @@ def part_of(scene: Scene, comm: MPI.Intracomm) -> ScenePart:
         for rank in range(comm.size)
         if rank != comm.rank
     }
-    places: Array = np.concatenate([body.frames[:, 0] for body in scene.bodies])
     return ScenePart(
         part,
         scene,
         nodes,
         {rank: shared for rank, shared in sharers.items() if len(shared)},
         np.flatnonzero([id(item) in own for item in connections_of(scene)]),
-        max(diameter(places), *(body.model.size for body in scene.bodies)),
-        len(places),
+        _length(scene),
+        sum(len(body.frames) for body in scene.bodies),
         comm,
     )
 

@@ -10,9 +10,12 @@ import tempfile
 from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
+from typing import TypeVar
 from zlib import crc32
 
 from fem_lie.ranks.together import first, from_first, meet, several
+
+Contents = TypeVar("Contents")
 
 _PREFIX, _ALIVE = "fem_lie_rank_", "alive"
 
@@ -83,6 +86,19 @@ def write_once(path: str | os.PathLike[str], write: Callable[[], None]) -> None:
         except OSError as found:
             error = found
     from_first(f"writing {path}", error)
+
+
+def read_together(path: str | os.PathLike[str], read: Callable[[], Contents]) -> Contents:
+    """Read on all ranks, none of which writes until all have read.
+
+    Args:
+        path: The file.
+        read: Reads it.
+    """
+    before_reading(path)
+    found = read()
+    before_reading(path)
+    return found
 
 
 def before_reading(path: str | os.PathLike[str]) -> None:

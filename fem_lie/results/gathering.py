@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, TypeVar
+
+from mpi4py import MPI
 
 import numpy as np
 
@@ -13,8 +16,6 @@ from fem_lie.parts.part_scene import ScenePart, connections_of
 from fem_lie.results.record import with_others
 from fem_lie.results.states import StateSeries
 
-_OF_NODES = "frames", "velocities"
-_OF_JOINTS = "joint_forces", "joint_violations"
 _SUMS = "kinetic", "elastic", "potential", "momentum", "angular_momentum", "balance", "impulses"
 """Quantities of a scene that are sums over its parts."""
 
@@ -30,109 +31,149 @@ def gathered(result: Series, part: ScenePart | None) -> Series:
     """
     if part is None:
         return result
-    found = _Gathered(result, part)
+    found, kept = Gathering(result.info, part), vars(result)
     others: dict[str, Any] = {"info": found.info}
-    kept = vars(result)
-    for name in _OF_NODES:
+    for name in found.names:
         if kept.get(name) is not None:
-            others[name] = found.of_nodes(kept[name])
-    for name in _OF_JOINTS:
-        if kept.get(name) is not None:
-            others[name] = found.of_joints(kept[name])
-    for name in _SUMS:
-        if kept.get(name) is not None:
-            others[name] = part.comm.allreduce(kept[name])
-    if kept.get("joint_coordinates") is not None:
-        others["joint_coordinates"] = found.coordinates(kept["joint_coordinates"])
-    if kept.get("reactions") is not None:
-        others["reactions"] = found.reactions(kept["reactions"])
+            others[name] = _on_all(part.comm, found.on_first(name, kept[name]))
     return with_others(result, others)
 
 
-class _Gathered:
-    """Numbers of the nodes, joints and supports of all parts in the whole scene.
+def _on_all(comm: MPI.Intracomm, values: Array) -> Array:
+    """Array of the first rank on all ranks."""
+    shape = comm.bcast(values.shape)
+    found = values if comm.rank == 0 else np.empty(shape)
+    for state in range(len(found)):  # MPI counts what it sends by 32 bits
+        comm.Bcast(found[state : state + 1])
+    return found
+
+
+class Gathering:
+    """Values of the nodes, joints and supports of all parts in the whole scene.
 
     Attributes:
         info: Bodies, joints and supports of the whole scene.
+        nodes: Numbers of the nodes of the part in the scene, shape (n,).
+        part: The part of this rank.
     """
 
-    def __init__(self, result: StateSeries, part: ScenePart) -> None:
-        self._part, self._own = part, result.info
+    def __init__(self, info: SceneInfo, part: ScenePart) -> None:
+        """Find the numbers; all ranks together.
+
+        Args:
+            info: Bodies, joints and supports of the part of this rank.
+            part: The part.
+        """
+        self.part, self._own = part, info
         numbers = {body.name: nodes for body, nodes in part.nodes.items()}
-        self._nodes: Indices = np.empty(sum(len(body.nodes) for body in result.info.bodies), int)
-        for body in result.info.bodies:
-            self._nodes[body.nodes] = numbers[body.name]
+        self.nodes: Indices = np.empty(sum(len(body.nodes) for body in info.bodies), np.int64)
+        for body in info.bodies:
+            self.nodes[body.nodes] = numbers[body.name]
         whole = SceneInfo.of(part.whole.bodies)
-        self._supports: Indices = np.unique(self._all(self._nodes[result.info.supports.at]))
+        self._supports: Indices = np.unique(self._all(self.nodes[info.supports.at]))
         self.info = replace(
             whole,
             joints=self._joints(),
-            mass=float(part.comm.allreduce(result.info.mass)),
+            mass=float(part.comm.allreduce(info.mass)),
             supports=self._held(),
         )
+        ways: dict[str, Callable[[Array], Array]] = {
+            "frames": self.of_nodes,
+            "velocities": self.of_nodes,
+            "joint_forces": self._of_joints,
+            "joint_violations": self._of_joints,
+            "joint_coordinates": self._coordinates,
+            "reactions": self._reactions,
+        }
+        self._ways = ways | dict.fromkeys(_SUMS, self.sum)
+        self.names = (*self._ways,)
 
     def _all(self, values: Array | Indices) -> Any:
         """Values of all ranks, one after the other."""
-        return np.concatenate(self._part.comm.allgather(values))
+        return np.concatenate(self.part.comm.allgather(values))
 
     def _joints(self) -> tuple[JointInfo, ...]:
         own = [
-            replace(joint, node=joint.node if joint.node < 0 else int(self._nodes[joint.node]))
+            replace(joint, node=joint.node if joint.node < 0 else int(self.nodes[joint.node]))
             for joint in self._own.joints
         ]
-        numbers = (int(number) for number in self._part.connections)
-        pairs = self._part.comm.allgather(dict(zip(numbers, own, strict=True)))
+        numbers = (int(number) for number in self.part.connections)
+        pairs = self.part.comm.allgather(dict(zip(numbers, own, strict=True)))
         found = {number: joint for each in pairs for number, joint in each.items()}
         first, joints = 0, []
-        for number in range(len(connections_of(self._part.whole))):
+        for number in range(len(connections_of(self.part.whole))):
             joints.append(replace(found[number], first=first))
             first += len(found[number].coordinates)
         return tuple(joints)
 
     def _held(self) -> SupportInfo:
         own = self._own.supports
-        nodes: Indices = self._all(self._nodes[own.nodes])
-        held: Indices = self._all(self._nodes[own.at[own.rows]])
+        nodes: Indices = self._all(self.nodes[own.nodes])
+        held: Indices = self._all(self.nodes[own.at[own.rows]])
         nodes, first = np.unique(nodes, return_index=True)
         rows = np.searchsorted(self._supports, held[first])
         return SupportInfo(self._supports, nodes, rows)
 
-    # --- values, the first axis is the state ---
+    # --- values, the first axis is the state; on the other ranks there are none ---
 
-    def of_nodes(self, values: Array) -> Array:
-        """Values of all nodes of the scene."""
-        found, comm = np.empty((len(values), self._part.total, *values.shape[2:])), self._part.comm
-        # one part of one state at a time, as memory beyond that of the result may not be there
-        for rank in range(comm.size):
-            nodes = comm.bcast(self._nodes, root=rank)
-            part = np.empty((len(nodes), *values.shape[2:]))
-            for state in range(len(values)):
-                if comm.rank == rank:
-                    part[:] = values[state]
-                comm.Bcast(part, root=rank)
-                found[state, nodes] = part
+    def on_first(self, name: str, values: Array) -> Array:
+        """A quantity of the whole scene, on the first rank; all ranks together.
+
+        Args:
+            name: Its name in a result; those that are no sums or lists are the same on all ranks.
+            values: That of the part, the first axis is the state.
+        """
+        return self._ways[name](values) if name in self._ways else values
+
+    def rows(self, rows: Mapping[str, Array]) -> dict[str, Array]:
+        """Quantities of the whole scene by name, as :meth:`on_first`."""
+        return {name: self.on_first(name, values) for name, values in rows.items()}
+
+    def of_nodes(self, values: Array, nodes: Indices | None = None) -> Array:
+        """Values of all nodes of the scene; nan where no part has any.
+
+        Args:
+            values: Those of the nodes of the part, shape (states, n, …).
+            nodes: Numbers of these nodes in the scene; default: :attr:`nodes`.
+        """
+        comm, shape = self.part.comm, values.shape[2:]
+        numbers = comm.gather(self.nodes if nodes is None else nodes)
+        if numbers is None:
+            for state in values:
+                comm.Gatherv(np.ascontiguousarray(state), None)
+            return np.empty((0, *values.shape[1:]))
+        size, at = int(np.prod(shape, dtype=np.int64)), np.concatenate(numbers)
+        pieces = np.empty((len(at), *shape))
+        found = np.full((len(values), self.part.total, *shape), np.nan)
+        for state, own in enumerate(values):  # memory of the whole is not there more than once
+            comm.Gatherv(np.ascontiguousarray(own), (pieces, [size * len(n) for n in numbers]))
+            found[state, at] = pieces
         return found
 
-    def of_joints(self, values: Array) -> Array:
-        """Values of all joints of the scene."""
+    def sum(self, values: Array) -> Array:
+        """Sum over all parts."""
+        found = self.part.comm.reduce(values)
+        return np.empty((0, *values.shape[1:])) if found is None else np.asarray(found)
+
+    def _of_joints(self, values: Array) -> Array:
+        pieces = self.part.comm.gather((self.part.connections, values))
         found = np.empty((len(values), len(self.info.joints), *values.shape[2:]))
-        for joints, part in self._part.comm.allgather((self._part.connections, values)):
+        for joints, part in pieces or ():
             found[:, joints] = part
         return found
 
-    def coordinates(self, values: Array) -> Array:
-        """Coordinates of all joints."""
-        joints = [self.info.joints[k] for k in self._part.connections]
+    def _coordinates(self, values: Array) -> Array:
+        joints = [self.info.joints[k] for k in self.part.connections]
         at = [joint.first + k for joint in joints for k in range(len(joint.coordinates))]
         total = sum(len(joint.coordinates) for joint in self.info.joints)
         found = np.empty((len(values), total))
-        for columns, part in self._part.comm.allgather((at, values)):
+        for columns, part in self.part.comm.gather((at, values)) or ():
             found[:, columns] = part
         return found
 
-    def reactions(self, values: Array) -> Array:
+    def _reactions(self, values: Array) -> Array:
         """Sums of the reactions of all parts at each support."""
         found = np.zeros((len(values), len(self._supports), 6))
-        rows = np.searchsorted(self._supports, self._nodes[self._own.supports.at])
+        rows = np.searchsorted(self._supports, self.nodes[self._own.supports.at])
         found[:, rows] = values  # one of each part at a node
-        return np.asarray(self._part.comm.allreduce(found))
+        return self.sum(found)

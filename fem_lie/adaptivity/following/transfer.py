@@ -319,7 +319,7 @@ def _joint_turns(
     for frames in before:
         H[: equations.unknowns.moving] = frames[equations.unknowns.masters]
         equations.history_variables.accept(H)
-    return equations.system.connections.keyed_history_variables
+    return equations.history_variables.turns
 
 
 def _report(

@@ -12,6 +12,7 @@ SIAM J. Sci. Comput. 29 (2007) 397, which makes the conditioning independent of 
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -29,6 +30,7 @@ from fem_lie.solve.impacts.step_end import refuse_impacts
 from fem_lie.solve.motion.integration import Driver
 from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.motion.variable_steps import Stepper
+from fem_lie.solve.recording.parts_file import may_write
 from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan
 from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
@@ -74,9 +76,12 @@ class GeneralisedAlpha(Options, Integrator):
             refuse_impacts(equations)
         return equations
 
-    def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
+    def _divided_equations(
+        self, scene: Scene, plan: Plan, file: str | os.PathLike[str] | None
+    ) -> Equations | None:
         """Equations of the part of this rank, for equal steps without secants."""
         supported = isinstance(plan, EqualSteps) and not self.policy.secants
+        supported = supported and (file is None or may_write(scene, plan))
         prefix = self.petsc_options_prefix
         part = divided(scene.without_impacts(), prefix, supported=supported)
         return None if part is None else self._equations(scene, part)
@@ -87,7 +92,9 @@ class GeneralisedAlpha(Options, Integrator):
         return exponential and applies(scene, self.policy)
 
     def _integration(self, equations: Equations, step: float) -> Driver[Any]:
-        return (free_bodies.Run if self._free(equations.scene) else Run)(self, equations, step)
+        # a part of free bodies may belong to a scene with others
+        free = equations.part is None and self._free(equations.scene)
+        return (free_bodies.Run if free else Run)(self, equations, step)
 
     def _steppers(
         self, scene: Scene, plan: ChosenSteps

@@ -19,7 +19,6 @@ from fem_lie._state import attributes
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import Solution
 from fem_lie.results import Result
-from fem_lie.results.gathering import gathered
 from fem_lie.results.record import with_others
 from fem_lie.solve.alpha.newton import Newton
 from fem_lie.solve.alpha.options import DAMPED, Options
@@ -354,7 +353,7 @@ class Run(Newton):
             others["contacts"] = steps = self._contacts.history.result(self.h)
             history.add(steps)
         made = history.result(solver.factorisations, history.seconds, *counts)
-        return gathered(with_others(made, others), self.equations.part)
+        return with_others(made, others)
 
     def _failure(self, steps: int) -> str:
         limit, tolerance = self.options.max_iterations, self.options.tolerance

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._state import attributes
+from fem_lie._state import attributes, put_back, saved
 from fem_lie.lie.node_types import all_to_global_components, all_to_nodal_components, retract_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.low_rank import MOST
@@ -28,9 +28,13 @@ from fem_lie.solve.convergence import (
 from fem_lie.solve.motion.consistent import allowed_velocities, check_velocities
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.recording.whole_state import MovingState
 from fem_lie.solve.refactorisation import Refactorisation
 from fem_lie.solve.secants import Secants
 from fem_lie.system.equations import Equations, Plan, TimeState
+
+_COMMON = "decisions", "division", "progress"
+"""State that all ranks of a divided scene have in common."""
 
 _LARGE = 20_000
 """Number of nodes above which a matrix only for compilation costs more than the compilation."""
@@ -366,6 +370,27 @@ class RunState(DividedIntegration[Recorder]):
         return frames
 
     # --- checkpoints ---
+
+    def divided_state(self) -> dict[str, Array]:
+        """See the base class; motion is that of all nodes as in ``s.motion``."""
+        s, n = self.s, self._moving
+        moving = MovingState(s.H[:n], s.motion, self.multipliers, self.balance.total)
+        return saved(self, _COMMON) | moving._asdict()
+
+    def restart(self, state: MovingState, common: Mapping[str, Array]) -> None:
+        """Restart from the state of a scene that was divided, with a new matrix."""
+        put_back(self, _COMMON, common)
+        s, n, time = self.s, self._moving, self.index * self.h
+        now = self.equations.prescribed(time)
+        now.act()
+        s.H[:n], s.H[n + 1 :], s.motion[:] = state.frames, now.frames, state.motion
+        s.H1[:] = s.H
+        self.multipliers[:], self.balance.total[:] = state.multipliers, state.balance
+        self.equations.history_variables.update_stress(s.H)
+        self._set_size(self.h / self.division.parts)
+        self._scale_constraints()
+        self.balance.look(time, *self._accepted)
+        self._born, self._outgrown = self.index, True
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Restore the state that :meth:`saved_state` returned."""

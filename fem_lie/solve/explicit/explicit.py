@@ -22,20 +22,21 @@ return to Python.
 from __future__ import annotations
 
 import logging
+import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit.packed_arrays import PackedArrays
-from fem_lie._state import attributes
+from fem_lie._state import attributes, put_back, saved
 from fem_lie.bodies.model import MassMatrix
 from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import MIXED_DERIVATIVE, SURFACE_GRADIENT
 from fem_lie.parts.part_scene import ScenePart, divided
 from fem_lie.results import Result
-from fem_lie.results.gathering import gathered
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
 from fem_lie.solve.explicit import loop, nodes
@@ -53,8 +54,10 @@ from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.integrator import Integrator, refuse
 from fem_lie.solve.motion.policies import FactoriseOnce
 from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.parts_file import may_write
 from fem_lie.solve.recording.plan import EqualSteps, Plan
 from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.recording.whole_state import MovingState
 from fem_lie.system.equations import Equations, TimeState
 
 _log = logging.getLogger(__name__)
@@ -65,6 +68,9 @@ interrupted."""
 
 _PREFIX = "fem_lie_dynamics_"
 """Prefix of PETSc's option ``divided_from``, that of other schemes."""
+
+_COMMON = "decisions", "progress"
+"""State that all ranks of a divided scene have in common."""
 
 _NOWHERE: Indices = np.empty((0, 5), dtype=np.int64)
 
@@ -185,8 +191,12 @@ class ExplicitRun(Integration[Recorder]):
         if self._joints is not None:
             check_velocities(self.equations, self.h)
         nodes.momenta((*self.masses,), self.H, self.equations.start.velocities, self.p)
+        self._begin(0.0)
+
+    def _begin(self, time: float) -> None:
+        """Compute forces from the current frames and momenta, and start to account for them."""
         nodes.twists((*self.masses,), self.H, self.p, self.v)
-        self.balance.open(0.0, *self._moving)
+        self.balance.look(time, *self._moving)
         if self._balance_in_loop:
             # without supports, which are accounted for separately
             loop.look(self._packed.addresses, self._how, 0.0)
@@ -194,6 +204,25 @@ class ExplicitRun(Integration[Recorder]):
             loop.weigh(self._packed.addresses, self._balance_in_loop)
         else:
             self.equations.residual(self._instant, self._one, self.r, self._forces)
+
+    def divided_state(self) -> dict[str, Array]:
+        """See the base class; motion is the momenta, and multipliers are the last impulses."""
+        impulses = self._none if self._joints is None else self._joints.impulses
+        moving = MovingState(self.H[: self._n], self.p[np.newaxis], impulses, self.balance.total)
+        return saved(self, _COMMON) | moving._asdict()
+
+    def restart(self, state: MovingState, common: Mapping[str, Array]) -> None:
+        """Restart from the state of a scene that was divided."""
+        put_back(self, _COMMON, common)
+        time = self.index * self.h
+        now = self.equations.prescribed(time)
+        now.act()
+        self.H[: self._n], self.H[self._n + 1 :] = state.frames, now.frames
+        self.p[:], self.balance.total[:] = state.motion[0], state.balance
+        self.equations.history_variables.update_stress(self.H)
+        if self._joints is not None:
+            self._joints.impulses[:] = state.multipliers
+        self._begin(time)
 
     @property
     def _moving(self) -> TimeState:
@@ -272,7 +301,7 @@ class ExplicitRun(Integration[Recorder]):
             self._joints.restart()
 
     def _result(self, history: Recorder) -> Result:
-        return gathered(history.result(0, history.seconds), self.equations.part)
+        return history.result(0, history.seconds)
 
 
 def limit_of(equations: Equations, masses: nodes.Masses) -> StableStep:
@@ -323,9 +352,12 @@ class Explicit(Integrator):
             _refuse(equations)
         return equations
 
-    def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
+    def _divided_equations(
+        self, scene: Scene, plan: Plan, file: str | os.PathLike[str] | None
+    ) -> Equations | None:
         """Equations of the part of this rank."""
-        part = divided(scene, _PREFIX, supported=isinstance(plan, EqualSteps))
+        supported = isinstance(plan, EqualSteps) and (file is None or may_write(scene, plan))
+        part = divided(scene, _PREFIX, supported=supported)
         return None if part is None else self._equations(scene, part)
 
     def _integration(self, equations: Equations, step: float) -> ExplicitRun:

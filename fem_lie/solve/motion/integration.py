@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -25,6 +26,7 @@ from fem_lie.solve.progress_bars import Stopwatch
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import Plan
 from fem_lie.solve.recording.recorder import History
+from fem_lie.solve.recording.whole_state import MovingState
 from fem_lie.system.equations import Equations
 
 HistoryT = TypeVar("HistoryT", bound=History)
@@ -85,7 +87,24 @@ class Driver(ABC, Stateful, Generic[HistoryT]):
 
     def _save(self, history: HistoryT) -> None:
         """Write a checkpoint."""
-        history.write_checkpoint(self.index, self.saved_state())
+        history.save(self.index, self)
+
+    def divided_state(self) -> dict[str, Array]:
+        """State of the part of a divided scene: what moves, and what all ranks have in common.
+
+        What moves has the names of :class:`~fem_lie.solve.recording.whole_state.MovingState`.
+        Schemes that divide scenes define it.
+        """
+        raise TypeError(f"{type(self).__name__} does not divide scenes among ranks")
+
+    def restart(self, state: MovingState, common: Mapping[str, Array]) -> None:
+        """Restart from the state of a scene that was divided, as :meth:`divided_state`.
+
+        Args:
+            state: What moves in the equations of this run.
+            common: What all ranks had in common.
+        """
+        raise TypeError(f"{type(self).__name__} does not divide scenes among ranks")
 
     def run(self, plan: Plan, progress: bool | None, store: Checkpoints | None) -> Result:
         """Make all steps from the start, or from the checkpoint of a store.
@@ -101,7 +120,7 @@ class Driver(ABC, Stateful, Generic[HistoryT]):
         history = self.history(plan, progress, store)
         if not history.fresh:
             assert store is not None
-            self.restore(store.state)
+            store.restore(self)
         return self.integrate(history)
 
     def integrate(self, history: HistoryT) -> Result:

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import instance, number, positive, whole
+from fem_lie.ranks.files import place, read_together, restart_file
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.scene import Scene
@@ -23,9 +24,11 @@ from fem_lie.scene.scene import require_scene
 from fem_lie.solve.motion.integration import Driver
 from fem_lie.solve.motion.policies import RefactorisationPolicy
 from fem_lie.solve.motion.variable_steps import ORDER, Stepper, VariableSteps, events
-from fem_lie.solve.recording.checkpoints import Checkpoints, require_files
+from fem_lie.solve.recording.checkpoints import Checkpoints, Last, checkpoints_of
 from fem_lie.solve.recording.fingerprint import Fingerprint
+from fem_lie.solve.recording.parts_file import PartsFile
 from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan, Saving
+from fem_lie.solve.recording.whole_state import is_whole
 from fem_lie.solve.step_control import ConstantStep, Control, StepChoice
 from fem_lie.system.equations import Equations
 
@@ -89,11 +92,14 @@ class Integrator(ABC):
             if file is None:
                 raise ValueError("checkpoint_every needs a file to which results go")
         begin, store = self._beginning(scene, plan), None
-        equations = self._divided_equations(scene, plan) if file is None else None
-        equations = equations or self._equations(scene)
+        equations = self._divided_equations(scene, plan, file) or self._equations(scene)
         if file is not None:
             every = plan.checkpoint_interval(checkpoint_every)
-            store = Checkpoints(file, every, plan, Fingerprint(equations, self))
+            given = every, plan, Fingerprint(equations, self)
+            if equations.part is None:
+                store = Checkpoints(place(file), *given)
+            else:
+                store = PartsFile(Path(file), *given, equations)
         return begin(equations).run(plan, progress, store)
 
     def resume(
@@ -108,6 +114,8 @@ class Integrator(ABC):
 
         Returns:
             The result that :meth:`run` would have returned, bit for bit, except for the wall time.
+            A scene that was divided among ranks restarts on any number of them, and its result is
+            the same to the tolerance of the iteration.
 
         Raises:
             FileNotFoundError: There is no such file, or no checkpoint yet.
@@ -115,10 +123,20 @@ class Integrator(ABC):
                 the differences. Functions of time are compared by their values on the steps made.
         """
         require_scene(scene)
-        require_files(Path(file))
-        equations = self._equations(scene)
-        store = Checkpoints.resume(file, Fingerprint(equations, self))
-        return self._beginning(scene, store.plan)(equations).run(store.plan, progress, store)
+        path = Path(file)
+        last = read_together(path, partial(Last.of, path))
+        if is_whole(last.kept):
+            part = self._divided_equations(scene, last.plan, file)
+            equations = part or self._equations(scene)
+            given = path, last.every, last.plan, Fingerprint(equations, self)
+            store: Checkpoints = PartsFile(*given, equations)
+        else:
+            equations = self._equations(scene)
+            path = restart_file(path, checkpoints_of(path))
+            store = Checkpoints(path, last.every, last.plan, Fingerprint(equations, self))
+        with equations.shared.errors(ValueError):
+            store.resume(last)
+        return self._beginning(scene, last.plan)(equations).run(last.plan, progress, store)
 
     def _beginning(self, scene: Scene, plan: Plan) -> Callable[[Equations], Driver[Any]]:
         """Factory of the run of a plan; ``ValueError`` if the scheme does not support the plan."""
@@ -135,7 +153,9 @@ class Integrator(ABC):
 
         return begin
 
-    def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
+    def _divided_equations(
+        self, scene: Scene, plan: Plan, file: str | os.PathLike[str] | None
+    ) -> Equations | None:
         """Equations of the part of a scene that this rank has, if the scheme divides it."""
         return None
 

@@ -21,36 +21,83 @@ from math import prod
 from pathlib import Path
 from shutil import disk_usage
 from tokenize import TokenError
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 from zipfile import BadZipFile
 
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie._state import HasState
 from fem_lie.bodies.catalogue import SceneInfo
-from fem_lie.ranks.files import place, restart_file
 from fem_lie.results import file as results_file
 from fem_lie.results.files.storage import ResultRows, write_all
 from fem_lie.results.record import ContactSteps, StepHistory
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.plan import Plan, unpacked
+from fem_lie.solve.recording.whole_state import MovingState
 
 _log = logging.getLogger(__name__)
+
+
+class Last(NamedTuple):
+    """The last checkpoint beside a result file.
+
+    Attributes:
+        path: File of the checkpoint.
+        every: Steps between two checkpoints.
+        made: Number of steps made.
+        plan: Plan of the run.
+        kept: Its other contents.
+    """
+
+    path: Path
+    every: int
+    made: int
+    plan: Plan
+    kept: dict[str, Any]
+
+    @classmethod
+    def of(cls, file: Path) -> Last:
+        """Read it.
+
+        Raises:
+            FileNotFoundError: There is no result file or no checkpoint.
+            ValueError: The file or the checkpoint is of another version, or all checkpoints are
+                damaged.
+        """
+        require_files(file)
+        results_file.require_version(file)
+        used, kept = _last_undamaged(file)
+        if "fingerprint" not in kept or "plan.record" not in kept:
+            raise ValueError(f"{str(used)!r} is not a checkpoint of this version")
+        every, made = (int(number) for number in kept.pop("progress"))
+        return cls(used, every, made, unpacked(kept), kept)
+
+
+class Restartable(HasState, Protocol):
+    """A run whose state can be written, as a whole or that of a part of a divided scene."""
+
+    def divided_state(self) -> dict[str, Array]:
+        """What moves in a part of a scene, and what all ranks have in common."""
+
+    def restart(self, state: MovingState, common: Mapping[str, Array]) -> None:
+        """Restart from the state of a scene that was divided."""
 
 
 class Checkpoints:
     """Result file and checkpoints of a run.
 
     Attributes:
+        info: Bodies and joints of the results, once the file is open.
         every: Steps between two checkpoints; 0: at every hundredth of the duration.
         row: Number of rows of results at the checkpoint from which the run restarts.
         state: State at that checkpoint, or empty.
         plan: Plan of the run.
     """
 
-    def __init__(
-        self, path: str | os.PathLike[str], every: int, plan: Plan, fingerprint: Fingerprint
-    ) -> None:
+    info: SceneInfo
+
+    def __init__(self, path: Path, every: int, plan: Plan, fingerprint: Fingerprint) -> None:
         """Start a new run.
 
         Args:
@@ -63,39 +110,25 @@ class Checkpoints:
             ValueError: The plan cannot be written.
         """
         self._packed_plan = plan.packed()
-        self._path, self.every, self.plan, self._fingerprint = place(path), every, plan, fingerprint
+        self._path, self.every, self.plan, self._fingerprint = path, every, plan, fingerprint
         self.row, self.state, self.seconds = 0, dict[str, Array](), 0.0
         self._until, self._at = 0.0, 0.0
 
-    @classmethod
-    def resume(cls, path: str | os.PathLike[str], fingerprint: Fingerprint) -> Checkpoints:
-        """Restart from the last checkpoint beside a result file.
+    def resume(self, last: Last) -> None:
+        """Restart from a checkpoint.
 
         Raises:
-            FileNotFoundError: There is no result file or no checkpoint.
-            ValueError: The checkpoint belongs to another scene or other options, which are named;
-                it or the file is of another version; or all checkpoints are damaged.
+            ValueError: It belongs to another scene or other options, which are named.
         """
-        file = Path(path)
-        require_files(file)
-        results_file.require_version(file)
-        file = restart_file(file, [_checkpoint_of(file), _before(file)])
-        used, kept = _last_undamaged(file)
-        if "fingerprint" not in kept or "plan.record" not in kept:
-            raise ValueError(f"{str(used)!r} is not a checkpoint of this version")
-        every, index = (int(number) for number in kept.pop("progress"))
-        plan = unpacked(kept)
-        ends = plan.ends(index, kept)
-        found = fingerprint.differences(kept.pop("fingerprint"), ends)
+        kept, ends = last.kept, last.plan.ends(last.made, last.kept)
+        found = self._fingerprint.differences(kept["fingerprint"], ends)
         if found:
             raise ValueError(
-                f"cannot resume from {str(used)!r}: it belongs to another scene or to "
+                f"cannot resume from {str(last.path)!r}: it belongs to another scene or to "
                 f"other options of the scheme; what differs: {_listed(found)}"
             )
-        store = cls(file, every, plan, fingerprint)
-        store.row, store.seconds = int(kept.pop("row")), float(kept.pop("seconds"))
-        store.state, store._at = kept, float(ends[-1])
-        return store
+        self.row, self.seconds = int(kept["row"]), float(kept["seconds"])
+        self.state, self._at = kept, float(ends[-1])
 
     def open(self, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], rows: int) -> None:
         """Create the file, with space for rows of these shapes, if it is a new run.
@@ -112,8 +145,12 @@ class Checkpoints:
                 results_file.create(self._path, info, shapes, rows)
             for checkpoint in (_checkpoint_of(self._path), _before(self._path)):
                 checkpoint.unlink(missing_ok=True)
-        self._info, self._shapes = info, shapes
+        self.info, self._shapes = info, shapes
         self._file = ResultRows(self._path)
+
+    def rows_at_once(self, rows: int) -> int:
+        """Number of rows that are passed on together, if there is memory for so many."""
+        return rows
 
     def append(self, first: int, rows: Mapping[str, Array], reached: float) -> None:
         """Write rows of results from row ``first`` on.
@@ -135,9 +172,17 @@ class Checkpoints:
     def _enlarge(self, filled: int, rows: int) -> None:
         """Enlarge the file if it has no space for this number of rows."""
         if rows > self._file.capacity:
-            known = self._info, self._shapes
+            known = self.info, self._shapes
             results_file.enlarge(self._path, *known, filled, max(rows, 2 * self._file.capacity))
             self._file = ResultRows(self._path)
+
+    def state_of(self, run: Restartable) -> dict[str, Array]:
+        """State of a run as this file keeps it."""
+        return run.saved_state()
+
+    def restore(self, run: Restartable) -> None:
+        """Restore the state of a run from the checkpoint."""
+        run.restore(self.state)
 
     def rows(self, count: int) -> dict[str, Array]:
         """The first rows of all results, mapped into memory."""
@@ -227,6 +272,11 @@ _NAMED = 6
 def _listed(names: list[str]) -> str:
     others = len(names) - _NAMED
     return ", ".join(names[:_NAMED]) + (f" and {others} others" if others > 0 else "")
+
+
+def checkpoints_of(path: Path) -> list[Path]:
+    """Files of the last and of the previous checkpoint."""
+    return [_checkpoint_of(path), _before(path)]
 
 
 def require_files(path: Path) -> None:

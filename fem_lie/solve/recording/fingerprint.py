@@ -34,11 +34,14 @@ class Fingerprint:
     def __init__(self, equations: Equations, scheme: Any) -> None:
         """Take the fingerprint of the equations at the start.
 
+        That of a divided scene is of the whole scene, without the sums in equations.
+
         Args:
             equations: Equations with which nothing was computed yet.
             scheme: Scheme; its options are attributes.
         """
-        scene = equations.scene
+        part = equations.part
+        scene = equations.scene if part is None else part.whole
         self.parts: dict[str, str] = {}
         self._shown: dict[str, str] = {}
         self._bytes = CanonicalBytes(scene.bodies)
@@ -50,7 +53,7 @@ class Fingerprint:
         for k, contact in enumerate(scene.impacts, start=1):
             self._add(f"contact {k}", contact.contents(nodes), contact.label)
         self._sums = len(self.parts)
-        for name, value, shown in equations.contents():
+        for name, value, shown in equations.contents() if part is None else ():
             self._add(name, value, shown)
         self._functions: dict[str, Callable[[float], Any]] = {}
         for name, shown, function in _functions(scene):
@@ -107,7 +110,10 @@ class Fingerprint:
         """Names of the parts that differ from a fingerprint packed after the same steps."""
         stored = json.loads(packed.tobytes().decode())
         sums = list(self.parts)[self._sums :]
-        found = self._compared(stored["parts"], self.parts)
+        given = self.parts
+        if not any(name in stored["parts"] for name in sums):  # it was divided then
+            given = {name: text for name, text in given.items() if name not in sums}
+        found = self._compared(stored["parts"], given)
         named = {name: text for name, text in found.items() if name not in sums}
         made = self.values(ends)
         for name, text in self._compared(stored["functions"], made).items():

@@ -12,8 +12,9 @@ from tqdm import tqdm
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.results import Result
+from fem_lie.results.gathering import gathered
 from fem_lie.results.record import ContactSteps, Record, StepHistory
-from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.checkpoints import Checkpoints, Restartable
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.solve.recording.window import Window
@@ -28,7 +29,10 @@ class History(Window):
         every: Every n-th state is recorded, and the last one, if no times were requested.
         refresh: Steps between two updates of the bar; ``steps`` if it is not shown.
         seconds: Wall time before the checkpoint from which the run was restarted.
+        divided: Whether rows are those of a part of the scene.
     """
+
+    divided = False
 
     def __init__(
         self,
@@ -102,7 +106,8 @@ class History(Window):
             index: Number of the step.
             iterations: Number of iterations of the step.
         """
-        energy = f"energy {self.gap:.1e} " if Record.ENERGIES in self.filled else ""
+        known = Record.ENERGIES in self.filled and not self.divided
+        energy = f"energy {self.gap:.1e} " if known else ""
         text = f"t={index * self._h:.3g} {energy}it/step {iterations / index:.2f}"
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(index - self._bar.n)
@@ -179,6 +184,16 @@ class History(Window):
         """
         return self._store is not None and index % self._store.every == 0
 
+    def save(self, index: int, run: Restartable) -> None:
+        """Write a checkpoint of a run.
+
+        Args:
+            index: Number of steps made.
+            run: The run.
+        """
+        assert self._store is not None
+        self.write_checkpoint(index, self._store.state_of(run))
+
     def write_checkpoint(self, index: int, state: dict[str, Array]) -> None:
         """Write the state on which the next steps depend."""
         assert self._store is not None
@@ -218,7 +233,7 @@ class History(Window):
             phi_updates=factorisations + refreshes,
             divided=divided,
             seconds=seconds,
-            info=self._info,
+            info=self._info if self._store is None else self._store.info,
         )
 
 
@@ -248,6 +263,7 @@ class Recorder(History):
         """
         super().__init__(equations.info, plan, progress, store)
         self._equations, self._filled = equations, ResultRow(equations)
+        self.divided = equations.part is not None
         self._held = Record.FORCES in self.filled and len(equations.unknowns.supported) > 0
         self.count = 0 if store is None or not store.state else int(store.state["count"])
         self.scene = self._filled.scene
@@ -282,6 +298,14 @@ class Recorder(History):
         if wanted:
             self.fill(index * self._h, H, v, a, multipliers, balance)
         return wanted
+
+    def result(
+        self, factorisations: int, seconds: float, refreshes: int = 0, divided: int = 0
+    ) -> Result:
+        """Result of the states recorded so far, of all parts of a divided scene; see the base."""
+        found = super().result(factorisations, seconds, refreshes, divided)
+        # a file has the results of all parts
+        return gathered(found, self._equations.part if self._store is None else None)
 
     def show_progress(self, index: int) -> None:
         """Show that step ``index`` is reached, if an update is due.

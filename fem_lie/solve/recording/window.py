@@ -69,6 +69,7 @@ class Window:
         if self._passes:
             size = 8 * sum(int(np.prod(shape, dtype=np.int64)) for shape in used.values())
             rows = min(rows, max(FEWEST, BUFFER_BYTES // size))
+            rows = rows if store is None else store.rows_at_once(rows)
         shapes["invariants"] = (7,)
         arrays = {
             name: np.empty((rows if name in used else 0, *shape)) for name, shape in shapes.items()

@@ -86,7 +86,7 @@ class LinearState:
             dx: Local increments of the moving nodes from there, and multipliers, shape (6 n + m,).
             forces: Forces of the residual there.
         """
-        self._history, self._H = history, H
+        self._history, self._H, self._joints = history, H, system.connections.sets
         self._h, self.multipliers = np.split(dx.copy(), [6 * system.count])
         history.update_stress(H)
         self._start = history.saved_state()
@@ -103,12 +103,16 @@ class LinearState:
                 np.add.at(self._inner, rows, pulled)
 
     def apply(self, factor: float) -> None:
-        """Set the stress and spring forces of ``factor`` times the increments."""
+        """Set the stress and spring forces of ``factor`` times the increments.
+
+        Springs get them by changed rest values.
+        """
         h = factor * self._h
         # local unknowns of cells are updated from their values at the start
         self._history.restore(self._start)
         self._history.update_stress(self._H, h)
-        self._history.stretch_springs(self._H, h)
+        for each in self._joints:
+            each.stretch_springs(self._H, h.reshape(-1, 6))
 
     def add_forces(self, factor: float, forces: Forces) -> None:
         """Add the forces of ``factor`` times the increments to those at the frames."""

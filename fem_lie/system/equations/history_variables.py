@@ -14,6 +14,7 @@ from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.lie.node_types import Written
 from fem_lie.linear.low_rank import LowRank
+from fem_lie.system.constraint_sets.constraint_set import HistoryKey
 from fem_lie.system.system import System
 from fem_lie.system.terms.all_terms import Terms
 
@@ -41,15 +42,6 @@ class HistoryVariables:
             self._terms.reset_stress(H)
         else:
             self._terms.update_stress(H, h)
-
-    def stretch_springs(self, H: Array, h: Array) -> None:
-        """Give springs at frames ``H`` the forces that they have at the end of ``h`` (6 n,).
-
-        To first order, by changed rest values; with ``h`` zero the rest values are those of the
-        scene.
-        """
-        for each in self._connections.sets:
-            each.stretch_springs(H, h.reshape(-1, 6))
 
     def unchanged(self) -> AbstractContextManager[None]:
         """Context in which evaluating states does not change the history variables of elements."""
@@ -122,6 +114,15 @@ class HistoryVariables:
         kept = {f"stress.{k}": part for k, part in enumerate(self._terms.linearised_values())}
         kept["joints"] = self._connections.history_variables
         return kept | {f"watched.{k}": part for k, part in enumerate(self._terms.watched())}
+
+    @property
+    def turns(self) -> Mapping[HistoryKey, float]:
+        """Full turns of joint angles, and arc lengths on beams, by joint and coordinate."""
+        return self._connections.keyed_history_variables
+
+    @turns.setter
+    def turns(self, turns: Mapping[HistoryKey, float]) -> None:
+        self._connections.history_variables = self._connections.history_from(turns)
 
     @property
     def with_matrix(self) -> WithMatrix:

@@ -1,0 +1,79 @@
+"""Files of divided scenes: ``mpirun -n N parallel_files.py OUT run|resume FOLDER``."""
+
+import faulthandler
+import sys
+from pathlib import Path
+
+from mpi4py import MPI
+
+import divided_scenes
+import numpy as np
+
+import fem_lie as fl
+
+STEP, STEPS, EVERY = 2e-3, 10, 4
+SCENES = {
+    **{name: divided_scenes.MOTIONS[name] for name in ("sheet", "net", "pendulum", "plate")},
+    "linked beams": divided_scenes.linked,
+}
+
+
+def turning(build):
+    """A scene with a load that depends on time, and joints that turn."""
+    scene, points = build()
+    scene.add(fl.PointLoad(points[0], force=(0, 0, 2.0), history=np.sin))
+    return scene
+
+
+def cases():
+    """Name, scheme, scene and step of all runs."""
+    for name, build in SCENES.items():
+        yield f"{name}, implicit", fl.GeneralisedAlpha(tolerance=1e-12), turning(build), STEP
+        if name in ("net", "linked beams"):
+            scene = turning(build)
+            yield f"{name}, explicit", fl.Explicit(), scene, 0.5 * fl.Explicit().stable_step(scene)
+
+
+def run(folder):
+    """Each scene to its end, with checkpoints on the way."""
+    return {
+        name: scheme.run(
+            scene,
+            duration=STEPS * step,
+            step=step,
+            file=folder / f"{name}.h5",
+            checkpoint_every=EVERY,
+            progress=False,
+        )
+        for name, scheme, scene, step in cases()
+    }
+
+
+def resume(folder):
+    """The same from the last checkpoints."""
+    return {
+        name: scheme.resume(scene, folder / f"{name}.h5", progress=False)
+        for name, scheme, scene, _ in cases()
+    }
+
+
+def numbers(results):
+    """What is compared, by scene and quantity."""
+    found = {}
+    for case, result in results.items():
+        # the nodes of each body in its own order
+        nodes = np.concatenate([body.nodes for body in result.info.bodies])
+        found[f"{case}: frames"] = result.frames[:, nodes]
+        found[f"{case}: velocities"] = result.velocities[:, nodes]
+        for name in "joint_forces", "kinetic", "elastic", "balance", "impulses":
+            found[f"{case}: {name}"] = getattr(result, name)
+    return found
+
+
+if __name__ == "__main__":
+    faulthandler.dump_traceback_later(240, exit=True)
+    divided_scenes.divide()
+    out, what, folder = sys.argv[1:]
+    found = {"run": run, "resume": resume}[what](Path(folder))
+    if MPI.COMM_WORLD.rank == 0:
+        np.savez(out, **numbers(found))
