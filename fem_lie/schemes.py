@@ -1,10 +1,11 @@
-"""Time integration schemes, step sizes, refactorisation policies, and Newton's method."""
+"""Time integration schemes, step sizes, events, refactorisation policies, and Newton's method."""
 
 from typing import TYPE_CHECKING
 
 from fem_lie._public_names import public_names
 
 if TYPE_CHECKING:
+    from fem_lie.joints.events import Event, Lock, Release, Stop
     from fem_lie.results.record import Record
     from fem_lie.scene.matrix_terms import MatrixTerms
     from fem_lie.solve.alpha.options import ConstraintIndex, MatrixFrame
@@ -39,11 +40,13 @@ __all__ = [
     "ConstantStep",
     "ConstraintIndex",
     "ConstraintsOnly",
+    "Event",
     "EveryIteration",
     "FactoriseOnce",
     "FiveStages",
     "Hamel",
     "IterationLimit",
+    "Lock",
     "MatrixFrame",
     "MatrixTerms",
     "MultiRate",
@@ -51,6 +54,8 @@ __all__ = [
     "NineStages",
     "Record",
     "RefactorisationPolicy",
+    "Release",
+    "Stop",
     "TimeErrorEstimate",
     "TripleJump",
     "Variational",

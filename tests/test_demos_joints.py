@@ -106,3 +106,14 @@ def test_rolling_disc():
     assert fine["energy_error"] < 2e-6
     assert 3.8 < coarse["energy_error"] / fine["energy_error"] < 4.2
     assert fine["violation"] < 1e-8
+
+
+def test_deployed_panels():
+    """Panels latch in their order, at times and with losses of second order in the step."""
+    coarse, fine = (main("deployed_panels", step=step) for step in (1e-2, 5e-3))
+    assert coarse["panels"] == fine["panels"] == [1, 0]
+    for errors in ("time_errors", "loss_errors"):
+        ratios = np.array(coarse[errors]) / np.array(fine[errors])
+        assert ((ratios > 3.5) & (ratios < 4.5)).all()
+    # a tenth of a thousandth of the step
+    assert max(fine["time_errors"]) < 1e-4 and max(fine["loss_errors"]) < 1e-3

@@ -113,9 +113,11 @@ class Connection(ABC):
 
     Attributes:
         name: Name in messages and results.
+        active: Whether its constraints act from the start.
     """
 
     name: str
+    active: bool = True
 
     @property
     @abstractmethod
@@ -139,6 +141,11 @@ class Connection(ABC):
     def history(self) -> History | None:
         """Prescribed value of the last constraint as a function of time; ``None``: constant."""
         return None
+
+    @property
+    def holds(self) -> bool:
+        """Whether its constraints, when they are activated, keep the present coordinates."""
+        return False
 
     @property
     def spring(self) -> tuple[float, float, float] | None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, direction, text, vector
+from fem_lie._arrays import Array, direction, flag, text, vector
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_point
 from fem_lie.joints.connection import NO_ANGLE, Connection, ConstraintDefinition, Coordinate, rows
@@ -37,6 +37,8 @@ class Joint(Connection):
             two points coincide. If it is given, rigid links join the points to it.
         axis: Direction of the joint's e₃ in the initial configuration, global components.
         name: Name in messages and results; default: class name and number.
+        active: Whether its constraints act from the start; :class:`~fem_lie.schemes.Lock` and
+            :class:`~fem_lie.schemes.Release` switch them.
     """
 
     a: Point
@@ -44,6 +46,7 @@ class Joint(Connection):
     at: npt.ArrayLike | None = None
     axis: npt.ArrayLike = (0.0, 0.0, 1.0)
     name: str = ""
+    active: bool = field(default=True, kw_only=True)
 
     selection: ClassVar[Array]
     reversible: ClassVar[bool] = False
@@ -54,6 +57,7 @@ class Joint(Connection):
         require_point(self.a, f"{type(self).__name__}: a")
         require_point(self.b, f"{type(self).__name__}: b")
         text(self.name, f"{type(self).__name__}: name")
+        flag(self.active, f"{type(self).__name__}: active")
 
     @property
     def functions(self) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from fem_lie import _arrays
 from fem_lie.joints.connection import Connection, ConstraintDefinition, Coordinate, History
@@ -90,6 +90,8 @@ class Drive(Connection):
             :class:`~fem_lie.loads.PiecewiseLinear` says; at the start the coordinate's initial
             value. Default: that value.
         name: Name in messages and results; default: from the coordinate.
+        active: Whether its constraints act from the start; :class:`~fem_lie.schemes.Lock` and
+            :class:`~fem_lie.schemes.Release` switch them.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -104,12 +106,14 @@ class Drive(Connection):
     coordinate: Coordinate
     function: History | None = None
     name: str = ""
+    active: bool = field(default=True, kw_only=True)
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` if an argument has a wrong type."""
         Coordinate.require(self.coordinate, "Drive: coordinate")
         _arrays.history(self.function, "Drive: function")
         _arrays.text(self.name, "Drive: name")
+        _arrays.flag(self.active, "Drive: active")
 
     @property
     def label(self) -> str:
@@ -138,6 +142,11 @@ class Drive(Connection):
         return 1
 
     @property
+    def holds(self) -> bool:
+        """Whether it keeps the present coordinate when it is activated: without a function."""
+        return self.function is None
+
+    @property
     def history(self) -> History | None:
         """Prescribed value as a function of time."""
         return self.function
@@ -159,6 +168,8 @@ class Gear(Connection):
         second: Coordinate of another joint.
         ratio: ``−d first / d second``.
         name: Name in messages and results; default: from the coordinates.
+        active: Whether its constraints act from the start; :class:`~fem_lie.schemes.Lock` and
+            :class:`~fem_lie.schemes.Release` switch them.
 
     Example:
         >>> scene = fl.Scene()
@@ -177,12 +188,14 @@ class Gear(Connection):
     second: Coordinate
     ratio: float
     name: str = ""
+    active: bool = field(default=True, kw_only=True)
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` if an argument has a wrong type."""
         Coordinate.require(self.first, "Gear: first")
         Coordinate.require(self.second, "Gear: second")
         _arrays.text(self.name, "Gear: name")
+        _arrays.flag(self.active, "Gear: active")
 
     @property
     def label(self) -> str:
@@ -207,6 +220,11 @@ class Gear(Connection):
     def size(self) -> int:
         """Number of constraints: 1."""
         return 1
+
+    @property
+    def holds(self) -> bool:
+        """True: it keeps the present sum when it is activated."""
+        return True
 
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The two coordinates."""

@@ -182,6 +182,7 @@ class KKT:
         unit_rows: Whether a row is that of a held unknown, shape (6 n + m,).
         measure: Norm scaling of each multiplier, shape (m,).
         redundant: Whether constraints may be redundant.
+        inactive: Whether a constraint does not act, shape (m,): its multiplier is zero.
         correction: Low-rank correction of solutions; ``None`` after values were filled.
         incidences: Incidences of the constraints with nodes.
         held: Unknowns of nodes that are zero, shape (n, 6).
@@ -211,6 +212,7 @@ class KKT:
         length: float,
         angular: Flags,
         redundant: bool = False,
+        switched: bool = False,
     ) -> None:
         """Build the pattern.
 
@@ -224,14 +226,16 @@ class KKT:
             angular: Whether a constraint has rotations only, shape (m,).
             redundant: Whether constraints may be redundant; they are then slightly compliant, see
                 :data:`SOFTNESS`.
+            switched: Whether constraints may be inactive, see :attr:`inactive`.
         """
-        self.redundant = redundant
+        self.redundant, self._on_diagonal = redundant, redundant or switched
         m = len(incidences.ptr) - 1
         each = np.append(np.where(held.ravel(), 1.0, units), np.where(angular, 1.0, length))
         self.units: Array = 2.0 ** np.round(np.log2(each))
         self.length = float(2.0 ** np.round(np.log2(length)))
         self.unit_rows = np.append(held, np.zeros(m, dtype=bool))
         self.measure = np.where(angular, 1.0 / length, 1.0)
+        self.inactive: Flags = np.zeros(m, dtype=bool)
         self.incidences, self.held, self._m, self.version, self.filled = incidences, held, m, 0, 0
         self.shared = SharedNodes.alone(len(held))
         self.couple(pairs)
@@ -303,12 +307,12 @@ class KKT:
         self._incident_ptr = np.searchsorted(incidences.nodes[order], np.arange(count + 1))
         of_constraints: Indices = (6 * incidences.nodes[:, np.newaxis] + np.arange(6)).ravel()
         ends = 6 * incidences.ptr[1:]
-        if self.redundant:
+        if self._on_diagonal:
             of_constraints = np.insert(of_constraints, ends, 6 * count + np.arange(m))
         own: Indices = np.empty(6 * count, dtype=np.int64)
         pattern = self.indptr, self.indices, self._incident_ptr, self._incident
         _count(pattern, self.held, own)
-        lengths = np.append(own, 6 * np.diff(incidences.ptr) + int(self.redundant))
+        lengths = np.append(own, 6 * np.diff(incidences.ptr) + int(self._on_diagonal))
         self._row_pointers = np.append(0, np.cumsum(lengths)).astype(PETSc.IntType)
         self._columns = np.empty(self._row_pointers[-1], dtype=PETSc.IntType)
         _set_columns(pattern, self.held, self._columns)
@@ -361,12 +365,25 @@ class KKT:
         """
         _clear_held(columns, self.incidences.nodes, self.held)
         _clear_held(rows, self.incidences.nodes, self.held)
-        softness = self._soften(blocks, columns, scale) if self.redundant else np.empty(0)
+        softness = self._diagonal(blocks, columns, rows, scale)
         incident = self._incident_ptr, self._incident
         pattern = self.indptr, self.indices, *incident, self.incidences.ptr
         _fill(pattern, blocks, self.held, columns, rows, scale, softness, self._data)
         self.filled += int(anew)
         self._changed()
+
+    def _diagonal(self, blocks: Array, columns: Array, rows: Array, scale: Array) -> Array:
+        """Negative diagonal of the constraints, shape (m,) or empty; clear what does not act."""
+        if not self._on_diagonal:
+            return np.empty(0)
+        found: Array = np.zeros(self._m)
+        if self.redundant:
+            found = self._soften(blocks, columns, scale)
+        if self.inactive.any():
+            found[self.inactive] = 1.0
+            for each in (columns, rows):
+                each[self.inactive[self.incidences.rows]] = 0.0
+        return found
 
     def restore(self, values: Array) -> None:
         """Set the values to earlier ones of :attr:`csr`."""

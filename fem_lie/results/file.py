@@ -280,7 +280,9 @@ def _with_info(file: Any, arrays: dict[str, Array], numbers: dict[str, float], m
 def _read_record(file: Any, name: str, kind: type[Record]) -> Record | None:
     if name not in file:
         return None
-    return kind(**{field.name: file[name][field.name][()] for field in fields(kind)})
+    # files of earlier versions have fewer fields
+    given = [field.name for field in fields(kind) if field.name in file[name]]
+    return kind(**{each: file[name][each][()] for each in given})
 
 
 def _groups(file: Any, name: str) -> list[Any]:

@@ -7,7 +7,7 @@ more.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from enum import Flag, auto
 from typing import Any, TypeVar
 
@@ -218,6 +218,9 @@ class StepHistory(Summarised):
         measured_translation: Error of positions, measured by a refined step; nan if not measured.
         measured_rotation: Error of rotations, rad, measured in the same way.
         rejected: Ends of the rejected steps, shape (R,).
+        event_times: Times of the events, shape (E,).
+        event_numbers: Number of each of them among the events of the scene, shape (E,).
+        event_losses: Kinetic energy that each has taken, shape (E,).
     """
 
     times: Array
@@ -228,14 +231,19 @@ class StepHistory(Summarised):
     measured_translation: Array
     measured_rotation: Array
     rejected: Array
+    event_times: Array = field(default_factory=lambda: np.empty(0))
+    event_numbers: npt.NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    event_losses: Array = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
         count = len(self.times)
-        for field in fields(self):
-            shape = getattr(self, field.name).shape
+        for each in fields(self):
+            shape = getattr(self, each.name).shape
+            events = (len(self.event_times),)
             wanted = {"nodes": (count, 2), "rejected": (len(self.rejected),)}
-            if shape != wanted.get(field.name, (count,)):
-                raise ValueError(f"{field.name} has the shape {shape} for {count} steps")
+            wanted |= dict.fromkeys(("event_times", "event_numbers", "event_losses"), events)
+            if shape != wanted.get(each.name, (count,)):
+                raise ValueError(f"{each.name} has the shape {shape} for {count} steps")
 
     @property
     def ratios(self) -> Array:
@@ -275,6 +283,6 @@ class ContactSteps(Summarised):
 
     def __post_init__(self) -> None:
         """Raise ``ValueError`` if the lengths of the arrays differ."""
-        for field in fields(self)[:-1]:
-            if (shape := getattr(self, field.name).shape) != self.times.shape:
-                raise ValueError(f"{field.name} has the shape {shape}, not {self.times.shape}")
+        for each in fields(self)[:-1]:
+            if (shape := getattr(self, each.name).shape) != self.times.shape:
+                raise ValueError(f"{each.name} has the shape {shape}, not {self.times.shape}")

@@ -18,6 +18,7 @@ from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.bodies.model import Holds
 from fem_lie.contact.contact import Contact
 from fem_lie.joints.connection import Connection
+from fem_lie.joints.events import Event
 from fem_lie.joints.joint import Joint
 from fem_lie.joints.redundant import RedundantConstraints
 from fem_lie.joints.rigid_link import RigidLink
@@ -31,7 +32,7 @@ from fem_lie.scene.matrix_terms import MatrixTerms
 from fem_lie.scene.supports import Clamp, PrescribedMotion
 
 Item = TypeVar(
-    "Item", bound=Body | Connection | RigidLink | Contact | Load | Clamp | PrescribedMotion
+    "Item", bound=Body | Connection | RigidLink | Contact | Load | Clamp | PrescribedMotion | Event
 )
 
 
@@ -83,6 +84,7 @@ class Scene(Summarised):
         loads: Loads, without gravity.
         clamps: Clamped points.
         motions: Points with a prescribed motion.
+        events: Events of runs.
         began: Time and state from which runs start; :func:`~fem_lie.adaptivity.transfer` sets it.
         family: Family of scenes made by :meth:`with_loads` and :meth:`with_drives`, or ``None``.
 
@@ -118,6 +120,7 @@ class Scene(Summarised):
         self.loads: list[Load] = []
         self.clamps: list[Clamp] = []
         self.motions: list[PrescribedMotion] = []
+        self.events: list[Event] = []
         self._known: set[Body] = set()
         self._names: set[str] = set()
         self._kinds: Counter[type[Body]] = Counter()
@@ -129,7 +132,8 @@ class Scene(Summarised):
         yield "gravity", self._gravity
         yield "bodies", [body.label for body in self.bodies]
         yield "nodes", sum(len(body.frames) for body in self.bodies)
-        counted = "joints", "connections", "links", "contacts", "loads", "clamps", "motions"
+        between = "joints", "connections", "links", "contacts"
+        counted = (*between, "loads", "clamps", "motions", "events")
         yield from ((name, len(getattr(self, name))) for name in counted if getattr(self, name))
 
     @property
@@ -142,10 +146,10 @@ class Scene(Summarised):
         self._gravity = vector(value, 3, "gravity")
 
     def add(self, item: Item) -> Item:
-        """Add a body, joint, spring, drive, gear, link, contact, load or support, and return it.
+        """Add a body, joint, spring, drive, gear, link, contact, load, support or event; return it.
 
         Args:
-            item: A body, joint, spring, drive, gear, link, contact, load or support.
+            item: A body, joint, spring, drive, gear, link, contact, load, support or event.
 
         Raises:
             ValueError: The item is invalid, refers to a body that is not in the scene, or its name
@@ -187,9 +191,18 @@ class Scene(Summarised):
             self._check_rotations(item)
             supports: list = self.clamps if isinstance(item, Clamp) else self.motions
             supports.append(item)
+        elif isinstance(item, Event):
+            for connection in item.switched:
+                if connection not in (*self.joints, *self.connections):
+                    raise ValueError(
+                        f"{item.label} switches {connection.label}, which is not in the scene; add "
+                        "it first"
+                    )
+            self.events.append(item)
         else:
             raise TypeError(
-                f"a scene takes bodies, joints, links, contacts, loads, supports, got {shown(item)}"
+                "a scene takes bodies, joints, links, contacts, loads, supports, events, got "
+                f"{shown(item)}"
             )
         return item
 
@@ -285,10 +298,18 @@ class Scene(Summarised):
         scene.connections, scene.links = list(connections), list(self.links)
         scene.contacts, scene.impacts = list(self.contacts), list(self.impacts)
         scene.clamps, scene.motions = list(self.clamps), list(self.motions)
+        scene.events = list(self.events)
         scene.began = self.began
         self.family = self.family or Family()
         scene.family = self.family
         return scene
+
+    @property
+    def switched(self) -> list[Connection]:
+        """Connections that are inactive at the start, or that events switch."""
+        by_events = [each for event in self.events for each in event.switched]
+        of_all = (*self.joints, *self.connections)
+        return [each for each in of_all if not each.active or each in by_events]
 
     def without_impacts(self) -> Scene:
         """Copy of the scene without contacts by impacts, which act at ends of steps only.

@@ -29,6 +29,9 @@ from fem_lie.system.constraint_sets.constraint_set import (
 from fem_lie.system.constraint_sets.kinds import sets_of
 from fem_lie.system.nodes.numbering import Numbering
 
+_CLOSED = 1e-6
+"""Largest violation, rad or over the size of the bodies, of constraints that are activated."""
+
 
 class _Carried(Fixed):
     """Rigid connection to a prescribed motion, with the axes of the moved node."""
@@ -84,6 +87,8 @@ class Connections:
         base = np.concatenate([each.initial(frames) for each in self.sets])
         self._targets = Targets(self.items, self.owner, base)
         self._preload = 1.0
+        active = np.array([item.active for item in self.items], dtype=bool)
+        self.inactive: Flags = ~active[self.owner]
         self.set_time(0.0)
 
     @property
@@ -190,6 +195,7 @@ class Connections:
         found, still = np.zeros(self.m), np.zeros((len(H), 6))
         for each in self.sets:
             each.values(H, still, found)
+        found[self.inactive] = 0.0
         return found
 
     def rates(self, H: Array, v: Array) -> tuple[Array, Array]:
@@ -200,6 +206,7 @@ class Connections:
         first, second = np.zeros(self.m), np.zeros(self.m)
         for each in self.sets:
             each.rates(H, v, first, second)
+        first[self.inactive] = second[self.inactive] = 0.0
         return first, second
 
     def other_spring_energy(self, H: Array) -> float:
@@ -250,7 +257,52 @@ class Connections:
 
     def target_rates(self, time: float, step: float) -> tuple[Array, Array]:
         """Rates of targets, see :meth:`~.constraint_sets.constraint_set.Targets.rates`."""
-        return self._targets.rates(time, step)
+        first, second = self._targets.rates(time, step)
+        first[self.inactive] = second[self.inactive] = 0.0
+        return first, second
+
+    def switch(self, item: Connection, H: Array, *, active: bool) -> None:
+        """Activate or deactivate the constraints of an item.
+
+        Args:
+            item: The item.
+            H: Frames of all nodes, ground and prescribed motions.
+            active: Whether its constraints act from now on.
+
+        Raises:
+            ValueError: They are to act, and are not closed.
+        """
+        own = self.owner == self.items.index(item)
+        self.inactive[own] = not active
+        if not active:
+            return
+        found, still = np.zeros(self.m), np.zeros((len(H), 6))
+        for each in self.sets:
+            each.values(H, still, found)
+        size = max(point.size for point in item.points if not point.is_ground)
+        gaps = np.abs(found) / np.where(self.angular, 1.0, size)
+        if not item.holds and float(gaps[own].max()) > _CLOSED:
+            self.inactive[own] = True
+            raise ValueError(
+                f"locking {item.label} contradicts the state: expected its constraints to be "
+                f"closed to {_CLOSED:g} (rad, or of the size of its bodies), got "
+                f"{gaps[own].max():.2g}"
+            )
+        # what is left open stays as it is: closing it in one step would be a jump
+        self._targets.shift(found, own)
+        if not self.driven:
+            self.set_time(0.0)
+
+    @property
+    def activity(self) -> dict[str, Array]:
+        """Which constraints act, and the constant parts of all targets."""
+        return {"inactive": self.inactive.astype(np.float64), "base": self._targets.base.copy()}
+
+    @activity.setter
+    def activity(self, kept: dict[str, Array]) -> None:
+        self.inactive[:], self._targets.base[:] = kept["inactive"] != 0.0, kept["base"]
+        if not self.driven:
+            self.set_time(0.0)
 
     def move_reference_angles(self, H: Array, h: Array) -> None:
         """Move reference angles along the increment ``h`` (n, 6) of nodes, made from ``H``."""
@@ -353,6 +405,7 @@ class Connections:
             each.wrenches(H, v, multipliers, forces)
             each.coordinates(H, coordinates)
             each.values(H, v, values)
+        values[self.inactive] = 0.0
         np.maximum.at(largest, self.owner, np.abs(values))
         return forces, coordinates, largest
 

@@ -113,6 +113,12 @@ class System:
         self._others = not self.connections.of_joints_only
         # without definitions the compiled functions are not called: compiling them takes seconds
         self._joined = len(self.table.nodes) > 0
+        self._switched = bool(scene.switched)
+        if self._switched and not dynamics:
+            raise ValueError(
+                f"{scene.switched[0].label} is inactive or switched by an event: expected a run of "
+                "GeneralisedAlpha"
+            )
         if self.connections.of_velocities and not dynamics:
             raise ValueError("KnifeEdge and RollingDisc constrain velocities: use dynamics")
         self.size = 6 * self.count + self.m
@@ -139,6 +145,7 @@ class System:
             numbering.supports,
             self.kinds,
             redundant=scene.redundant is not RedundantConstraints.REFUSE,
+            switched=bool(scene.switched),
             units=self.units,
             length=self.length,
         )
@@ -153,6 +160,7 @@ class System:
         self.convected: list[ConvectedDrilling | ConvectedAxes | BodyAxes] = [
             each for each in (self.convected_drilling, self.convected_axes, following) if each
         ]
+        self.kkt.inactive = self.connections.inactive
         self._check_redundant()
         self._still = np.zeros((self.count, 6))
         self._any_separates_director = bool(self.separates_director.any())
@@ -170,9 +178,10 @@ class System:
         return np.repeat(np.where(self.lengths, self.length, 1.0).ravel(), 3)
 
     def _check_redundant(self) -> None:
-        B = self.tangent.jacobian(self.frames)
+        acting = np.flatnonzero(~self.connections.inactive)
+        B = self.tangent.jacobian(self.frames)[acting]
         units = np.asarray(self.units / self.length)
-        redundant = redundant_constraints(B, units, self.kkt.measure)
+        redundant = acting[redundant_constraints(B, units, self.kkt.measure[acting])]
         if self.scene.redundant is RedundantConstraints.REFUSE:
             refuse(redundant, self.connections)
         elif len(redundant):
@@ -231,6 +240,8 @@ class System:
         self.with_reactions(state, scale, r, forces, per_increment)
         if self._any_held:
             r[: 6 * self.count].reshape(-1, 6)[self.held] = 0.0
+        if self._switched:
+            r[6 * self.count :][self.connections.inactive] = 0.0
 
     def with_reactions(
         self,

@@ -79,6 +79,7 @@ class Tangent:
         kinds: Indices,
         *,
         redundant: bool,
+        switched: bool,
         units: Array,
         length: float,
     ) -> None:
@@ -94,6 +95,7 @@ class Tangent:
                 :class:`~fem_lie.system.nodes.fixed_axes.Supports`.
             kinds: Types of the nodes.
             redundant: Whether constraints may be redundant.
+            switched: Whether constraints may be inactive.
             units: Unit of each unknown of the nodes, shape (6 n,).
             length: Length of the model.
         """
@@ -111,6 +113,7 @@ class Tangent:
             length=length,
             angular=angular,
             redundant=redundant,
+            switched=switched,
         )
         self.kkt.divisible = self
         self.supports = Supports(axes, self._incidences.nodes)
@@ -174,6 +177,7 @@ class Tangent:
         node = incidences.nodes[free]
         columns = (6 * node[:, np.newaxis] + np.arange(6)).ravel()
         values = np.where(held[node], 0.0, rows[free]).ravel()
+        values[np.repeat(self.kkt.inactive[incidences.rows[free]], 6)] = 0.0
         shape = (len(incidences.ptr) - 1, 6 * self._count)
         return sp.csr_matrix((values, (np.repeat(incidences.rows[free], 6), columns)), shape=shape)
 

@@ -67,9 +67,16 @@ class GeneralisedAlpha(Options, Integrator):
         True
     """
 
+    _has_events = True
+
     def _equations(self, scene: Scene, part: ScenePart | None = None) -> Equations:
         """Equations of a scene without impacts, which change the ends of steps."""
         scene = scene.without_impacts()
+        if scene.impacts and scene.switched:
+            raise ValueError(
+                f"{scene.impacts[0].label}: expected Penalty with joints that are inactive or "
+                f"switched ({scene.switched[0].label}), got Impact"
+            )
         chosen = self.parametrisation
         equations = Equations(scene, dynamics=True, parametrisation=chosen, part=part)
         if scene.impacts and not self._free(scene):
@@ -80,7 +87,7 @@ class GeneralisedAlpha(Options, Integrator):
         self, scene: Scene, plan: Plan, file: str | os.PathLike[str] | None
     ) -> Equations | None:
         """Equations of the part of this rank, for equal steps without secants."""
-        supported = isinstance(plan, EqualSteps) and not self.policy.secants
+        supported = isinstance(plan, EqualSteps) and not (self.policy.secants or scene.switched)
         supported = supported and (file is None or may_write(scene, plan))
         prefix = self.petsc_options_prefix
         part = divided(scene.without_impacts(), prefix, supported=supported)

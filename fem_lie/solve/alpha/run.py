@@ -87,6 +87,12 @@ class Run(Newton):
         if self._contacts is not None:
             self._contacts.set_rule(self._end_rule)
 
+    @property
+    def _idle(self) -> Indices:
+        """Equations of unknowns that are held, and of constraints that do not act."""
+        held, inactive = self.equations.unknowns.held, self.equations.matrix.inactive
+        return np.append(np.flatnonzero(held), held.size + np.flatnonzero(inactive))
+
     @cached_property
     def _packed(self) -> PackedArrays:
         known, s, balance = self.equations.arrays, self.s, self.balance
@@ -97,7 +103,7 @@ class Run(Newton):
             self.multipliers,
             self._first,
             *self._sizes,
-            np.flatnonzero(self.equations.unknowns.held),
+            self._idle,
             self.r,
             self.dx,
             forces,

@@ -171,6 +171,11 @@ class AlphaSteps(Run):
         self._moved = ChangingArrays(self, _MOTION)
 
     @property
+    def twists(self) -> Array:
+        """Current twists of the moving nodes."""
+        return self.s.twist1
+
+    @property
     def increment(self) -> float:
         """Size of the last increment of the iteration."""
         return float(self.progress.increment)
@@ -304,6 +309,8 @@ class AlphaSteps(Run):
         """Drop all matrices and factorise that of the current state."""
         self._set_size(self.h)
         self.factors.forget()
+        # constraints may have been switched
+        self.__dict__.pop("_packed", None)
         self._scales.clear()
         self.factors.levels.use(self.p.mass)
         self._go_to_time(time)

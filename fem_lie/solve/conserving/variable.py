@@ -61,6 +61,11 @@ class ConservingSteps(Run):
         self.h = h
 
     @property
+    def twists(self) -> Array:
+        """Current velocities of the moving nodes along their axes, (n, 6)."""
+        return self.local(self.s.V[: self.moving], self.s.H)
+
+    @property
     def increment(self) -> float:
         """Size of the last increment of the iteration."""
         return float(self.progress.increment)

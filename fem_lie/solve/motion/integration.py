@@ -21,6 +21,7 @@ from fem_lie.joints.laws import ForceLawError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result
 from fem_lie.solve.division import HALVINGS, Division
+from fem_lie.solve.motion.events import EventError
 from fem_lie.solve.motion.policies import RefactorisationPolicy
 from fem_lie.solve.progress_bars import Stopwatch
 from fem_lie.solve.recording.checkpoints import Checkpoints
@@ -139,22 +140,24 @@ class Driver(ABC, Stateful, Generic[HistoryT]):
                 history.seconds = watch.seconds
                 if not done:
                     raise ConvergenceError(self._failure(history.steps), self._result(history))
-                self._keep(history)
                 if history.checkpoint_due(self.index):
                     self._save(history)
         return self._result(history)
 
     def _advance_or_fail(self, history: HistoryT) -> bool:
-        """:meth:`_advance`; the error of a force law ends the run, with the results so far.
+        """:meth:`_advance` and record; errors of functions of the user end the run.
 
         Raises:
-            ConvergenceError: A force law failed.
+            ConvergenceError: A force law or an event failed; its ``result`` holds the states so
+                far.
         """
         try:
             done = self._advance(history)
-            if not done:
+            if done:
+                self._keep(history)
+            else:
                 self.equations.check_laws()
-        except ForceLawError as error:
+        except (ForceLawError, EventError) as error:
             text = f"step {self.index} failed: {error}"
             raise ConvergenceError(text, self._result(history)) from error
         return done

@@ -41,6 +41,9 @@ class Integrator(ABC):
         "discontinuities (or use GeneralisedAlpha)"
     )
 
+    _has_events: ClassVar[bool] = False
+    """Whether the scheme ends steps at events, and has constraints that may be inactive."""
+
     def run(
         self,
         scene: Scene,
@@ -86,6 +89,7 @@ class Integrator(ABC):
         require_scene(scene)
         positive(duration, "duration")
         instance(save_every, int | np.integer, "save_every", "a whole number")
+        self._refuse_switches(scene)
         plan = _plan(scene, duration, step, (save_every, save_at, record))
         if checkpoint_every is not None:
             whole(checkpoint_every, "checkpoint_every")
@@ -152,6 +156,15 @@ class Integrator(ABC):
             return VariableSteps(steppers(equations, control), control, finer, choice.refinement)
 
         return begin
+
+    def _refuse_switches(self, scene: Scene) -> None:
+        """Raise ``ValueError`` if the scheme has no events and the scene has."""
+        found = [each.label for each in scene.switched] + [each.label for each in scene.events]
+        if found and not self._has_events:
+            raise ValueError(
+                f"{type(self).__name__} does not support events and inactive joints ({found[0]}): "
+                "use GeneralisedAlpha"
+            )
 
     def _divided_equations(
         self, scene: Scene, plan: Plan, file: str | os.PathLike[str] | None
@@ -236,7 +249,7 @@ def _plan(
         return ChosenSteps(Saving.chosen(save_every, save_at, duration, record), duration, step)
     steps = _number_of_steps(duration, step)
     saving = Saving.chosen(save_every, save_at, steps * step, record)
-    if events(scene, duration):
+    if events(scene, duration) or scene.events:
         return ChosenSteps(saving, duration, ConstantStep(step))
     return EqualSteps(saving, steps, float(step))
 

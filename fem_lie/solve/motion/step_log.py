@@ -102,6 +102,7 @@ class StepLog:
     errors: list[StepError] = field(default_factory=list)
     measured: list[tuple[float, float]] = field(default_factory=list)
     rejected: list[float] = field(default_factory=list)
+    events: list[tuple[float, int, float]] = field(default_factory=list)
 
     def add(
         self, time: float, size: float, error: StepError, measured: tuple[float, float]
@@ -120,6 +121,7 @@ class StepLog:
             "errors": np.array(self.errors, dtype=np.float64).reshape(-1, 4),
             "measured": np.array(self.measured, dtype=np.float64).reshape(-1, 2),
             "rejected": np.array(self.rejected),
+            "events": np.array(self.events, dtype=np.float64).reshape(-1, 3),
         }
 
     def restore(self, kept: Mapping[str, Array]) -> None:
@@ -129,6 +131,7 @@ class StepLog:
         self.errors[:] = (
             StepError(float(t), float(r), int(i), int(k)) for t, r, i, k in kept["errors"]
         )
+        self.events[:] = ((float(t), int(k), float(lost)) for t, k, lost in kept["events"])
         self.measured[:] = ((float(t), float(r)) for t, r in kept["measured"])
 
     def history(self) -> StepHistory:
@@ -145,6 +148,9 @@ class StepLog:
             measured_translation=measured[:, 0],
             measured_rotation=measured[:, 1],
             rejected=known["rejected"],
+            event_times=known["events"][:, 0],
+            event_numbers=known["events"][:, 1].astype(np.int64),
+            event_losses=known["events"][:, 2],
         )
 
     def body(self, node: int) -> str:

@@ -16,8 +16,10 @@ from fem_lie._arrays import Array
 from fem_lie._state import attributes
 from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.histories import declared
+from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results import Result
 from fem_lie.scene import Scene
+from fem_lie.solve.motion.events import EventError, Events, Root, RunningState
 from fem_lie.solve.motion.growing import Growing
 from fem_lie.solve.motion.integration import Driver
 from fem_lie.solve.motion.step_log import StepError, StepLog, largest_gaps
@@ -51,6 +53,10 @@ class Stepper(Protocol[HistoryT]):
     @property
     def frames(self) -> Array:
         """Current frames of all nodes, ground and prescribed motions, (≥ n, 4, 3)."""
+
+    @property
+    def twists(self) -> Array:
+        """Current twists of the moving nodes, (n, 6)."""
 
     @property
     def increment(self) -> float:
@@ -150,7 +156,9 @@ class VariableSteps(Driver[Growing]):
         steps: Log of all steps.
     """
 
-    STATE = attributes("_index", "_time", "_rejections", "_control", "steps", "_stepper", "_finer")
+    STATE = attributes(
+        "_events", "_index", "_time", "_rejections", "_control", "steps", "_stepper", "_finer"
+    )
 
     def __init__(
         self, stepper: Stepper[Any], control: Control, finer: Stepper[Any] | None, parts: int
@@ -168,6 +176,8 @@ class VariableSteps(Driver[Growing]):
         self.equations, self.steps = stepper.equations, StepLog(stepper.equations)
         self._index, self._time, self._iterations = 0, 0.0, 0
         self._last: tuple[float, StepError | None, float] = control.size, None, np.inf
+        self._events = Events(self.equations.scene.events, self.equations)
+        self._fired: Array = np.zeros(len(self.equations.scene.events))
 
     def history(
         self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None
@@ -181,6 +191,12 @@ class VariableSteps(Driver[Growing]):
     def start(self) -> None:
         """Make the state consistent at time 0."""
         self._stepper.begin(self._control.size)
+        if self._events:
+            self._events.begin(self._state(0.0))
+
+    def _state(self, time: float) -> RunningState:
+        """The current state, for events."""
+        return RunningState(self.equations, time, self.frames, self._stepper.twists)
 
     @property
     def frames(self) -> Array:
@@ -193,7 +209,7 @@ class VariableSteps(Driver[Growing]):
         return self._index
 
     def _finished(self, history: Growing) -> bool:
-        return self._control.finished
+        return self._control.finished or bool(self._events.stopped)
 
     def _advance(self, history: Growing) -> bool:
         control, made = self._control, False
@@ -211,13 +227,36 @@ class VariableSteps(Driver[Growing]):
         """Record the current state; an event gets two rows, one for each side."""
         control, stepper, time = self._control, self._stepper, self._time
         lands = not control.finished and time == control.next_event
-        kept = self._fill_row(history, self._iterations, event=lands or not self._index)
+        happens = bool(self._fired.any())
+        kept = self._fill_row(history, self._iterations, event=lands or happens or not self._index)
         if lands:
             control.pass_event()
-        if lands and not control.finished:
-            stepper.pass_event(time + side(time, stepper.h))
+        if (lands or happens) and not control.finished:
+            if happens:
+                self._happen()
+            else:
+                stepper.pass_event(time + side(time, stepper.h))
             kept |= self._fill_row(history, 0, event=True)
         return kept
+
+    def _happen(self) -> None:
+        """Take the actions of events at the end of the last step."""
+        time, before = self._time, self._state(self._time)
+        kinetic, fired = before.kinetic, np.flatnonzero(self._fired)
+        self._events.act(self._fired, before, self.frames)
+        self._fired[:] = 0.0
+        try:
+            self._stepper.pass_event(time + side(time, self._stepper.h))
+            self._refactorise()
+        except (ValueError, SingularMatrixError) as error:
+            raise EventError(
+                f"after the events at time {time:.9g} velocities cannot be computed: {error}. "
+                "Constraints that were locked may follow from others"
+            ) from error
+        after = self._state(time)
+        lost = kinetic - after.kinetic
+        self.steps.events += [(time, int(k), lost / len(fired)) for k in fired]
+        self._events.begin(after)
 
     def _fill_row(self, history: Growing, iterations: int, *, event: bool) -> bool:
         time, control = self._time, self._control
@@ -260,6 +299,14 @@ class VariableSteps(Driver[Growing]):
         stepper.set_step(time, h)
         before, start = stepper.saved(), stepper.frames.copy()
         iterations = stepper.step_to(time, end, index + 1, lands)
+        if iterations and self._events:
+            signs = self._events.crossed(values := self._events.evaluate(self._state(end)))
+            if signs.any():
+                before, h, iterations, values = self._cut(
+                    before, index, Root(signs, self._events.values, values, h)
+                )
+                lands, end = False, time + h
+                signs = self._events.crossed(values)
         error = stepper.estimate(before, time, end) if iterations else None
         e = np.inf if error is None else control.ratio(error.translation, error.rotation, h)
         if e <= 1.0 and not self._accept_history(start):
@@ -272,10 +319,39 @@ class VariableSteps(Driver[Growing]):
             self._try_again(time, index)
             return False
         self._rejections = 0
+        if self._events:
+            self._events.values[:], self._fired = values, signs
+            self._events.pass_step(not signs.any() or h > 0.1 * control.size)
         self.steps.add(end, h, error, self._measure(before, time, end, index, lands))
         control.accept(e)
         self._index, self._time, self._iterations = index + 1, end, iterations
         return True
+
+    def _cut(self, before: Any, index: int, root: Root) -> tuple[Any, float, int, Array]:
+        """Repeat a step with the size at which the first event happens.
+
+        Args:
+            before: State at the start of the step.
+            index: Number of steps before it.
+            root: Search for the event.
+
+        Returns:
+            The state at the start for a step of this size, the size, the iterations of all steps
+            that were tried, and the values of the conditions; no iterations if one failed.
+        """
+        stepper, time, total = self._stepper, self._time, 0
+        while not root.found:
+            h = root.size
+            stepper.take_back(before)
+            stepper.set_step(time, h)
+            before = stepper.saved()
+            iterations = stepper.step_to(time, time + h, index + 1, False)
+            total = total + iterations if iterations else 0
+            if not iterations:
+                break
+            values = self._events.evaluate(self._state(time + h))
+            root.take(h, values)
+        return before, h, total, values
 
     def _accept_history(self, start: Array) -> bool:
         """Whether the equations accept the end, with no surfaces passing through each other."""

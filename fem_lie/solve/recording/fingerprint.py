@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.canonical import CanonicalBytes, attributes, data_of_body
+from fem_lie.joints.events import Action
 from fem_lie.scene import Scene
 from fem_lie.system.equations import Equations
 
@@ -79,10 +80,15 @@ class Fingerprint:
                 ("constraint definitions", (type(item), item.size, item.definitions())),
                 ("stiffness, damping and rest", item.spring),
                 ("force law", item.fingerprint),
+                ("activity", item.active),
                 ("sliding", item.sliding_definition()),
                 ("rolling", item.velocity_definitions()),
             ):
                 self._add(f"{name} of connection {k}", value, f"{name} of {item.label}")
+        for k, event in enumerate(scene.events, start=1):
+            own = [type(action) for action in event.actions if isinstance(action, Action)]
+            given = event.direction, event.repeated, own, [c.label for c in event.switched]
+            self._add(f"event {k}", given, f"event {k} ({event.label})")
         for kind in ("links", "loads", "clamps", "motions"):
             for k, item in enumerate(getattr(scene, kind), start=1):
                 for name, value in attributes(item):

@@ -115,6 +115,7 @@ class Targets:
 
     Attributes:
         driven: Whether any target depends on time.
+        base: Constant parts of the targets, shape (m,).
     """
 
     def __init__(self, items: Sequence[Connection], owner: Indices, base: Array) -> None:
@@ -125,12 +126,13 @@ class Targets:
             owner: Item of each constraint, shape (m,).
             base: Constant targets, shape (m,).
         """
-        self._items, self._owner, self._base = items, owner, base
+        self._items, self._owner, self.base = items, owner, base.copy()
         self._drives = [
             (int(np.flatnonzero(owner == k)[-1]), item.history)
             for k, item in enumerate(items)
             if item.history is not None
         ]
+        self.base[[row for row, _ in self._drives]] = 0.0
         self._breaks = declared((history for _, history in self._drives), kinks=True)
         self.driven = bool(self._drives)
 
@@ -140,13 +142,22 @@ class Targets:
         Raises:
             ValueError: A drive is not finite then.
         """
-        values = self._base.copy()
+        values = self.base.copy()
         for row, history in self._drives:
             label = self._items[self._owner[row]].label
-            values[row] = at_time(history, time, label)
+            values[row] += at_time(history, time, label)
             if not np.isfinite(values[row]):
                 raise ValueError(f"{label} is {values[row]} at time {time:g}")
         return values
+
+    def shift(self, violations: Array, which: Flags) -> None:
+        """Add violations to the targets of some constraints, which are then closed.
+
+        Args:
+            violations: Violations of all constraints, shape (m,).
+            which: Mask of these constraints, shape (m,).
+        """
+        self.base[which] += violations[which]
 
     def rates(self, time: float, step: float) -> tuple[Array, Array]:
         """First and second time derivatives of the targets at ``time``, shape (m,).

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.forms.abilities import PassedThroughError
-from fem_lie.joints.connection import LostBranchError
+from fem_lie.joints.connection import Connection, LostBranchError
 from fem_lie.lie.node_types import Written
 from fem_lie.linear.low_rank import LowRank
 from fem_lie.system.constraint_sets.constraint_set import HistoryKey
@@ -109,10 +109,25 @@ class HistoryVariables:
             else:
                 axes.rotate_motion(H, motion, self._system.kinds, written)
 
+    def switch(self, item: Connection, H: Array, *, active: bool) -> None:
+        """Activate or deactivate the constraints of a joint, drive or gear.
+
+        Args:
+            item: The item.
+            H: Frames of all nodes, ground and prescribed motions.
+            active: Whether its constraints act from now on.
+
+        Raises:
+            ValueError: They are to act, and the state contradicts them.
+        """
+        self._connections.switch(item, H, active=active)
+
     def saved_state(self) -> dict[str, Array]:
         """State of the history variables."""
         kept = {f"stress.{k}": part for k, part in enumerate(self._terms.linearised_values())}
         kept["joints"] = self._connections.history_variables
+        if self._system.scene.switched:
+            kept |= self._connections.activity
         return kept | {f"watched.{k}": part for k, part in enumerate(self._terms.watched())}
 
     @property
@@ -132,6 +147,8 @@ class HistoryVariables:
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Restore the state of :meth:`saved_state`."""
         self._connections.history_variables = kept["joints"]
+        if self._system.scene.switched:
+            self._connections.activity = {name: kept[name] for name in ("inactive", "base")}
         count = sum(name.startswith("stress.") for name in kept)
         self._terms.restore([kept[f"stress.{k}"] for k in range(count)])
         watched = sum(name.startswith("watched.") for name in kept)

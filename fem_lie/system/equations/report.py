@@ -158,6 +158,13 @@ class Report:
         return self._system.numbering.master_map.twists(shown)
 
     @property
+    def kinetic(self) -> float:
+        """Kinetic energy."""
+        found = np.empty(7)
+        self._system.report(self._state.H, self._state.v, found)
+        return float(found[0])
+
+    @property
     def elastic(self) -> float:
         """Energy of elements, and of springs that are not in the tables of the equations."""
         H, connections = self._state.H, self._system.connections

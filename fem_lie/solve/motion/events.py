@@ -1,0 +1,280 @@
+"""Events in a run: conditions on steps that were made, roots within them, and actions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from fem_lie._arrays import Array, number
+from fem_lie._state import Stateful, attributes
+from fem_lie.bodies.body import Point
+from fem_lie.joints.connection import Connection
+from fem_lie.joints.events import Action, Event
+from fem_lie.lie.node_types import retract_all
+from fem_lie.system.equations import Equations
+
+_DIFFERENCE = 1e-6
+"""Rotation, or displacement over the length of the model, of differences for rates."""
+
+MOST_AT_ONCE = 20
+"""Number of successive steps that may end at one event without a whole step in between."""
+
+
+class EventError(RuntimeError):
+    """A condition or an action failed, or an event happens without end."""
+
+
+class RunningState:
+    """A state of a run, see :class:`~fem_lie.joints.events.State`.
+
+    Attributes:
+        time: The time.
+    """
+
+    def __init__(self, equations: Equations, time: float, H: Array, v: Array) -> None:
+        """Store the state.
+
+        Args:
+            equations: Equations of the scene.
+            time: The time.
+            H: Frames of all nodes, ground and prescribed motions.
+            v: Twists of the moving nodes.
+        """
+        self.time = time
+        self._equations, self._H, self._v = equations, H, v
+
+    @cached_property
+    def _report(self) -> Any:
+        return self._equations.report(self._H, self._v)
+
+    @cached_property
+    def _frames(self) -> Array:
+        return np.asarray(self._report.frames)
+
+    @cached_property
+    def _coordinates(self) -> Array:
+        return np.asarray(self._report.joints.coordinates)
+
+    @cached_property
+    def _rates(self) -> Array:
+        """Rates of all coordinates, by central differences along the motion."""
+        equations, n = self._equations, self._equations.unknowns.moving
+        driven = equations.prescribed(self.time).velocities
+        v = np.concatenate([self._v[:n], np.zeros((1, 6)), driven])
+        types = np.append(equations.unknowns.kinds, np.zeros(len(v) - n, dtype=np.int64))
+        units = np.repeat([equations.unknowns.length, 1.0], 3)
+        h = _DIFFERENCE / max(float(np.abs(v / units).max()), 1e-300)
+        ends = []
+        for sign in (1.0, -1.0):
+            H = self._H.copy()
+            retract_all(types, self._H, sign * h * v, H)
+            ends.append(equations.report(H).joints.coordinates)
+        return np.asarray((ends[0] - ends[1]) / (2.0 * h))
+
+    def position(self, point: Point | str) -> Array:
+        """Position of a point, global components, shape (3,)."""
+        return np.array(self._equations.info.frame(point, self._frames)[0])
+
+    def rotation(self, point: Point | str) -> Array:
+        """Rotation of a point's frame, local to global, shape (3, 3)."""
+        return np.array(self._equations.info.frame(point, self._frames)[1:].T)
+
+    def velocity(self, point: Point | str) -> Array:
+        """Velocity of a point (translation, rotation) in its local frame, shape (6,)."""
+        return np.array(self._equations.info.twist(point, self._frames, self._report.twists))
+
+    def coordinate(self, joint: Connection | str, name: str | None = None) -> float:
+        """Relative coordinate of a joint: an unwrapped angle in rad, or a length."""
+        return float(self._coordinates[self._equations.info.coordinate(joint, name)])
+
+    def rate(self, joint: Connection | str, name: str | None = None) -> float:
+        """Rate of a relative coordinate."""
+        return float(self._rates[self._equations.info.coordinate(joint, name)])
+
+    @property
+    def kinetic(self) -> float:
+        """Kinetic energy."""
+        return float(self._report.kinetic)
+
+
+class Events(Stateful):
+    """Events of one run.
+
+    Attributes:
+        values: Value of each condition at the start of the step, shape (e,).
+        counts: How often each has happened, shape (e,).
+        stopped: Whether an event has ended the run (1).
+        at_once: Number of successive steps that ended at an event.
+    """
+
+    STATE = attributes("values", "counts", "stopped", "at_once")
+
+    def __init__(self, events: Sequence[Event], equations: Equations) -> None:
+        """Start before the first step.
+
+        Args:
+            events: Events of the scene.
+            equations: Equations of the scene.
+        """
+        self._events, self._equations = tuple(events), equations
+        self.values = np.zeros(len(self._events))
+        self.counts = np.zeros(len(self._events), dtype=np.int64)
+        self.stopped, self.at_once = 0, 0
+        self._H: Array = np.empty(0)
+
+    def __bool__(self) -> bool:
+        """Whether there are any."""
+        return bool(self._events)
+
+    def evaluate(self, state: RunningState) -> Array:
+        """Values of all conditions, shape (e,).
+
+        Raises:
+            EventError: A condition failed or did not return a number.
+        """
+        found = np.zeros(len(self._events))
+        for k, event in enumerate(self._events):
+            try:
+                found[k] = number(event.condition(state), "value of the condition")
+            except Exception as error:
+                raise EventError(_failed("condition", event, state.time, error)) from error
+        return found
+
+    def begin(self, state: RunningState) -> None:
+        """Take a state as the start of the next step."""
+        self.values[:] = self.evaluate(state)
+
+    def crossed(self, values: Array) -> Array:
+        """Signs, shape (e,), by which conditions changed theirs from negative to positive.
+
+        Zero: a condition did not change its sign, or its event does not happen any more.
+
+        Args:
+            values: Values at the end of the step.
+        """
+        rises = (self.values < 0.0) & (values >= 0.0)
+        falls = (self.values > 0.0) & (values <= 0.0)
+        signs = rises.astype(np.float64) - falls
+        for k, event in enumerate(self._events):
+            over = self.counts[k] > 0 and not event.repeated
+            if over or signs[k] * event.direction < 0.0:
+                signs[k] = 0.0
+        return signs
+
+    def pass_step(self, whole: bool) -> None:
+        """Count steps that ended at an event.
+
+        Args:
+            whole: Whether the step did not, or was not much shorter than others.
+        """
+        self.at_once = 0 if whole else self.at_once + 1
+
+    def act(self, fired: Array, state: RunningState, H: Array) -> None:
+        """Take all actions of events.
+
+        Args:
+            fired: Signs of :meth:`crossed` of the step that ends here.
+            state: The state.
+            H: Its frames of all nodes, ground and prescribed motions.
+
+        Raises:
+            EventError: An action failed, or an event happens without end.
+        """
+        self._H = H
+        for k in np.flatnonzero(fired):
+            event = self._events[k]
+            if self.at_once > MOST_AT_ONCE:
+                raise EventError(
+                    f"{event.label} happens without end at time {state.time:.9g}: "
+                    f"{MOST_AT_ONCE} steps in succession ended at events. Give it a direction, "
+                    "repeated=False, or Lock what comes to rest"
+                )
+            self.counts[k] += 1
+            for action in event.actions:
+                try:
+                    if isinstance(action, Action):
+                        action.act(self)
+                    else:
+                        action(state)
+                except Exception as error:
+                    raise EventError(_failed("action", event, state.time, error)) from error
+
+    # --- what actions of the package do ---
+
+    def lock(self, connection: Connection) -> None:
+        """Activate the constraints of a connection."""
+        self._equations.history_variables.switch(connection, self._H, active=True)
+
+    def release(self, connection: Connection) -> None:
+        """Deactivate the constraints of a connection."""
+        self._equations.history_variables.switch(connection, self._H, active=False)
+
+    def stop(self) -> None:
+        """End the run."""
+        self.stopped = 1
+
+
+def _failed(what: str, event: Event, time: float, error: Exception) -> str:
+    return f"the {what} of {event.label} failed at time {time:.9g}: {type(error).__name__}: {error}"
+
+
+class Root:
+    """Search for the first zero of conditions within a step, by the method of Illinois.
+
+    The search is for the size of a shorter step, at whose end the largest of all crossing
+    conditions, with the signs of their changes, is not negative.
+    """
+
+    def __init__(self, signs: Array, start: Array, end: Array, size: float) -> None:
+        """Begin with the whole step.
+
+        Args:
+            signs: Signs of :meth:`Events.crossed`.
+            start: Values of the conditions at the start.
+            end: Values at the end.
+            size: Size of the step.
+        """
+        self._signs = signs
+        self._low, self._high = 0.0, size
+        self._below, self._above = self._largest(start), self._largest(end)
+        self._tolerance, self._last = 1e-10 * size, 0
+
+    def _largest(self, values: Array) -> float:
+        chosen = self._signs != 0.0
+        return float((self._signs * values)[chosen].max())
+
+    @property
+    def found(self) -> bool:
+        """Whether the last step that was taken ends just after the zero."""
+        return self._last > 0 and self._high - self._low <= 2.0 * self._tolerance
+
+    @property
+    def size(self) -> float:
+        """Size of the next step to try: last of all, the end of the interval."""
+        width = self._high - self._low
+        if width <= 2.0 * self._tolerance:
+            return self._high
+        at = self._low - self._below * width / (self._above - self._below)
+        # a step near an end also bounds the zero from its other side
+        at = at + (self._tolerance if self._last < 0 else -self._tolerance)
+        return float(np.clip(at, self._low + self._tolerance, self._high - self._tolerance))
+
+    def take(self, size: float, values: Array) -> None:
+        """Take the values at the end of a step of this size.
+
+        Args:
+            size: Size of the step.
+            values: Values of the conditions at its end.
+        """
+        value = self._largest(values)
+        if value >= 0.0:
+            if self._last > 0 and size < self._high:
+                self._below *= 0.5
+            self._high, self._above, self._last = size, max(value, 1e-300), 1
+        else:
+            if self._last < 0:
+                self._above *= 0.5
+            self._low, self._below, self._last = size, value, -1
