@@ -12,7 +12,8 @@ scenes are in :mod:`fem_lie` itself; this module has what scenes do not show.
   :func:`cell_data`, :class:`CellFunctions`, :data:`CELL_SIGNATURE`, the functions of :mod:`cell`,
   :class:`NodeType` and the compiled functions of all node types, the module :mod:`node_types`;
   vectors of three numbers in these, the module :mod:`tuples`; :func:`compiled`, :func:`callback`.
-* **Bodies**: :class:`ElementBody` of elements of your own; any other :class:`Body` has a
+* **Bodies**: :class:`FormBody` of your own forms, with inertia by :func:`kinetic_energy`;
+  :class:`ElementBody` of elements of your own; any other :class:`Body` has a
   :class:`BodyModel`, which is what the assembly sees of it.
 * **Error estimates**: :class:`ElementErrors`, what an estimate returns for each state.
 * **Joints**: :func:`rows` selects entries of the relative motion.
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     from fem_lie.adaptivity.estimates.estimate import ElementErrors
     from fem_lie.bodies.body import Body, Point
     from fem_lie.bodies.cells.element_body import ElementBody
+    from fem_lie.bodies.forms.form_body import FormBody
     from fem_lie.bodies.model import BodyModel
     from fem_lie.contact.pairs.balls import BallGapPair
     from fem_lie.contact.pairs.pair import ContactPair, PenaltyPair, register_contact_pair
@@ -65,6 +67,7 @@ if TYPE_CHECKING:
     from fem_lie.forms.kernels.addresses import FrameMap, frame_function
     from fem_lie.forms.local_forms import LocalFrameForms
     from fem_lie.forms.problems.coupling import derivative_in_field, derivative_in_frames
+    from fem_lie.forms.problems.inertia import kinetic_energy
     from fem_lie.forms.problems.loads import (
         dead_force,
         dead_moment,
@@ -123,6 +126,7 @@ __all__ = [
     "ElementBody",
     "ElementErrors",
     "Equations",
+    "FormBody",
     "FrameMap",
     "GapSurface",
     "History",
@@ -177,6 +181,7 @@ __all__ = [
     "follower_moment",
     "frame_function",
     "iterate",
+    "kinetic_energy",
     "move_all",
     "node_types",
     "present_values",

@@ -8,6 +8,7 @@ import pytest
 import fem_lie as fl
 from fem_lie.extend import Body, BodyModel
 from tests.own_elements import random_body
+from tests.own_form_body import own_beam
 from tests.test_packages import import_all
 
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -49,6 +50,7 @@ BODIES = {
     fl.Solid: lambda: fl.Solid.brick((1, 1, 1), fl.sections.NeoHooke(1e6, 0.3), cells=(1, 1, 1)),
     fl.reduction.ReducedOrderBody: reduced,
     fl.extend.ElementBody: lambda: random_body("derived vectors"),
+    fl.extend.FormBody: lambda: own_beam("viscous", "moment"),
 }
 """All bodies of the package, each with a function that makes one."""
 
@@ -66,6 +68,7 @@ OF_ITS_KIND = {
     fl.Solid: {"brick", "clamp", "roller"},
     fl.reduction.ReducedOrderBody: set(),
     fl.extend.ElementBody: {"clamp"},
+    fl.extend.FormBody: set(),
 }
 """Constructors, supports and points of each class, beyond :data:`OF_ALL`."""
 

@@ -75,6 +75,7 @@ MAY_IMPORT = {
     "bodies.solids": {"bodies.beams", "elements.solids", "mesh"},
     "bodies.thin_shells": {"bodies.beams", "elements.thin_shells"},
     "bodies.cells": {"bodies.beams", "forms.small_energy"},
+    "bodies.forms": {"bodies.beams", "forms.problems"},
     "bodies.gradients": {"bodies.cells", "bodies.thin_shells", "elements.gradients"},
     "joints.equations": {"lie"},
     "joints": {"joints.equations", "bodies.beams"},

@@ -18,6 +18,7 @@ from fem_lie.system import System
 from fem_lie.system.terms.all_terms import Terms
 from fem_lie.system.terms.attached import AttachedTerm
 from tests.own_elements import random_body
+from tests.own_form_body import own_beam
 from tests.own_surface import Quartic
 from tests.test_packages import MODULES, import_all, imports_of
 
@@ -393,6 +394,9 @@ TERMS: dict[str, Case] = {
         lambda: scene_with(fl.Rod(fl.mesh.Spline.through(PLACES, cells=2).mesh(), CABLE)),
         "elements",
     ),
+    "own viscous forms": Case(lambda: scene_with(own_beam("viscous")), "elements"),
+    "own mixed forms": Case(lambda: scene_with(own_beam("mixed")), "elements"),
+    "own moment": Case(lambda: scene_with(own_beam("moment", "viscous")), "virtual work"),
     "viscous beam": Case(lambda: beam(damping=VISCOUS), "elements"),
     "branched beam": Case(lambda: branch(damping=VISCOUS), "elements"),
     "cable": Case(cable, "elements"),
@@ -638,8 +642,9 @@ def test_linearised_stress_is_restored(name):
     stress, path = model.term.stress_update, model.term.path
     if stress is None:
         return
-    kept, values = model.term.workspace(), stress.linearised_values.copy()
-    model.forces(model.H, kept)
+    kept = model.term.workspace()
+    model.forces(model.H, kept)  # solves for local unknowns, if forces depend on them
+    values = stress.linearised_values.copy()
     before = model.term.tangent(model.H, kept).copy()
     if path is not None:  # what friction has waits for accepted states
         path.accept(model.moved(model.H, model.increment(), 0.1))

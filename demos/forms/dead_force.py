@@ -2,7 +2,7 @@
 
 Residuals are along nodal frames, where a force f fixed in space has components R^T f, which change
 with the rotation: the tangent has -[R^T f]x, without which Newton's method does not converge
-quadratically. `fl.extend.dead_force` is the energy -f.x, from which both follow.
+quadratically. `fl.extend.dead_force` is the virtual work of f, from which both follow.
 
 A force F = alpha EI / L^2 across the end of a clamped, inextensible beam deflects it as tabulated
 by K. Mattiasson, IJNME 17 (1981) 145, by elliptic integrals; alpha = 10: u = 0.55500 L,

@@ -29,6 +29,7 @@ _OF_A_BODY = (
     "group",
     "held",
     "supports",
+    "contents",
 )
 """Attributes of a body, if it has them, on which the equations depend."""
 

@@ -17,13 +17,17 @@ from dolfinx import fem
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie.forms.abilities import LinearisedStress, ViscousForces
+from fem_lie.forms.abilities import LinearisedStress, LocalUnknowns, ViscousForces
 from fem_lie.forms.cell_forms import FormArrays
 from fem_lie.forms.cell_sums import CellForm, CellSum, Pattern
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.forms.term import Pairs, Term, add_at
+
+_LOCAL_ITERATIONS, _SETTLED = 20, 1e-13
+"""Newton's method for local unknowns of cells: most steps, and largest relative change at the end.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,15 +65,26 @@ class BodyTerm(Term):
     label, of_bodies = "elements", True
 
     def __init__(
-        self, cells: npt.NDArray[np.integer[Any]], order: Indices, cell_order: Indices
+        self,
+        cells: npt.NDArray[np.integer[Any]],
+        order: Indices,
+        cell_order: Indices,
+        pattern: Pattern | None = None,
     ) -> None:
-        """Compute the pattern; for the arguments see the class."""
+        """Take nodes and cells; for the arguments see the class.
+
+        Args:
+            cells: Nodes of each cell.
+            order: See the class.
+            cell_order: See the class.
+            pattern: Pattern of more pairs than those of the cells; default: these.
+        """
         self.cells, self.order, self.cell_order = cells, order, cell_order
         self.count = len(order)
         self.inertia: NodalInertia | None = None
         self.around: Array | None = None
         self.further_terms: list[Term] = []
-        self._pattern = Pattern.of(cells, self.count)
+        self._pattern = Pattern.of(cells, self.count) if pattern is None else pattern
         self.indptr, self.indices = self._pattern.indptr, self._pattern.indices
 
     @cached_property
@@ -122,8 +137,12 @@ def _gather_twists(v: Array, cells: npt.NDArray[np.int32], at: int, packed: Arra
                 k += 1
 
 
-class Assembly(BodyTerm, ViscousForces, LinearisedStress):
-    """Bodies of one kind whose elements are DOLFINx forms."""
+class Assembly(BodyTerm, ViscousForces, LinearisedStress, LocalUnknowns):
+    """Bodies of one kind whose elements are DOLFINx forms.
+
+    The pattern is that of all cells of the mesh, also if the forms are over some cells or facets.
+    A virtual work without energy is a load.
+    """
 
     conserved = True
     cells: npt.NDArray[np.int32]
@@ -145,18 +164,28 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
             cell_order: See :class:`BodyTerm`.
             eigenstrain: DG0 function of eigenstrains in the forms, or ``None`` without.
         """
-        cells = frames.function.function_space.dofmap.list
-        super().__init__(cells, order, cell_order)
+        every, entities = frames.function.function_space.dofmap.list, forms.entities
+        cells, pattern = every[entities.cells], Pattern.of(every, len(order))
+        super().__init__(cells, order, cell_order, pattern.restricted(entities.cells, len(every)))
         self._frames, self._forms, self._eigenstrain = frames, forms, eigenstrain
-        self._residual = CellForm(forms.residual, forms.residual_kernel, cells)
+        self._nonlinear = not forms.local_is_linear
+        if not forms.has_energy:
+            self.load = self.turning = True
+            self.conserved, self.label = False, "virtual work"
+
+        def sum_of(form: fem.Form, kernel: Any, known: CellForm | None = None) -> CellForm:
+            return CellForm(form, kernel, cells, entities, known)
+
+        self._residual = sum_of(forms.residual, forms.residual_kernel)
         known = self._residual
-        self._energy = CellForm(forms.energy, kernels.energy_kernel, cells, known)
-        self._tangent = CellForm(forms.tangent, kernels.tangent_kernel, cells, known)
+        if forms.has_energy:
+            self._energy = sum_of(forms.energy, kernels.energy_kernel, known)
+        self._tangent = sum_of(forms.tangent, kernels.tangent_kernel, known)
         self._unknowns = forms.increment.function_space.dofmap.bs
         if forms.viscous is not None:
             assert forms.viscous_tangent is not None
-            self._viscous = CellForm(forms.viscous, kernels.viscous_kernel, cells)
-            self._viscous_tangent = CellForm(forms.viscous_tangent, kernels.tangent_kernel, cells)
+            self._viscous = sum_of(forms.viscous, kernels.viscous_kernel)
+            self._viscous_tangent = sum_of(forms.viscous_tangent, kernels.tangent_kernel)
             # coefficients of the state, which come first, are stored separately
             self._velocity_at = forms.velocity_at - 12 * cells.shape[1]
 
@@ -187,11 +216,18 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
 
     @property
     def tables(self) -> tuple[FormArrays, FormArrays] | None:
-        """Tables of forces and of energy, see :func:`~fem_lie.forms.cell_forms.add_forces`."""
+        """Tables of forces and of energy, see :func:`~fem_lie.forms.cell_forms.add_forces`.
+
+        ``None`` with local unknowns, which are packed at each call, and without energy.
+        """
+        if self._forms.local is not None or not self._forms.has_energy:
+            return None
         return self._residual.table, self._energy.table
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """Add the elastic forces at frames ``H`` (count, 4, 3) to ``out``, six per node."""
+        if self._forms.local is not None:
+            self._residual.pack()
         self._residual.add_vector(H, out.reshape(-1))
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
@@ -200,7 +236,12 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
         self._viscous.add_vector(H, out.reshape(-1))
 
     def energy(self, H: Array) -> float:
-        """Stored energy at frames ``H``."""
+        """Stored energy at frames ``H``; local unknowns are first solved for these frames."""
+        if not self._forms.has_energy:
+            return 0.0
+        if self._forms.local is not None:
+            self.reset_stress(H)
+            self._energy.pack()
         return self._energy.scalar(H)
 
     def tangent(self, H: Array, kept: Array) -> Array:
@@ -233,9 +274,11 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
 
     def update_stress(self, H: Array, h: Array) -> None:
         """Update the independent stress for the increment ``h`` (count, 6) from frames ``H``."""
-        self._frames.frames[:] = H
-        self._forms.increment.x.array[:] = h.reshape(-1)
+        frames = self._frames.frames
+        before = frames.copy()  # users' own frames stay where they are
+        frames[:], self._forms.increment.x.array[:] = H, h.reshape(-1)
         self._forms.update_stress()
+        frames[:] = before
 
     def clear_stress(self) -> None:
         """Set the independent stress to zero."""
@@ -262,13 +305,24 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress):
             self._residual.pack()
             self._energy.pack()
 
-    def settle(self, H: Array) -> None:
-        """Solve for the local unknowns of the cells at frames ``H``, if forces depend on them.
+    @property
+    def local(self) -> LocalUnknowns | None:
+        """Local unknowns, if forces depend on them; else condensation is exact."""
+        return self if self._nonlinear else None
 
-        Condensation is exact if the energy is quadratic in them, so that most elements need no
-        solution.
-        """
+    def condense(self, H: Array) -> None:
+        """Solve for the local unknowns of the cells at frames ``H``."""
+        self.reset_stress(H)
 
     def reset_stress(self, H: Array) -> None:
-        """Set the independent stress to that of frames ``H``."""
-        self.update_stress(H, np.zeros((self.count, 6)))
+        """Set the independent stress to that of frames ``H``, or solve for the local unknowns.
+
+        Nonlinear equations are solved by Newton's method in each cell.
+        """
+        still = np.zeros((self.count, 6))
+        for _ in range(_LOCAL_ITERATIONS if self._nonlinear else 1):
+            before = self.linearised_values.copy()
+            self.update_stress(H, still)
+            change = np.abs(self.linearised_values - before).max(initial=0.0)
+            if change <= _SETTLED * np.abs(before).max(initial=0.0):
+                return

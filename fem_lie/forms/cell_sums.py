@@ -19,8 +19,22 @@ from dolfinx import fem
 from fem_lie import _compat
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.abilities import LinearisedStress
-from fem_lie.forms.cell_forms import FormArrays, add_blocks, add_forces, energy_of, of_cells
+from fem_lie.forms.cell_forms import (
+    CELLS,
+    EXTENT,
+    FIRST,
+    WIDTH,
+    C,
+    FormArrays,
+    W,
+    X,
+    add_blocks,
+    add_forces,
+    energy_of,
+    of_cells,
+)
 from fem_lie.forms.term import Pairs, Term
+from fem_lie.forms.wrapping import Entities
 
 
 class Pattern(NamedTuple):
@@ -45,6 +59,10 @@ class Pattern(NamedTuple):
         keys, pair_index = np.unique(np.concatenate([own, found]), return_inverse=True)
         indptr = np.searchsorted(keys // count, np.arange(count + 1))
         return cls(indptr, keys % count, pair_index.ravel()[count:].astype(np.int64))
+
+    def restricted(self, cells: Indices, count: int) -> Pattern:
+        """The same pattern for some of the ``count`` cells that it was made for."""
+        return self._replace(pair_index=self.pair_index.reshape(count, -1)[cells].ravel())
 
 
 class CellSum:
@@ -111,7 +129,7 @@ class CellSum:
 
     def choose(self, cells: Flags) -> None:
         """Choose the cells of matrices while :attr:`own_only` is set, shape (m,)."""
-        own = of_cells(self.table, [cells])
+        own = of_cells(self.table, np.split(cells, np.cumsum(self.table.rows[:-1, CELLS])))
         self._chosen, self._own = cells, (own.rows, own.nodes)
 
     def share(self, count: int) -> Array:
@@ -216,6 +234,7 @@ class CellForm(CellSum):
         form: fem.Form,
         kernel: Any,
         cells: npt.NDArray[np.int32],
+        entities: Entities,
         other: CellForm | None = None,
     ) -> None:
         """Pack constants and coefficients.
@@ -223,24 +242,37 @@ class CellForm(CellSum):
         Args:
             form: Form with one integral.
             kernel: See :mod:`fem_lie.forms.kernels`.
-            cells: Nodes of each cell.
+            cells: Nodes of each entity's cell.
+            entities: Cells, or facets, over which the form is integrated.
             other: A form on the same cells, whose coordinates are shared, and whose coefficients
                 are shared if they are the same.
         """
-        self._form, self.cells = form, cells
-        constants = _compat.packed_constants(form)
+        self._form, self.cells, self._index = form, cells, entities.order
+        constants = entities.constants(_compat.packed_constants(form))
         if other is None:
             mesh = form.mesh
-            x = mesh.geometry.x[_compat.geometry_dofmap(mesh)].reshape(len(cells), -1)
+            x = mesh.geometry.x[_compat.geometry_dofmap(mesh)[entities.cells]]
+            x = x.reshape(len(cells), -1)
             values = self._packed()
         else:
             x, same = other._x, _compat.has_same_coefficients(form, other._form)
             values = other.values if same else self._packed()
         super().__init__(cells, int(kernel.address), values, constants, x, separate_nodes=True)
+        self._split(entities.sizes)
 
     def _packed(self) -> Array:
         """Packed coefficients without the state."""
-        return _compat.packed_coefficients(self._form)[:, 12 * self.cells.shape[1] :]
+        return _compat.packed_coefficients(self._form)[self._index, 12 * self.cells.shape[1] :]
+
+    def _split(self, sizes: Indices) -> None:
+        """Make one row of the table for each local number, with constants of its own."""
+        first = np.concatenate([[0], np.cumsum(sizes)[:-1]])
+        rows = np.repeat(self.table.rows, len(sizes), axis=0)
+        rows[:, CELLS], rows[:, FIRST] = sizes, first * self.cells.shape[1]
+        rows[:, [W, X]] += 8 * first[:, np.newaxis] * rows[:, [WIDTH, EXTENT]]
+        rows[:, C] += self._constants.strides[0] * np.arange(len(sizes))
+        self.table = FormArrays(rows, self.table.nodes)
+        self._plain = (rows, self.table.nodes)
 
     def pack(self) -> None:
         """Pack all coefficients again."""

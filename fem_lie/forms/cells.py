@@ -26,6 +26,7 @@ from fem_lie.forms.fixed_arrays import as_frames, as_sixes
 from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.kernels.addresses import call_kernel, integer_pointer, pointer
 from fem_lie.forms.term import Term
+from fem_lie.forms.wrapping import Entities
 
 ENERGY, RESIDUAL, LOCAL, VISCOUS = 0, 1, 2, 3
 NOTHING, COORDINATES, ITSELF = 0, 1, 2
@@ -66,15 +67,22 @@ class CellArrays(NamedTuple):
 class _Form:
     """Form with packed coefficients at a fixed address."""
 
-    def __init__(self, form: fem.Form, kernel: Any, given: fem.Function | None) -> None:
-        self._form, self.kernel = form, int(kernel.address)
-        self.constants = _compat.packed_constants(form)
-        self.w = np.ascontiguousarray(_compat.packed_coefficients(form))
+    def __init__(
+        self, form: fem.Form, kernel: Any, entities: Entities, given: fem.Function | None
+    ) -> None:
+        self._form, self.kernel, self._index = form, int(kernel.address), entities.order
+        self._constants = entities.constants(_compat.packed_constants(form))
+        number = np.unique(entities.facets, return_inverse=True)[1]
+        self.c: Indices = self._constants.ctypes.data + self._constants.strides[0] * number
+        self.w = np.ascontiguousarray(self._packed())
         self.at = _compat.first_column(form, given)
+
+    def _packed(self) -> Array:
+        return _compat.packed_coefficients(self._form)[self._index]
 
     def pack(self) -> None:
         """Pack all coefficients again."""
-        self.w[:] = _compat.packed_coefficients(self._form)
+        self.w[:] = self._packed()
 
 
 class Cells:
@@ -96,9 +104,13 @@ class Cells:
         self._locals: list[tuple[Assembly, _Form]] = []
         self._coordinates: list[Array] = []
         self._of_sums: list[Array] = []
-        parts = [self._rows(where.start, assembly) for where, assembly in assemblies]
+        parts = [self._rows_of_term(where.start, assembly) for where, assembly in assemblies]
         for where, assembly in assemblies:
-            parts += [self._rows_of_sums(where.start, term) for term in assembly.further_terms]
+            parts += [
+                self._rows_of_term(where.start, term)
+                for term in assembly.further_terms
+                if not term.load
+            ]
         nodes = [part.pop("nodes") for part in parts]
         sizes = np.concatenate([np.zeros(1), *(np.full(len(n), n.shape[1]) for n in nodes)])
         columns = {
@@ -111,9 +123,14 @@ class Cells:
         )
         self.count, self.incidences = len(self.table.x), len(self.table.nodes)
 
-    def _rows(self, start: int, assembly: BodyTerm) -> dict[str, Indices]:
-        """Columns of the table for one assembly."""
-        assert isinstance(assembly, Assembly)
+    def _rows_of_term(self, start: int, term: Term) -> dict[str, Indices]:
+        """Columns of the table for one term."""
+        if isinstance(term, Assembly):
+            return self._rows(start, term)
+        return self._rows_of_sums(start, term)
+
+    def _rows(self, start: int, assembly: Assembly) -> dict[str, Indices]:
+        """Columns of the table for one assembly of forms."""
         forms, count = assembly.forms, len(assembly.cells)
         forms.increment.x.array[:] = 0.0  # local fields are solved at the current frames
         shares, found = NOTHING, forms.local
@@ -125,19 +142,26 @@ class Cells:
             _Form(
                 forms.energy,
                 kernels.energy_again_kernel if shares == COORDINATES else kernels.energy_kernel,
+                forms.entities,
                 forms.local,
             ),
-            _Form(forms.residual, forms.residual_kernel, found),
+            _Form(forms.residual, forms.residual_kernel, forms.entities, found),
             None,
             None,
         ]
         if forms.local is not None:
-            packed[LOCAL] = _Form(forms.local_change, kernels.local_kernel, forms.local)
+            packed[LOCAL] = _Form(
+                forms.local_change, kernels.local_kernel, forms.entities, forms.local
+            )
         if forms.viscous is not None:
-            packed[VISCOUS] = _Form(forms.viscous, kernels.viscous_kernel, forms.velocity)
+            packed[VISCOUS] = _Form(
+                forms.viscous, kernels.viscous_kernel, forms.entities, forms.velocity
+            )
         self._forms.append(tuple(form for form in packed if form is not None))
         mesh = forms.increment.function_space.mesh
-        x = np.ascontiguousarray(mesh.geometry.x[_compat.geometry_dofmap(mesh)])
+        x = np.ascontiguousarray(
+            mesh.geometry.x[_compat.geometry_dofmap(mesh)[forms.entities.cells]]
+        )
         self._coordinates.append(x)
         steps = 8 * np.arange(count)
         filled = [_NONE if form is None else form for form in packed]
@@ -146,7 +170,7 @@ class Cells:
         return {
             "kernel": np.tile([form.kernel for form in filled], (count, 1)),
             "w": np.stack([form.w.ctypes.data + steps * form.w.shape[1] for form in filled], 1),
-            "c": np.tile([form.constants.ctypes.data for form in filled], (count, 1)),
+            "c": np.column_stack([np.broadcast_to(form.c, count) for form in filled]),
             "at": np.tile([form.at for form in filled], (count, 1)),
             "x": x.ctypes.data + steps * x[0].size,
             "n_s": np.full(count, 0 if forms.local is None else forms.local_size),
@@ -203,7 +227,7 @@ class _No:
     """Placeholder for a form that does not exist."""
 
     kernel, at = 0, 0
-    w, constants = np.zeros((1, 0)), np.zeros(0)
+    w, c = np.zeros((1, 0)), 0
 
 
 _NONE: Any = _No()

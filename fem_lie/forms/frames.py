@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import basix.ufl
 import numba
 import numpy as np
@@ -129,15 +131,30 @@ class NodalFrames:
         """View of all frames (ghosts included), shape ``(n, 4, 3)``, see :mod:`fem_lie.lie`."""
         return self.function.x.array.reshape(-1, 4, 3)
 
+    @cached_property
+    def rates(self) -> fem.Function:
+        """Function of rates ``(ẋ, ḋ₁, ḋ₂, ḋ₃)``, in which kinetic energies are written."""
+        return fem.Function(self.function.function_space, name="rates")
+
+    @property
+    def velocity(self) -> Expr:
+        """Velocity ``ẋ`` in UFL, shape (3,)."""
+        return _vectors(self.rates)[0]
+
+    @property
+    def director_rates(self) -> list[Expr]:
+        """Rates of the directors ``ḋ₁, ḋ₂, ḋ₃`` in UFL, shape (3,) each."""
+        return _vectors(self.rates)[1:]
+
     @property
     def position(self) -> Expr:
         """Position ``x`` in UFL, shape (3,)."""
-        return ufl.as_vector([self.function[j] for j in range(3)])
+        return _vectors(self.function)[0]
 
     @property
     def directors(self) -> list[Expr]:
         """Directors ``d₁, d₂, d₃`` in UFL, shape (3,) each."""
-        return [ufl.as_vector([self.function[3 + 3 * k + j] for j in range(3)]) for k in range(3)]
+        return _vectors(self.function)[1:]
 
     def update(self, h: npt.ArrayLike) -> None:
         """Update all frames, ``H ← H exp(h)``.
@@ -155,6 +172,11 @@ class NodalFrames:
                 f"got {values.size} values"
             )
         _retract_all(frames, values.reshape(-1, UNKNOWNS))
+
+
+def _vectors(f: fem.Function) -> list[Expr]:
+    """The four vectors of a function of 12 values per node."""
+    return [ufl.as_vector([f[3 * k + j] for j in range(3)]) for k in range(4)]
 
 
 def local_frame_forms(

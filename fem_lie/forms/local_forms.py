@@ -30,13 +30,14 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx import fem
+from ufl.algorithms import expand_derivatives
 
 from fem_lie._arrays import Array
 from fem_lie._form_cache import compile_form
 from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.kernels.addresses import FrameMap
-from fem_lie.forms.wrapping import CompiledForm, Wrapping, packed_size
+from fem_lie.forms.wrapping import CompiledForm, Entities, Wrapping, packed_size
 
 
 class LocalFrameForms:
@@ -47,6 +48,8 @@ class LocalFrameForms:
 
     Attributes:
         energy: Strain energy, rank 0; absent if a virtual work is given.
+        has_energy: Whether there is an energy.
+        entities: Cells, or facets, over which it is integrated.
         residual: Forces and moments along nodal frames, rank 1, on the space of ``increment``.
         residual_kernel: Kernel of ``residual``.
         found_energy: Function of the form to which that kernel writes the energy of a cell, or
@@ -62,10 +65,14 @@ class LocalFrameForms:
         local_change: Change of the local fields that :meth:`update_stress` adds, rank 1, if there
             are any.
         local_size: Number of local fields of a cell.
+        local_is_linear: Whether ``W_ss`` is constant, so that the kernels condense the local
+            fields exactly.
         velocity_at: Index of ``velocity`` in the packed coefficients of ``viscous``.
     """
 
     energy: fem.Form
+    has_energy: bool
+    entities: Entities
     residual: fem.Form
     residual_kernel: Any
     found_energy: fem.Function | None
@@ -74,6 +81,7 @@ class LocalFrameForms:
     viscous_tangent: fem.Form | None = None
     velocity: fem.Function
     velocity_at: int
+    local_is_linear: bool = True
 
     def __init__(
         self,
@@ -139,7 +147,9 @@ class LocalFrameForms:
         condensed = CompiledForm(gradient - ufl.derivative(gradient, s, z))
         changed = CompiledForm(rows + ufl.derivative(rows, y, dy))
         coupling = CompiledForm(ufl.derivative(rows, y, trial))
-        own = CompiledForm(ufl.derivative(rows, s, ufl.TrialFunction(S)))
+        second = ufl.derivative(rows, s, ufl.TrialFunction(S))
+        self.local_is_linear = not {s, y} & set(expand_derivatives(second).coefficients())
+        own = CompiledForm(second)
         self._wrap(
             CompiledForm(energy),
             [condensed, CompiledForm(rows), own],
@@ -209,6 +219,7 @@ class LocalFrameForms:
             kernels.viscous_kernel, [V], [CompiledForm(work(rate))], extra=[self.velocity, rate]
         )
         matrix = CompiledForm(work(ufl.TrialFunction(space)))
+        self._stored.append(matrix)
         self.viscous_tangent = self._wrapping.form(kernels.tangent_kernel, [V, V], [matrix])
 
     def _wrap(
@@ -220,24 +231,29 @@ class LocalFrameForms:
     ) -> None:
         forces = Forces(kernels.residual_kernel) if forces is None else forces
         V, form = self.increment.function_space, self._wrapping.form
-        self._stored = residual[0] if energy is None else energy
+        self._stored = [residual[0] if energy is None else energy]
+        self.has_energy = energy is not None
         if energy is not None:
             self.energy = form(kernels.energy_kernel, [], [energy])
         self.residual_kernel, self.found_energy = forces.kernel, forces.energy
         self.residual = form(forces.kernel, [V], residual, forces.reads)
         self.tangent = form(kernels.tangent_kernel, [V, V], tangent)
+        self.entities = Entities.of(self.residual, self._stored[0].kind)
 
     @property
     def contents(self) -> tuple[str, list[Array], list[Array]]:
-        """Signature of the energy, its constants, and the current values of its coefficients.
+        """Signature of energy and viscosity, and current values of constants and coefficients.
 
         They are equal in all processes, and do not include values that depend on the state of the
         nodes.
         """
         own = self._wrapping.state, self._wrapping.coordinates, self.local
-        given = [f for f in self._stored.coefficients if not any(f is other for other in own)]
-        values = [np.asarray(c.value, dtype=np.float64) for c in self._stored.constants]
-        return self._stored.signature, values, [f.x.array.copy() for f in given]
+        given = [f for part in self._stored for f in part.coefficients]
+        given = [f for f in given if not any(f is other for other in own)]
+        constants = [c for part in self._stored for c in part.constants]
+        values = [np.asarray(c.value, dtype=np.float64) for c in constants]
+        signature = " ".join(part.signature for part in self._stored)
+        return signature, values, [f.x.array.copy() for f in given]
 
     @property
     def local_change(self) -> fem.Form:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import ufl
@@ -12,12 +12,48 @@ from dolfinx import fem
 from dolfinx.fem import IntegralType
 
 from fem_lie import _compat
+from fem_lie._arrays import Array, Indices
 from fem_lie._form_cache import compile_form
 from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.kernels.addresses import FrameMap
 
 KINDS = {"cell": IntegralType.cell, "exterior_facet": IntegralType.exterior_facet}
 """Kinds of integrals that can be wrapped, by UFL's names."""
+
+
+class Entities(NamedTuple):
+    """Cells, or facets, over which a form is integrated, in the order of their local numbers.
+
+    Attributes:
+        order: Index of each among those of the form, shape (m,).
+        cells: Cell of each, shape (m,).
+        facets: Local number of each facet in its cell; zero for cells, shape (m,).
+    """
+
+    order: Indices
+    cells: Indices
+    facets: Indices
+
+    @classmethod
+    def of(cls, form: fem.Form, kind: IntegralType) -> Entities:
+        """Entities of a form with one integral."""
+        found = _compat.integration_entities(form, kind).astype(np.int64)
+        pairs = found.reshape(-1, 2 if kind == IntegralType.exterior_facet else 1)
+        cells, facets = pairs[:, 0], pairs[:, 1] if pairs.shape[1] > 1 else np.zeros_like(found)
+        order = np.argsort(facets, kind="stable")
+        return cls(order, cells[order], facets[order])
+
+    @property
+    def sizes(self) -> Indices:
+        """Number of entities of each local number, shape (numbers,)."""
+        return np.unique(self.facets, return_counts=True)[1]
+
+    def constants(self, packed: Array) -> Array:
+        """Constants for each local number, which their header contains, shape (numbers, any)."""
+        numbers = np.unique(self.facets)
+        found = np.tile(packed, (len(numbers), 1))
+        found.view(np.int64)[:, kernels.ENTITY] = numbers
+        return found
 
 
 def packed_size(V: fem.FunctionSpace) -> int:

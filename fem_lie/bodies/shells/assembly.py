@@ -14,7 +14,6 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.elements.shells.cells import ShellCells
 from fem_lie.elements.shells.drilling import DrillingAssembly
 from fem_lie.elements.shells.element import ShellFormulation
-from fem_lie.forms.abilities import LocalUnknowns
 from fem_lie.forms.assembly import Assembly, NodalInertia
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.lie.motions import add_turnings
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
     import dolfinx
 
 _FIVE = 5
-_LOCAL_ITERATIONS, _SETTLED = 20, 1e-13
 
 
 class ShellData(Protocol):
@@ -91,6 +89,7 @@ class SurfaceAssembly(Assembly):
         self.mesh, self.stress = mesh, first.formulation.stress(shell_cells, forms, stiffness)
         cell_order = np.argsort(permutation)
         super().__init__(nodal, forms, order, cell_order, None)
+        # a bubble makes W_ss depend on frames: updates between iterates follow it
         plain = first.formulation.quadratic and measures.intermediate is None
         self._nonlinear = forms.local is not None and not plain
         if drilling is not None and not first.formulation.whole_frames:
@@ -121,7 +120,7 @@ class SurfaceAssembly(Assembly):
             self.inertia = NodalInertia(self.summed(elements[permutation]), drilling=further)
 
 
-class ShellAssembly(SurfaceAssembly, LocalUnknowns):
+class ShellAssembly(SurfaceAssembly):
     """Assembly of shells whose cells have five unknowns per node."""
 
     @property
@@ -154,24 +153,6 @@ class ShellAssembly(SurfaceAssembly, LocalUnknowns):
         forces = kept * self._tangent.share(self.count)
         add_turnings(forces, -1.0, self._diagonal, self._all, blocks)
         return blocks
-
-    @property
-    def local(self) -> LocalUnknowns | None:
-        """Local unknowns, if independent fields depend nonlinearly on frames; else ``None``."""
-        return self if self._nonlinear else None
-
-    def condense(self, H: Array) -> None:
-        """Solve the independent fields for frames ``H``."""
-        self.reset_stress(H)
-
-    def reset_stress(self, H: Array) -> None:
-        """Solve the stress for frames ``H``, by Newton's method in each cell if it is nonlinear."""
-        for _ in range(_LOCAL_ITERATIONS if self._nonlinear else 1):
-            before = self.linearised_values.copy()
-            super().reset_stress(H)
-            change = np.abs(self.linearised_values - before).max(initial=0.0)
-            if change <= _SETTLED * np.abs(before).max(initial=0.0):
-                return
 
     def update_stress(self, H: Array, h: Array) -> None:
         """Update the independent stress or fields linearly for an increment."""

@@ -91,6 +91,19 @@ def integer_pointer(typing_context, address):  # type: ignore[no-untyped-def]
 
 
 @intrinsic
+def own_entity(typing_context, entity, stored):  # type: ignore[no-untyped-def]
+    """Local number of a facet: ``entity``, or the integer at ``stored`` if that is null."""
+
+    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+        given, other = arguments
+        missing = builder.icmp_unsigned("==", given, ir.Constant(_int_p, None))
+        return builder.select(missing, builder.bitcast(other, _int_p), given)
+
+    integers = types.CPointer(types.int32)
+    return integers(integers, double_pointer), generate
+
+
+@intrinsic
 def call_kernel(typing_context, address, A, w, c, x):  # type: ignore[no-untyped-def]
     """Call a kernel at ``address``, as DOLFINx calls it for a cell."""
     return types.void(types.int64, *UFCX_SIGNATURE.args[:4]), _tabulate_code

@@ -20,6 +20,7 @@ from fem_lie.forms.kernels.addresses import (
     UFCX_SIGNATURE,
     Pointer,
     apply,
+    own_entity,
     shift,
     tabulate,
 )
@@ -30,7 +31,8 @@ COORDINATES, PULL_BACK, PUSH_FORWARD, GEOMETRIC = 0, 1, 2, 3  # addresses of the
 N_Y, N_S, N_H, NODES = 4, 5, 6, 7  # sizes: coordinates, local fields, unknowns, nodes
 AT_STATE, AT_Y, AT_H, AT_DY = 8, 9, 10, 11  # offsets into the packed coefficients w
 FIRST, SECOND, THIRD, FOURTH = 12, 13, 14, 15  # where the descriptions of FFCx's functions begin
-HEADER_SIZE = 16
+ENTITY = 16  # local number of the facets, for calls that pass none
+HEADER_SIZE = 17
 AT_Z = AT_H  # what the residual has instead of an increment
 # a description: address (0: the form is zero), offset of its constants, doubles of its w, number of
 # segments, then (offset in our w, length) of each segment
@@ -50,6 +52,7 @@ def _inner(
     """Call the FFCx function described at ``head[at]`` with its own layout of coefficients."""
     if head[at] == 0:
         return
+    entity = own_entity(entity, shift(c, ENTITY))
     constants = shift(c, head[at + 1])
     segments = head[at + 3]
     if segments == 1:

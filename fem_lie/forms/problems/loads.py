@@ -17,7 +17,7 @@ from fem_lie.forms.local_forms import LocalFrameForms
 
 
 def dead_force(force: Expr | fem.Constant, measure: ufl.Measure, q: NodalFrames) -> LocalFrameForms:
-    """Forms of a force fixed in space, with the energy ``−∫ f·x``.
+    """Forms of a force fixed in space, of the potential ``−∫ f·x``.
 
     Args:
         force: Force per length or area of the reference mesh, shape (3,), in space. A
@@ -25,7 +25,8 @@ def dead_force(force: Expr | fem.Constant, measure: ufl.Measure, q: NodalFrames)
         measure: Part of the mesh; at a vertex the force itself.
         q: Nodal frames.
     """
-    return local_frame_forms(-ufl.inner(_vector("force", force), q.position) * measure, q)
+    change = ufl.derivative(q.position, q.function)
+    return local_frame_forms(-ufl.inner(_vector("force", force), change) * measure, q)
 
 
 def dead_moment(

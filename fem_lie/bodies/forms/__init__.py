@@ -1,0 +1,1 @@
+"""Bodies whose energy, loads and inertia are forms of the user."""
