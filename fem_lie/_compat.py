@@ -160,15 +160,15 @@ def cell_name(domain: ufl.Mesh) -> str:
 def create_line_mesh(
     points: npt.NDArray[np.float64], cells: npt.NDArray[np.int64]
 ) -> dolfinx.mesh.Mesh:
-    """Line mesh in space on this process, from points ``(n, 3)`` and cells ``(m, 2)``.
+    """Line mesh in space on this process, from points ``(n, 3)`` and cells ``(m, 2 or 3)``.
 
     The call is by keyword: two arguments were swapped in 0.10.
 
     Raises:
         RuntimeError: The mesh was cut.
     """
-    valence = np.bincount(cells.ravel())
-    element = basix.ufl.element("Lagrange", "interval", 1, shape=(3,))
+    valence = np.bincount(cells[:, :2].ravel())
+    element = basix.ufl.element("Lagrange", "interval", cells.shape[1] - 1, shape=(3,))
     options: dict[str, Any] = {}
     if BRANCHING_IN_PARALLEL:
         options["max_facet_to_cell_links"] = max(2, int(valence.max()))

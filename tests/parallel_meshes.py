@@ -107,6 +107,50 @@ def shell(comm):
     return deflection(body, load, body.point("corner"))
 
 
+def curved_beam(comm):
+    """Half a circle of three-node cells."""
+    count = 8
+    s = np.linspace(0, np.pi, 2 * count + 1)
+    points = np.column_stack([np.cos(s), np.sin(s), np.zeros_like(s)])
+    first = 2 * np.arange(count)[:, np.newaxis]
+    own = slice(None) if comm.rank == 0 else slice(0, 0)
+    mesh = dolfinx.mesh.create_mesh(
+        comm,
+        cells=(first + np.array([0, 2, 1]))[own],
+        x=points[own],
+        e=basix.ufl.element("Lagrange", "interval", 2, shape=(3,)),
+    )
+    top = located(mesh, 1, lambda x: x[1] > 0.69)
+    ends = located(mesh, 0, lambda x: x[0] > 0.99, lambda x: x[0] < -0.99)
+    read = fl.mesh.lines_from_dolfinx(
+        mesh, top, ends, groups={"top": 1}, named_points={"east": 1, "west": 2}
+    )
+    section = fl.Section.rectangle(0.03, 0.02, STEEL)
+    body = fl.Beam(read, section)
+    load = fl.LineLoad(body, force=(0, -5.0, 8.0), cells="top")
+    return deflection(body, load, body.point("west"), fl.Clamp(body.point("east")))
+
+
+def curved_shell(comm):
+    """A strip of a cylinder of nine-node cells, clamped along a side."""
+    given = fl.mesh.parametric_surface(
+        lambda a, b: (np.sin(a), 0.4 * b, np.cos(a)), (5, 2), degree=2
+    )
+    own = slice(None) if comm.rank == 0 else slice(0, 0)
+    mesh = dolfinx.mesh.create_mesh(
+        comm,
+        cells=given.cells[own].astype(np.int64),
+        x=given.points[own],
+        e=basix.ufl.element("Lagrange", "quadrilateral", 2, shape=(3,)),
+    )
+    edges = located(mesh, 1, lambda x: x[0] < 1e-9, lambda x: x[0] > np.sin(1) - 1e-9)
+    read = fl.mesh.surface_from_dolfinx(mesh, facet_tags=edges, curves={"root": 1, "tip": 2})
+    body = fl.Shell(read, fl.ShellSection.layer(0.01, STEEL))
+    body.clamp("root")
+    load = fl.loads.EdgeLoad(body, "tip", force=(0, 0, 20.0))
+    return deflection(body, load, body.point((np.sin(1), 0.4, np.cos(1))))
+
+
 def solid(comm):
     """A block of curved cells, clamped at a face."""
     mesh = dolfinx.mesh.create_box(
@@ -136,7 +180,14 @@ def plain(comm):
     return np.sort(body.frames[:, 0] @ [1.0, 10.0, 100.0])
 
 
-BUILT = {"beam": beam, "shell": shell, "solid": solid, "plain": plain}
+BUILT = {
+    "beam": beam,
+    "shell": shell,
+    "curved beam": curved_beam,
+    "curved shell": curved_shell,
+    "solid": solid,
+    "plain": plain,
+}
 
 
 if __name__ == "__main__":

@@ -281,7 +281,7 @@ def test_the_current_model_of_the_user_is_read_and_left_alone(frame_file):
 
 def test_a_mesh_of_triangles_is_refused():
     mesh = dolfinx.mesh.create_unit_square(MPI.COMM_SELF, 1, 1)
-    with pytest.raises(ValueError, match="intervals of order 1, got triangle"):
+    with pytest.raises(ValueError, match="intervals of order 1 or 2, got triangle"):
         fl.mesh.lines_from_dolfinx(mesh)
 
 

@@ -105,7 +105,10 @@ def _corners(
     """Geometry nodes in ``own`` of the corners of entities of all processes, flat."""
     corners = np.empty(0, np.int32)  # DOLFINx divides by the number of entities
     if len(indices):
-        corners = dolfinx.mesh.entities_to_geometry(mesh, dim, indices).ravel()
+        nodes = dolfinx.mesh.entities_to_geometry(mesh, dim, indices)
+        # those of second order come last
+        vertices = len(mesh.topology.connectivity(dim, 0).links(0)) if dim else 1
+        corners = nodes[:, :vertices].ravel()
     numbers = _joined(mesh.comm, mesh.geometry.input_global_indices[corners])
     node = np.argsort(own.geometry.input_global_indices)
     return np.asarray(node[np.searchsorted(found.numbers, numbers)])

@@ -30,8 +30,6 @@ from fem_lie._summary import Summarised
 if TYPE_CHECKING:
     import dolfinx
 
-_SAME_TANGENT = np.cos(np.radians(1.0))
-
 
 def valence(cells: Indices, points: int) -> Indices:
     """Number of cells at each point."""
@@ -100,14 +98,50 @@ def circle_tangents(points: Array, cells: Indices, kink_angle: float) -> Array:
     return tangents
 
 
-def join_tangents(cells: Indices, tangents: Array, points: int) -> Array:
-    """Give both sides of a point their mean tangent if they differ by less than a degree.
+def halved(points: Array, cells: Indices) -> tuple[Indices, Array]:
+    """Halves of three-node cells, and their tangents: those of the circle through the three nodes.
+
+    Args:
+        points: Coordinates, shape (n, 3).
+        cells: Two ends and the node between of each cell, shape (m, 3).
+
+    Returns:
+        Pairs of points, both halves of a cell in succession, shape (2 m, 2), and unit tangents at
+        both ends of each, shape (2 m, 2, 3).
+
+    Raises:
+        ValueError: A cell has no length, or turns by more than a right angle at its node.
+    """
+    a, b, m = points[cells].transpose(1, 0, 2)
+    chords = np.stack([m - a, b - m], axis=1)
+    lengths = np.linalg.norm(chords, axis=2, keepdims=True)
+    if len(short := np.flatnonzero((lengths <= 1e-14 * np.abs(points).max()).any(axis=(1, 2)))):
+        raise ValueError(
+            f"cell {short[0]} has no length: two of its nodes {points[cells[short[0]]].tolist()} "
+            "coincide"
+        )
+    units = chords / lengths
+    if len(sharp := np.flatnonzero(np.einsum("mj,mj->m", units[:, 0], units[:, 1]) <= 0.0)):
+        raise ValueError(
+            f"cell {sharp[0]} turns by 90° or more at its middle node: expected nodes in the order "
+            f"end, end, middle, got {points[cells[sharp[0]]].tolist()}"
+        )
+    middle = (units / lengths).sum(axis=1, keepdims=True)
+    middle /= np.linalg.norm(middle, axis=2, keepdims=True)
+    # the circle, mirrored about the midpoint of each chord
+    ends = 2.0 * np.einsum("mkj,mlj->mk", units, middle)[..., np.newaxis] * units - middle
+    tangents = np.stack([ends[:, 0], middle[:, 0], middle[:, 0], ends[:, 1]], axis=1)
+    return cells[:, [0, 2, 2, 1]].reshape(-1, 2), tangents.reshape(-1, 2, 3)
+
+
+def join_tangents(cells: Indices, tangents: Array, points: int, kink_angle: float) -> Array:
+    """Give both sides of a point their mean tangent if they differ by less than an angle, rad.
 
     Curves of a CAD model that are meant to be smooth agree only as well as their data.
     """
     before, after = _meeting(cells, points)
     left, right = tangents[before, 1], tangents[after, 0]
-    near = np.einsum("ij,ij->i", left, right) > _SAME_TANGENT
+    near = np.einsum("ij,ij->i", left, right) > np.cos(kink_angle)
     mean = left[near] + right[near]
     mean /= np.linalg.norm(mean, axis=1, keepdims=True)
     joined = tangents.copy()
@@ -141,6 +175,9 @@ def _meeting(cells: Indices, points: int) -> tuple[Indices, Indices]:
 CORNER_ANGLE = radians(1.0)
 """Angle below which a line is straight, up to the accuracy of coordinates."""
 
+JOINT_ANGLE = radians(10.0)
+"""Default for cells of second order: tangents at a point of one smooth line agree that well."""
+
 KINK_ANGLE = radians(40.0)
 """Default for points on a curve: a circle of ten cells is smooth, a corner of 45° is not."""
 
@@ -156,7 +193,8 @@ class LineMesh(Summarised):
             shape (m, 2, 3). The two sides of a point differ at a kink or branch.
         groups: Cells of each named group.
         named_points: Points of each name.
-        source: DOLFINx mesh with these points and cells, if any.
+        source: DOLFINx mesh with these points, if any, and with these cells or, if they are of
+            second order, with pairs of these as cells.
         slopes: For cubic cells, ``|dr/dξ|`` at both ends of each cell, 0 ≤ ξ ≤ 1, shape (m, 2);
             default: unknown.
 
@@ -216,7 +254,7 @@ class LineMesh(Summarised):
             points: Coordinates, shape (n, 3).
             cells: Pairs of points, shape (m, 2).
             tangents: Known tangents, as in the class, nan elsewhere. If the two sides of a point
-                differ by less than a degree both get their mean.
+                differ by less than ``kink_angle`` both get their mean.
             groups: Cells of each named group.
             named_points: Points of each name.
             kink_angle: Angle between successive chords, rad, above which the line has a corner with
@@ -224,7 +262,7 @@ class LineMesh(Summarised):
                 successive points: exact on circles, second order on other smooth lines. For points
                 on a curve pass more than the default of one degree: with 40 degrees a circle of ten
                 cells is smooth.
-            source: DOLFINx mesh with these points and cells.
+            source: DOLFINx mesh with these points.
 
         Raises:
             ValueError: See the class.
@@ -239,7 +277,9 @@ class LineMesh(Summarised):
         if tangents is not None:
             known = _tangents(tangents, len(given))
             known = np.where(flip[:, np.newaxis, np.newaxis], -known[:, ::-1], known)
-            found = join_tangents(directed, np.where(np.isfinite(known), known, found), len(x))
+            found = join_tangents(
+                directed, np.where(np.isfinite(known), known, found), len(x), kink_angle
+            )
         return cls(
             x,
             directed,

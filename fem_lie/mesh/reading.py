@@ -12,8 +12,15 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Indices, instance
 from fem_lie.mesh.gmsh_session import GmshScript
-from fem_lie.mesh.lines import CORNER_ANGLE, KINK_ANGLE, LineMesh, check_kink_angle
-from fem_lie.mesh.shapes import turn, turned_round
+from fem_lie.mesh.lines import (
+    CORNER_ANGLE,
+    JOINT_ANGLE,
+    KINK_ANGLE,
+    LineMesh,
+    check_kink_angle,
+    halved,
+)
+from fem_lie.mesh.shapes import DEGREES, turn, turned_round
 from fem_lie.mesh.surfaces import SurfaceMesh
 
 if TYPE_CHECKING:
@@ -87,19 +94,24 @@ def lines_from_dolfinx(
     *,
     groups: Mapping[str, int] | None = None,
     named_points: Mapping[str, int] | None = None,
-    kink_angle: float = CORNER_ANGLE,
+    kink_angle: float | None = None,
 ) -> LineMesh:
     """A DOLFINx mesh of intervals; cells keep DOLFINx's numbers, points those of its geometry.
 
-    Each process has the whole of a distributed mesh, whose cells and points are numbered anew.
+    A cell of second order is two of this mesh, ``2 k`` and ``2 k + 1``, with the tangents of the
+    circle through its three nodes. Each process has the whole of a distributed mesh, whose cells
+    and points are numbered anew.
 
     Args:
-        mesh: Mesh of intervals of first order; all processes of a distributed one call together.
+        mesh: Mesh of intervals of first or second order; all processes of a distributed one call
+            together.
         cell_tags: Tags of cells.
         vertex_tags: Tags of vertices (the facets of a line).
         groups: Name of each tag of cells; default: the tags' numbers are the names.
         named_points: Name of each tag of vertices; default: the tags' numbers.
-        kink_angle: See :meth:`~fem_lie.mesh.lines.LineMesh.from_cells`.
+        kink_angle: Of cells of first order see :meth:`~fem_lie.mesh.lines.LineMesh.from_cells`,
+            default: one degree. Of second order the angle between the tangents of successive cells,
+            rad, above which the line has a corner; default: ten degrees.
 
     Raises:
         ValueError: The mesh has other cells, a tag does not exist, or anything that the class
@@ -111,18 +123,27 @@ def lines_from_dolfinx(
     from fem_lie.mesh.collected import collected
 
     mesh, (cell_tags, vertex_tags) = collected(mesh, cell_tags, vertex_tags)
-    cells = geometry_dofmap(mesh)
-    if mesh.topology.dim != 1 or cells.shape[1] != 2:
+    cells: Indices = geometry_dofmap(mesh).astype(np.int64)
+    if mesh.topology.dim != 1 or cells.shape[1] not in (2, 3):
         raise ValueError(
-            "the mesh must consist of intervals of order 1, got "
+            "the mesh must consist of intervals of order 1 or 2, got "
             f"{mesh.topology.cell_name()} cells with {cells.shape[1]} nodes"
         )
+    group_cells: Mapping[str, Indices] = tagged(cell_tags, groups, "cell_tags")
+    tangents = None
+    if cells.shape[1] == 3:
+        cells, tangents = halved(mesh.geometry.x, cells)
+        halves = np.array([0, 1])
+        group_cells = {k: (2 * c[:, np.newaxis] + halves).ravel() for k, c in group_cells.items()}
+    if kink_angle is None:
+        kink_angle = CORNER_ANGLE if tangents is None else JOINT_ANGLE
     names = tagged(vertex_tags, named_points, "vertex_tags")
     mesh.topology.create_connectivity(0, 1)
     return LineMesh.from_cells(
         mesh.geometry.x,
         cells,
-        groups=tagged(cell_tags, groups, "cell_tags"),
+        tangents=tangents,
+        groups=group_cells,
         named_points={
             name: entities_to_geometry(mesh, 0, vertices).ravel()
             for name, vertices in names.items()
@@ -185,8 +206,10 @@ def surface_from_dolfinx(
     and the nodes of the others are taken the other way round.
 
     Args:
-        mesh: Triangles or quadrilaterals of first order in space; all processes of a distributed
-            mesh call together.
+        mesh: Triangles (3 or 6 nodes) or quadrilaterals (4 or 9 nodes) in space; all processes of a
+            distributed mesh call together. Geometry of serendipity elements, with 8 nodes, is
+            refused: to DOLFINx their edges have moments, and the nodes between corners are no
+            points of the geometry.
         cell_tags: Tags of cells.
         facet_tags: Tags of edges.
         vertex_tags: Tags of vertices.
@@ -209,10 +232,11 @@ def surface_from_dolfinx(
     mesh, (cell_tags, facet_tags, vertex_tags) = collected(mesh, cell_tags, facet_tags, vertex_tags)
     cell = mesh.topology.cell_name()
     cells: Indices = geometry_dofmap(mesh).astype(np.int64)
-    if {"triangle": 3, "quadrilateral": 4}.get(cell) != cells.shape[1] or mesh.geometry.dim != 3:
+    if cells.shape[1] not in DEGREES.get(cell, {}) or mesh.geometry.dim != 3:
         raise ValueError(
-            "the mesh must consist of triangles or quadrilaterals of order 1 in space (gdim 3), "
-            f"got {cell} cells with {cells.shape[1]} nodes and gdim {mesh.geometry.dim}"
+            "the mesh must consist of triangles (3 or 6 nodes) or quadrilaterals (4 or 9 nodes) in "
+            f"space (gdim 3), got {cell} cells with {cells.shape[1]} nodes and gdim "
+            f"{mesh.geometry.dim}"
         )
     mesh.topology.create_connectivity(0, 2)
     mesh.topology.create_connectivity(1, 2)

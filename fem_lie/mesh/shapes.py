@@ -19,6 +19,10 @@ _CORNERS_AROUND = {
 """Sides in cyclic order around a cell."""
 
 
+_REVERSED = {"triangle": [0, 2, 1, 3, 5, 4], "quadrilateral": [0, 2, 1, 3, 5, 4, 7, 6, 8]}
+"""Nodes of a cell that looks to the other side, those of first order first."""
+
+
 def turned_round(cells: Indices, cell: str) -> Flags:
     """Mask of the cells to reverse; the first of each piece is kept; shape (m,).
 
@@ -56,8 +60,8 @@ def turned_round(cells: Indices, cell: str) -> Flags:
 
 
 def turn(cells: Indices, cell: str, chosen: Flags) -> Indices:
-    """Cells (m, 3 or 4) with the chosen ones reversed."""
-    swapped = {"triangle": [0, 2, 1], "quadrilateral": [0, 2, 1, 3]}[cell]
+    """Cells of first or second order, shape (m, k), with the chosen ones reversed."""
+    swapped = _REVERSED[cell][: cells.shape[1]]
     return np.where(chosen[:, np.newaxis], cells[:, swapped], cells)
 
 

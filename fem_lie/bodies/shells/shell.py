@@ -20,7 +20,7 @@ from fem_lie.bodies.shells.placing import (
     section_per_cell,
 )
 from fem_lie.bodies.shells.supports import SupportedSurface
-from fem_lie.elements.shells.element import HellingerReissner, ShellFormulation
+from fem_lie.elements.shells.element import DisplacementBased, HellingerReissner, ShellFormulation
 from fem_lie.mesh.reading import surface_from_dolfinx
 from fem_lie.mesh.surfaces import KINK_ANGLE, SurfaceMesh
 from fem_lie.sections.shell_section import ShellSection
@@ -28,6 +28,10 @@ from fem_lie.sections.shell_section import ShellSection
 _log = logging.getLogger(__name__)
 
 _FACETS = radians(10.0)  # a circle of 18 cells
+
+
+_DEFAULTS: dict[int, ShellFormulation] = {1: HellingerReissner(), 2: DisplacementBased()}
+"""Finite element by the order of the cells."""
 
 
 class Shell(SupportedSurface):
@@ -76,7 +80,8 @@ class Shell(SupportedSurface):
             along: Direction of e₁ of the section axes before projection onto the surface: one
                 vector, or a function of the centre of a cell; default: from the first to the second
                 corner.
-            formulation: Finite element; default: :class:`HellingerReissner`.
+            formulation: Finite element; default: :class:`HellingerReissner`, for cells of second
+                order :class:`DisplacementBased`.
             kink_angle: Largest angle between neighbouring cells of a smooth surface, rad.
             drilling: Whether nodes have the rotation about the director as a sixth unknown. Default
                 ``None``: yes if a joint, link, prescribed motion or moment acts on the rotation of
@@ -107,7 +112,7 @@ class Shell(SupportedSurface):
         instance(convected_axes, bool, "Shell: convected_axes", "True or False")
         if drilling and convected_axes:
             raise ValueError("expected convected_axes=True without drilling=True, got both")
-        formulation = HellingerReissner() if formulation is None else formulation
+        formulation = _DEFAULTS[mesh.degree] if formulation is None else formulation
         formulation.measures_for(mesh.cell, mesh.degree)
         centres = mesh.points[mesh.corners].mean(axis=1)
         sections = section_per_cell(mesh, centres, section)
