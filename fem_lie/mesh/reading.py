@@ -129,12 +129,13 @@ def lines_from_dolfinx(
             "the mesh must consist of intervals of order 1 or 2, got "
             f"{mesh.topology.cell_name()} cells with {cells.shape[1]} nodes"
         )
-    group_cells: Mapping[str, Indices] = tagged(cell_tags, groups, "cell_tags")
+    found = tagged(cell_tags, groups, "cell_tags")
+    group_cells: Mapping[str, npt.ArrayLike] = found
     tangents = None
     if cells.shape[1] == 3:
         cells, tangents = halved(mesh.geometry.x, cells)
         halves = np.array([0, 1])
-        group_cells = {k: (2 * c[:, np.newaxis] + halves).ravel() for k, c in group_cells.items()}
+        group_cells = {k: (2 * c[:, np.newaxis] + halves).ravel() for k, c in found.items()}
     if kink_angle is None:
         kink_angle = CORNER_ANGLE if tangents is None else JOINT_ANGLE
     names = tagged(vertex_tags, named_points, "vertex_tags")
