@@ -87,6 +87,48 @@ def test_a_closed_line_has_no_seam(make):
     assert np.ptp(found) < 0.02 * max(found)
 
 
+def wave(s: float) -> np.ndarray:
+    """A cubic that falls, rises and falls again: its lowest point is at neither end."""
+    u, slope = s - 0.5, 0.3
+    lowest = -2.0 / 3.0 * slope * np.sqrt(slope / 3.0)
+    return np.array([s, 0.2 * (slope * u - u**3 - lowest) + 2.0 * RADIUS - DEPTH, 0.0])
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_bent_element_touches_where_its_gap_has_several_extrema(first):
+    """The gap falls at both ends of the element, and is least in between."""
+    straight = fl.Cable.straight((0, 0, 0), (1, 0, 0), SECTION, cells=1)
+    found = []
+    for cells in (1, 16):
+        bent = fl.Cable(fl.mesh.curve(wave, cells), SECTION)
+        pair = [straight, bent] if first == 0 else [bent, straight]
+        lines = [fl.contact.Line(body, RADIUS) for body in pair]
+        on = forces(fl.contact.Contact(*lines, LAW), *pair)
+        np.testing.assert_allclose(on.sum(axis=0), 0.0, atol=1e-12 * np.abs(on).max())
+        found.append(on[:2].sum(axis=0) if first == 0 else on[-2:].sum(axis=0))
+    assert abs(found[1][1]) > 10.0
+    np.testing.assert_allclose(found[0], found[1], rtol=0.06, atol=1e-3 * abs(found[1][1]))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_work_of_threads_is_the_change_of_their_energy(seed):
+    """Also of nearly parallel ones, of which other parts overlap at the end of a step."""
+    x = np.linspace(-0.5, 0.5, 6)
+    paths = np.stack([np.column_stack([x, 0.0 * x, 0.0 * x]) for _ in range(2)])
+    paths[1] += np.column_stack([0.03 + 0.0 * x, 0.02 * x, 0.0 * x + 2.0 * RADIUS])
+    random = np.random.default_rng(seed)
+    scene = fl.Scene()
+    for path, speed in zip(paths, (2.0, -2.0), strict=True):
+        thread = scene.add(fl.Net(path, [range(6)], SECTION))
+        thread.velocities[:, :3] = random.normal(0.0, 2.0, (6, 3))
+        thread.add_velocity((0.0, 0.0, speed))
+    lines = [fl.contact.Line(thread, RADIUS) for thread in scene.bodies]
+    contact = scene.add(fl.contact.Contact(*lines, LAW))
+    result = fl.EnergyMomentum().run(scene, duration=0.01, step=2.5e-4, progress=False)
+    assert fl.post.contact_forces(result, contact).touching.max() > 0
+    assert result.balance_error < 1e-11
+
+
 LAID = fl.elements.DiscreteCable(natural=True)
 
 

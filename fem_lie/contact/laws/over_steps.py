@@ -34,6 +34,9 @@ from fem_lie.lie.tuples import Vector, cross, dot, load, load_row, minus, plus, 
 _KNOWN = 1e-13
 """Relative difference of potentials that is larger than round-off."""
 
+_MOST = 1.0
+"""Largest relative change of a force that corrects the work of a step: none becomes a tension."""
+
 
 class Secant(NamedTuple):
     """Secant of the potential of one pair of points over a step.
@@ -62,9 +65,9 @@ class Secants(NamedTuple):
     end: Array
     change: Array
 
-    def scaled(self, fraction: float) -> Secants:
-        """Secants of a fraction of the forces."""
-        return self._replace(σ=fraction * self.σ, by_gap=fraction * self.by_gap)
+    def scaled(self, factors: Array) -> Secants:
+        """Secants of forces times factors, shape (m,)."""
+        return self._replace(σ=factors * self.σ, by_gap=factors * self.by_gap)
 
 
 def empty_secants(m: int) -> Secants:
@@ -176,7 +179,7 @@ def _add(
     types: Indices,
     at: ContactPoints,
     k: float,
-    fraction: float,
+    factors: Array,
     found: Secants,
     out: Array,
     ground: Array,
@@ -186,7 +189,7 @@ def _add(
         _store(secant, found, e)
         if secant.σ == 0.0:
             continue
-        F = scaled(fraction * at.weight[e] * k * secant.σ, n)
+        F = scaled(factors[e] * at.weight[e] * k * secant.σ, n)
         i, j = at.pairs[e]
         add_force(ends.mean, types, at.a, i, (False, P), F, out, ground)
         foot = at.kind != ROUND, P
@@ -199,24 +202,24 @@ def add_secants(
     types: Indices,
     at: ContactPoints,
     k: float,
-    fraction: float,
+    factors: Array,
     found: Secants,
     out: Array,
     ground: Array,
 ) -> None:
-    """Add a fraction of the contact forces of the step to the residual, and set the secants.
+    """Add the contact forces of the step to the residual, and set the secants.
 
     Args:
         ends: Both ends of the step.
         types: Types of all nodes.
         at: Contact points.
         k: Stiffness.
-        fraction: Fraction of the forces.
+        factors: Factors of the forces, shape (m,).
         found: Secants for unit stiffness, overwritten.
         out: Forces and moments about the mean positions of all nodes, global components, (N, 6).
         ground: Force and moment about the origin on ground, (6,).
     """
-    _add(ends, types, at, k, fraction, found, out, ground)
+    _add(ends, types, at, k, factors, found, out, ground)
 
 
 @compiled
@@ -235,8 +238,8 @@ def all_secants(ends: Ends, both: Sequence[ContactPoints]) -> list[Secants]:
     return found
 
 
-def fractions(ends: Ends, both: Sequence[ContactPoints]) -> tuple[float, ...]:
-    """Fractions of the forces of a step at the contact points of its start and of its end.
+def force_factors(ends: Ends, both: Sequence[ContactPoints]) -> list[Array]:
+    """Factors of the forces of a step at the contact points of its start and of its end, (m,) each.
 
     Along curves and patches the closest points at the end differ from the material points that were
     closest at the start, so a secant at fixed material points underestimates the overlap at one
@@ -244,17 +247,34 @@ def fractions(ends: Ends, both: Sequence[ContactPoints]) -> tuple[float, ...]:
     closest points of the end. A weighted mean of both sets of forces does exactly the work
     ``U₁ − U₀``, with moment arms of actual material points.
 
+    Where parts of curves begin or cease to overlap, integration points of one end are not those of
+    the least overlap at the other one, and a mean may not do. Then the forces are changed in
+    proportion to their works, which is the smallest change that does the missing work. The
+    resultant and the moment of each pair of forces vanish, so any factors conserve momenta.
+
     Args:
         ends: Both ends of the step.
         both: Contact points at the start, and at the end if these are other material points.
     """
     if len(both) == 1:
-        return (1.0,)
-    found = zip(both, all_secants(ends, both), strict=True)
+        return [np.ones(len(both[0].pairs))]
+    found = all_secants(ends, both)
     (U0, lower_end), (lower_start, U1) = (
-        (float(out.start @ at.weight), float(out.end @ at.weight)) for at, out in found
+        (float(out.start @ at.weight), float(out.end @ at.weight))
+        for at, out in zip(both, found, strict=True)
     )
     by_start, by_end = U0 - lower_start, U1 - lower_end
     known = by_start + by_end > _KNOWN * (U0 + U1)
     fraction = min(1.0, max(0.0, by_start / (by_start + by_end))) if known else 0.5
-    return fraction, 1.0 - fraction
+    means = fraction, 1.0 - fraction
+    works = [
+        mean * at.weight * out.σ * out.change
+        for mean, at, out in zip(means, both, found, strict=True)
+    ]
+    missing = U1 - U0 - sum(float(each.sum()) for each in works)
+    square = sum(float(each @ each) for each in works)
+    most = abs(missing) * max(float(np.abs(each).max(initial=0.0)) for each in works)
+    if abs(missing) <= _KNOWN * (U0 + U1) or most >= _MOST * square:
+        return [np.full(len(each), mean) for mean, each in zip(means, works, strict=True)]
+    part = missing / square
+    return [mean * (1.0 + part * each) for mean, each in zip(means, works, strict=True)]

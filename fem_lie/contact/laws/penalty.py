@@ -16,7 +16,7 @@ from fem_lie.contact.laws.over_steps import (
     add_secants,
     all_secants,
     empty_secants,
-    fractions,
+    force_factors,
 )
 from fem_lie.contact.laws.tangents import normal_rows, speed_of, tangents
 from fem_lie.contact.sides.kinematics import (
@@ -346,10 +346,10 @@ class PenaltyForces(
         """Add the forces of a step whose work is the change of the stored energy."""
         k, work = self._law.k, 0.0
         both = self._sides.meet_ends(ends.start, ends.end, known=False)
-        for at, fraction in zip(both, fractions(ends, both), strict=True):
+        for at, factors in zip(both, force_factors(ends, both), strict=True):
             secants = empty_secants(len(at.pairs))
-            add_secants(ends, self._types, at, k, fraction, secants, out, ground)
-            work += fraction * float((secants.σ * secants.change) @ at.weight)
+            add_secants(ends, self._types, at, k, factors, secants, out, ground)
+            work += float((factors * secants.σ * secants.change) @ at.weight)
         done = Done(k * float(secants.end @ at.weight), k * work, 0.0)
         if self._friction is None:
             return done
@@ -362,9 +362,9 @@ class PenaltyForces(
         blocks = np.zeros((len(self._sides.near.blocks[0]), 6, 6))
         # the list of pairs must be the one that the sparsity pattern was made from
         both = self._sides.meet_ends(ends.start, ends.end, known=True)
-        found = zip(both, all_secants(ends, both), fractions(ends, both), strict=True)
-        for at, secants, fraction in found:
-            given = H, still, self._types, at, self._law, False, secants.scaled(fraction)
+        found = zip(both, all_secants(ends, both), force_factors(ends, both), strict=True)
+        for at, secants, factors in found:
+            given = H, still, self._types, at, self._law, False, secants.scaled(factors)
             tangents(*given, blocks, none)
             if self._friction is not None:
                 self._friction.add_tangent_over_step(ends, at, H, blocks)

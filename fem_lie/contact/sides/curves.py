@@ -1,9 +1,10 @@
 """Cubic curves with a radius: closest points, and intervals of a curve that overlap another.
 
-Along a segment the gap to the opposite curve is split at its extrema. In each interval between
-extrema the zero of the gap bounds the part with a negative gap, and Gauss points are placed in this
-part. So the integrand and its derivative vanish at ends that are free, wherever along an element
-these are.
+Along a segment the gap to the opposite curve is split at its extrema. Two straight segments have
+one at most; curved ones may have several, which equal steps separate. In each interval between
+extrema the zero of the gap bounds the part with a negative gap, and Gauss points are placed in
+connected parts. So the integrand and its derivative vanish at ends that are free, wherever along an
+element these are.
 """
 
 from __future__ import annotations
@@ -260,9 +261,11 @@ def _gap(C: Array, strands: Strands, other: Opposite, s: float) -> tuple[float, 
 
 
 @uncounted
-def _turning(C: Array, strands: Strands, other: Opposite, f0: float, f1: float) -> float:
+def _turning(
+    C: Array, strands: Strands, other: Opposite, low: float, f0: float, high: float, f1: float
+) -> float:
     """Extremum of the gap, in an interval whose ends have derivatives of opposite sign."""
-    low, high, s = 0.0, 1.0, f0 / (f0 - f1)
+    s = low + f0 / (f0 - f1) * (high - low)
     for _ in range(_TURNS):
         _, f, df = _gap(C, strands, other, s)
         if (f > 0.0) == (f0 > 0.0):
@@ -318,20 +321,77 @@ def _part(
 
 
 @uncounted
-def overlaps(C: Array, strands: Strands, other: Opposite) -> tuple[float, float, float, float]:
-    """Two intervals of a curve (4, 3) where the gap is negative; they may be empty."""
-    g0, f0, _ = _gap(C, strands, other, 0.0)
-    g1, f1, _ = _gap(C, strands, other, 1.0)
-    if (f0 < 0.0) == (f1 < 0.0):
-        a, b = _part(C, strands, other, 0.0, g0, 1.0, g1)
-        return a, b, b, b
-    s = _turning(C, strands, other, f0, f1)
-    g, _, _ = _gap(C, strands, other, s)
-    a, b = _part(C, strands, other, 0.0, g0, s, g)
-    c, d = _part(C, strands, other, s, g, 1.0, g1)
-    if g < 0.0:
-        return a, d, d, d
-    return a, b, c, d
+def _edge(C: Array, strands: Strands, other: Opposite, out: float, within: float) -> float:
+    """Last point with a closest point of the opposite segments, from one without to one with it."""
+    for _ in range(_TURNS):
+        s = 0.5 * (out + within)
+        if abs(out - within) < _ZERO:
+            break
+        if _gap(C, strands, other, s)[0] < np.inf:
+            within = s
+        else:
+            out = s
+    return within
+
+
+@inlined_uncounted
+def _append(parts: Array, count: int, low: float, high: float) -> int:
+    """Append an interval to disjoint ones, or continue the last of them; return their number."""
+    if not high > low:
+        return count
+    if count > 0 and parts[count - 1, 1] == low:
+        parts[count - 1, 1] = high
+        return count
+    parts[count, 0], parts[count, 1] = low, high
+    return count + 1
+
+
+@uncounted
+def _fastest(C: Array) -> float:
+    """Upper bound of the derivative of the position along a curve."""
+    chord = minus(load_row(C, 1), load_row(C, 0))
+    t0, t1 = load_row(C, 2), load_row(C, 3)
+    return float(2.0 * np.sqrt(max(dot(chord, chord), dot(t0, t0), dot(t1, t1))))
+
+
+@uncounted
+def set_overlaps(C: Array, strands: Strands, other: Opposite, steps: int, parts: Array) -> int:
+    """Set the intervals of a curve where the gap is negative; return their number.
+
+    Args:
+        C: The curve, shape (4, 3).
+        strands: Segments of the opposite line.
+        other: What it may touch.
+        steps: Number of equal steps, each with one extremum of the gap at most.
+        parts: Intervals, overwritten, at least twice as many as steps, shape (·, 2).
+    """
+    count, most = 0, _fastest(C) / steps
+    low, (gl, fl, _) = 0.0, _gap(C, strands, other, 0.0)
+    for k in range(steps):
+        a, ga, fa = low, gl, fl
+        b = low = (k + 1) / steps
+        gl, fl, _ = _gap(C, strands, other, b)
+        gb, fb = gl, fl
+        near = ga + gb if ga < np.inf and gb < np.inf else min(ga, gb)
+        if near >= most:
+            continue
+        if ga == np.inf:
+            a = _edge(C, strands, other, a, b)
+            ga, fa, _ = _gap(C, strands, other, a)
+        elif gb == np.inf:
+            b = _edge(C, strands, other, b, a)
+            gb, fb, _ = _gap(C, strands, other, b)
+        if (fa < 0.0) == (fb < 0.0):
+            c, d = _part(C, strands, other, a, ga, b, gb)
+            count = _append(parts, count, c, d)
+            continue
+        s = _turning(C, strands, other, a, fa, b, fb)
+        g, _, _ = _gap(C, strands, other, s)
+        c, d = _part(C, strands, other, a, ga, s, g)
+        count = _append(parts, count, c, d)
+        c, d = _part(C, strands, other, s, g, b, gb)
+        count = _append(parts, count, c, d)
+    return count
 
 
 @inlined_uncounted

@@ -13,8 +13,8 @@ from fem_lie.contact.sides.curves import (
     Strands,
     bend,
     nearest,
-    overlaps,
     plane_of,
+    set_overlaps,
     slope,
     slopes,
     weights,
@@ -40,6 +40,12 @@ from fem_lie.lie.tuples import Vector, combined, dot, load_row, minus, plus, sca
 GAUSS = 3
 GAUSS_AT, GAUSS_WEIGHT = np.polynomial.legendre.leggauss(GAUSS)
 """Positions in [−1, 1] and weights of the integration points."""
+
+_STEPS = 4
+"""Equal steps of a curved segment; the gap has one extremum at most in each of them."""
+
+_STRAIGHT = 1e-4
+"""Distance from the chord over the sum of the radii up to which a segment is straight."""
 
 _BULGE = 1.1
 """Reach of segments from their midpoints over the initial reach: allows for stretching."""
@@ -100,6 +106,11 @@ def line_samples(pieces: Sequence[Piece], nodes: Nodes) -> Samples:
     return Samples(found, found, measures)
 
 
+def intervals() -> Array:
+    """Workspace for the overlapping intervals of a segment."""
+    return np.empty((2 * _STEPS, 2))
+
+
 @uncounted
 def set_position(strands: Strands, i: int, s: float, out: Side, q: int) -> None:
     """Store a point of a segment as a ball."""
@@ -141,6 +152,44 @@ def lines_of(strands: Strands) -> Indices:
 
 
 @uncounted
+def _add_points(
+    a: Strands,
+    i: int,
+    b: Strands,
+    other: Opposite,
+    block: Indices,
+    parts: Array,
+    out: ContactPoints,
+    count: int,
+) -> int:
+    """Add the Gauss points of the intervals where a segment overlaps its opposite."""
+    C, bulge, flat = a.curves[i], a.bulges[i], out.kind == PLANE
+    for j in range(other.first, other.last + 1):
+        bulge = max(bulge, b.bulges[j])
+    steps = _STEPS if bulge > _STRAIGHT * other.reach else 1
+    for part in range(set_overlaps(C, b, other, steps, parts)):
+        low, high = parts[part]
+        for p in range(GAUSS):
+            if count == out.weight.shape[0]:
+                return count
+            s = 0.5 * (low + high) + 0.5 * (high - low) * GAUSS_AT[p]
+            if flat:
+                out.pairs[count, 1], out.first[count] = other.first, block[0]
+            else:
+                square, j, σ = nearest(b, other, position_at(C, s))
+                if square == np.inf:
+                    continue
+                set_position(b, j, σ, out.b, count)
+                out.pairs[count, 1], out.first[count] = count, block[j - other.first]
+                _set_sliding(b, j, σ, position_at(C, s), out.sliding, count)
+            set_position(a, i, s, out.a, count)
+            out.pairs[count, 0] = count
+            out.weight[count] = 0.5 * (high - low) * GAUSS_WEIGHT[p] * a.lengths[i]
+            count += 1
+    return count
+
+
+@uncounted
 def set_points(
     H: Array,
     a: Strands,
@@ -148,38 +197,40 @@ def set_points(
     planes: Side,
     runs: Indices,
     blocks: Indices,
+    parts: Array,
     out: ContactPoints,
 ) -> int:
-    """Set the Gauss points of all overlapping intervals; return their number."""
-    count, flat = 0, out.kind == PLANE
+    """Set the Gauss points of all overlapping intervals; ``parts``: workspace for these.
+
+    Runs are divided between segments that may touch and have others between them that cannot. So
+    contact points do not depend on the margin of the list of pairs where a line bends around and
+    touches with both of its sides.
+
+    Returns:
+        Their number, which is the size of ``out`` if that is too small.
+    """
+    count, nowhere = 0, (0.0, 0.0, 0.0)
     for run in range(runs.shape[0]):
         i, first, last, e = runs[run, 0], runs[run, 1], runs[run, 2], runs[run, 3]
-        if flat:
+        if out.kind == PLANE:
             other = plane_of(H, planes, first, a.radii[i])
-        else:
-            nowhere = (0.0, 0.0, 0.0)
-            other = Opposite(first, last, nowhere, nowhere, a.radii[i] + b.radii[first])
-        if are_apart(a, i, a if flat else b, other):
+            if not are_apart(a, i, a, other):
+                count = _add_points(a, i, a, other, blocks[e:], parts, out, count)
             continue
-        C = a.curves[i]
-        from_, to, later, end = overlaps(C, a if flat else b, other)
-        for part in range(2):
-            low, high = (from_, to) if part == 0 else (later, end)
-            for p in range(GAUSS if high > low else 0):
-                s = 0.5 * (low + high) + 0.5 * (high - low) * GAUSS_AT[p]
-                if flat:
-                    out.pairs[count, 1], out.first[count] = first, blocks[e]
-                else:
-                    square, j, σ = nearest(b, other, position_at(C, s))
-                    if square == np.inf:
-                        continue
-                    set_position(b, j, σ, out.b, count)
-                    out.pairs[count, 1], out.first[count] = count, blocks[e + j - first]
-                    _set_sliding(b, j, σ, position_at(C, s), out.sliding, count)
-                set_position(a, i, s, out.a, count)
-                out.pairs[count, 0] = count
-                out.weight[count] = 0.5 * (high - low) * GAUSS_WEIGHT[p] * a.lengths[i]
-                count += 1
+        # groups of segments that may touch, divided in the middle of those between that cannot
+        reach, low, last_near = a.radii[i] + b.radii[first], first, -1
+        for j in range(first, last + 1):
+            if are_apart(a, i, b, Opposite(j, j, nowhere, nowhere, reach)):
+                continue
+            if -1 < last_near < j - 1:
+                middle = (last_near + j) // 2
+                other = Opposite(low, middle, nowhere, nowhere, reach)
+                count = _add_points(a, i, b, other, blocks[e + low - first :], parts, out, count)
+                low = middle + 1
+            last_near = j
+        if last_near > -1:
+            other = Opposite(low, last, nowhere, nowhere, reach)
+            count = _add_points(a, i, b, other, blocks[e + low - first :], parts, out, count)
     return count
 
 

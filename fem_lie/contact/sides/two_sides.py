@@ -18,6 +18,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.contact.sides.curves import set_curves
 from fem_lie.contact.sides.gauss_points import (
     GAUSS,
+    intervals,
     lines_of,
     middles_of,
     runs_of,
@@ -218,7 +219,7 @@ class Lines(Sides):
         self.radius = least(self._a.radii, self._b.radii)
         self.on_ground = bool(any((side.owners == GROUND).any() for side in middles))
         self._chains = lines_of(self._b) if b else None
-        self._version = -1
+        self._version, self._parts = -1, intervals()
         self._frozen = self._stretches
 
     def meet(self, H: Array) -> ContactPoints:
@@ -231,13 +232,15 @@ class Lines(Sides):
             self._version = self.near.version
             after = self._b.after if self._kind == ROUND else None
             self._runs = runs_of(self.near.now, after)
-            # two intervals of a segment for each run of opposite segments, or for a plane
-            self._room = self._space(2 * GAUSS * len(self._runs))
+            # two intervals of a segment for each run of opposite segments, or for a plane, since
+            # most runs have none and few have more
+            self._room = self._space(2 * GAUSS * len(self._runs) + GAUSS)
         set_curves(H, self._a, stretched)
         set_curves(H, self._b, stretched)
-        workspace = self._room
-        k = set_points(H, self._a, self._b, self._planes, self._runs, self.near.first, workspace)
-        return workspace._replace(pairs=workspace.pairs[:k])
+        given = H, self._a, self._b, self._planes, self._runs, self.near.first
+        while (k := set_points(*given, self._parts, self._room)) == len(self._room.weight):
+            self._room = self._space(2 * k)
+        return self._room._replace(pairs=self._room.pairs[:k])
 
     def _space(self, most: int) -> ContactPoints:
         b = empty_side(most) if self._kind == ROUND else self._planes
