@@ -1,17 +1,21 @@
-"""The net of net_capture.py, its rope, and the ball."""
+"""The net of net_capture.py, its rope and winch, and the ball."""
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from net_contacts import BALL, THREAD, add_contacts, rope_path
 
 import fem_lie as fl
 
-SIZE, BALL, SPEED, PULL = 1.0, 0.3, 10.0, 10.0
-CABLE = fl.Section.circle(1e-3, fl.Material(E=1e8, nu=0.3, density=1000.0))
+SIZE, SPEED, TAB, BOOM, SIDE = 1.0, 5.0, 0.06, 0.3, 0.02
+"""Radius and speed of the net, lengths of tabs and of the boom, offset of both ends of the rope."""
 
+CABLE = fl.Section.circle(THREAD, fl.Material(E=6.25e6, nu=0.3, density=62.5))
+"""A light braid."""
 
 LAID = fl.elements.DiscreteCable(natural=True)
 """Cables are naturally as they are laid: straight ones about hexagons would spring open."""
@@ -46,58 +50,50 @@ def hexagons(rings: int, cells: int) -> tuple[np.ndarray, list[list[int]], list[
     return np.array(positions), cables, [number[rings, k] for k in range(6 * rings)]
 
 
-def capture(rings: int, cells: int, start: float) -> tuple[fl.Scene, int]:
-    """A net with masses and a rope in its edge, whose tied ends are pulled from ``start`` on."""
+def capture(
+    rings: int, cells: int, start: float, closing: float = 0.34, travel: float = 1.55
+) -> tuple[fl.Scene, int]:
+    """A net with masses that flies to a free ball, and a rope whose winch pulls from ``start``."""
     flat, cables, edge = hexagons(rings, cells)
-    positions = np.column_stack([SIZE * flat, np.full(len(flat), BALL + 0.01)])
-    scene = fl.Scene()
-    net = scene.add(fl.Net(positions, cables, CABLE, formulation=LAID, name="net"))
-    path = rope_path(positions, cables[rings - 1][:-cells], cells)
-    own = [range(len(path))]
-    rope = scene.add(fl.Net(path, own, CABLE, formulation=LAID, name="rope"))
-    for body in (net, rope):
-        body.add_velocity((0.0, 0.0, -SPEED))
-    ends = [
-        *(net.point(edge[k * rings]) for k in range(6)),
-        rope.point(0),
-        rope.point(len(path) - 1),
-    ]
-    masses = []
-    for point in ends[:-1]:
-        mass = scene.add(fl.RigidBody(0.02, np.full(3, 1e-6), point.position))
-        mass.add_velocity((0.0, 0.0, -SPEED))
-        masses.append(mass)
-    for point, mass in zip(ends, [*masses, masses[-1]], strict=True):
-        scene.add(fl.joints.Spherical(point, mass.point("centre")))
-    k = 2.0 * CABLE.stiffness[0, 0] * rings * cells / SIZE
-    knots = fl.contact.Rings([net.point(node) for node in edge])
-    scene.add(fl.contact.Contact(fl.contact.Rope(rope), knots, fl.contact.Penalty(k), name="rings"))
-    every = [fl.extend.Point(body, n) for body in (net, rope) for n in range(len(body.frames))]
-    ball = fl.contact.Sphere(fl.ground(), BALL)
-    scene.add(
-        fl.contact.Contact(
-            fl.contact.Vertices(every, 1e-3), ball, fl.contact.Penalty(2e2), name="net-ball"
-        )
+    positions = np.column_stack([SIZE * flat, np.full(len(flat), BALL + THREAD + 0.01)])
+    rim = positions[edge]
+    eyes = rim + TAB * rim / np.hypot(*rim.T[:2])[:, np.newaxis] * [1.0, 1.0, 0.0]
+    middle = cables[rings - 1][-1 - cells // 2]
+    along = (eyes[0] - eyes[-1]) / np.linalg.norm(eyes[0] - eyes[-1])
+    at, side = 0.5 * (eyes[0] + eyes[-1]), SIDE * along
+    away = np.array([along[1], -along[0], 0.0])
+    path = rope_path(
+        [at + BOOM * away + side, at + side, *eyes, at - side, at + BOOM * away - side],
+        SIZE / rings / cells,
     )
-    pull = fl.loads.PiecewiseLinear((0.0, start, start + 0.01), (0.0, 0.0, PULL))
-    scene.add(fl.PointLoad(masses[-1].point("centre"), force=(0.0, 0.0, -1.0), history=pull))
+    scene, count = fl.Scene(), len(edge)
+    net = scene.add(fl.Net(positions, cables, CABLE, formulation=LAID, name="net"))
+    ties = [[k, count + k] for k in range(count)]
+    tabs = scene.add(fl.Net(np.vstack([rim, eyes]), ties, CABLE, formulation=LAID, name="tabs"))
+    rope = scene.add(fl.Net(path, [range(len(path))], CABLE, formulation=LAID, name="rope"))
+    winch = scene.add(fl.RigidBody(0.02, np.full(3, 2e-5), at, name="winch"))
+    hook = scene.add(fl.RigidBody(0.01, np.full(3, 1e-5), at + BOOM * away, name="hook"))
+    tied = [(net.point(node), tabs.point(k)) for k, node in enumerate(edge)]
+    tied += [(rope.point(k), hook.point(path[k])) for k in (0, len(path) - 1)]
+    tied += [(net.point(middle), winch.point(positions[middle]))]
+    for k in range(6):
+        mass = scene.add(fl.RigidBody(0.02, np.full(3, 1e-6), rim[k * rings]))
+        tied.append((net.point(edge[k * rings]), mass.point("centre")))
+    for pair in tied:
+        scene.add(fl.joints.Spherical(*pair))
+    for body in scene.bodies:
+        body.add_velocity((0.0, 0.0, -SPEED))
+    ball = scene.add(fl.RigidBody(2.0, np.full(3, 0.8 * BALL**2), name="ball"))
+    centre, k = winch.point("centre"), 2.0 * CABLE.stiffness[0, 0] * rings * cells / SIZE
+    held = [*(tabs.point(count + k) for k in range(count)), centre, centre]
+    through = fl.contact.Rings(held, at=[*eyes, at + side, at - side])
+    scene.add(fl.contact.Contact(fl.contact.Rope(rope), through, fl.contact.Penalty(k)))
+    add_contacts(scene, net, rope, ball)
+    boom = scene.add(fl.joints.Prismatic(centre, hook.point("centre"), axis=away, at=at))
+
+    def drive(t: float) -> float:
+        s = min(max((t - start) / closing, 0.0), 1.0)
+        return travel * (s - math.sin(2.0 * math.pi * s) / (2.0 * math.pi))
+
+    scene.add(fl.joints.Drive(boom.displacement, drive))
     return scene, len(net.model.elements) + len(rope.model.elements)
-
-
-def rope_path(positions: np.ndarray, along: list[int], cells: int) -> np.ndarray:
-    """From where both ends are tied along the edge and back, in even parts."""
-    first, last = positions[along[0]], positions[along[-1]]
-    tied = 0.5 * (first + last)
-    tied[:2] *= 1.0 + 0.3 / np.linalg.norm(tied[:2])
-    parts = np.arange(1, cells)[:, np.newaxis] / cells
-    there = np.vstack([[tied], tied + parts * (first - tied)])
-    back = np.vstack([last + parts * (tied - last), [tied]])
-    return np.vstack([there, positions[along], back])
-
-
-def mouth(result: fl.Result, rings: int, cells: int) -> tuple[float, float]:
-    """How far the edge is from the axis, over the ball's radius, and above its lowest point."""
-    _, _, edge = hexagons(rings, cells)
-    positions = result.frames[-1, result.info.body("net").nodes[edge], 0]
-    wide = np.hypot(positions[:, 0], positions[:, 1]).max() / BALL
-    return float(wide), float(positions[:, 2].max() + BALL)

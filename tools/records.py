@@ -34,6 +34,8 @@ HELPERS = (
     "extrapolation",
     "goal_problems",
     "moving_meshes",
+    "net_contacts",
+    "net_passages",
     "net_scene",
     "records",
     "rigid",
