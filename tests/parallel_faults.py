@@ -9,6 +9,7 @@ from pathlib import Path
 
 from mpi4py import MPI
 
+import divided_scenes
 import parallel_scenes
 
 import fem_lie as fl
@@ -59,7 +60,11 @@ AT_ONCE = {
 MESSAGES = {name: message for name, (_, message) in (IN_TIME | AT_ONCE).items()}
 
 
-def scene(fault="", rank=-1):
+ANYWHERE = -1
+"""The rank that has the load, if the scene is divided: the others do not evaluate it."""
+
+
+def scene(fault="", rank=ANYWHERE):
     """The pendulum, pushed; the fault comes on one rank when all have passed ``FAILS_AT``."""
     built, met = parallel_scenes.pendulum(), []
 
@@ -67,8 +72,8 @@ def scene(fault="", rank=-1):
         if t > FAILS_AT and fault in IN_TIME and not met:
             # ranks that solve alone do not wait for each other: without this the first one, which
             # writes, may be at its first step when another one fails, and has written nothing yet
-            met.append(MPI.COMM_WORLD.Barrier())
-            if MPI.COMM_WORLD.rank == rank:
+            met.append(None if rank == ANYWHERE else MPI.COMM_WORLD.Barrier())
+            if rank in (ANYWHERE, MPI.COMM_WORLD.rank):
                 IN_TIME[fault][0]()
         return t
 
@@ -76,7 +81,7 @@ def scene(fault="", rank=-1):
     return built
 
 
-def run(file, fault="", rank=-1):
+def run(file, fault="", rank=ANYWHERE):
     """A run with results and checkpoints in a file."""
     options = {"step": STEP, "file": file, "checkpoint_every": EVERY, "progress": False}
     return fl.GeneralisedAlpha().run(scene(fault, rank), duration=END, **options)
@@ -90,4 +95,6 @@ if __name__ == "__main__":
         AT_ONCE[name][0]()
     if shares == "shared":
         parallel_scenes.share_factors()
+    if shares == "divided":
+        divided_scenes.divide()
     run(Path(sys.argv[2]), name, int(where))

@@ -12,6 +12,8 @@ SOON = [
     ("killed", 0, "shared"),
     ("full", 0, "shared"),
     ("error at once", 1, "own"),
+    ("error", parallel_faults.ANYWHERE, "divided"),
+    ("killed", parallel_faults.ANYWHERE, "divided"),
 ]
 LATER = [
     (fault, rank, factors)
