@@ -46,7 +46,9 @@ def test_a_fault_on_one_rank_is_the_end_of_all(whole, tmp_path, fault, rank, fac
     assert parallel_faults.FAILS_AT - 2 * parallel_faults.STEP < found.times[-1]
     np.testing.assert_allclose(found.frames, whole.frames[: len(found.times)], rtol=0, atol=1e-10)
     resumed = fl.GeneralisedAlpha().resume(parallel_faults.scene(), file, progress=False)
-    np.testing.assert_allclose(resumed.frames, whole.frames, rtol=0, atol=1e-10)
+    # with a new matrix, to the tolerance of the iteration
+    allowed = 1e-9 if factors == "divided" else 1e-10
+    np.testing.assert_allclose(resumed.frames, whole.frames, rtol=0, atol=allowed)
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         "run.h5",
         "run.h5.checkpoint",
