@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 import ufl
 from dolfinx import fem, la
-from dolfinx.fem import IntegralType
+from dolfinx.fem import IntegralType, petsc
 from dolfinx.fem.forms import form_cpp_class
 from dolfinx.mesh import GhostMode
 from ufl.algorithms.analysis import has_type
@@ -131,6 +131,14 @@ def has_same_coefficients(form: fem.Form, other: fem.Form) -> bool:
 def is_on_space(bc: fem.DirichletBC, space: fem.FunctionSpace) -> bool:
     """Whether a support is one of the unknowns of a space itself, not of an equal space."""
     return bool(bc.function_space == space._cpp_object)
+
+
+def create_vector(form: fem.Form) -> PETSc.Vec:
+    """PETSc vector for a linear form.
+
+    0.9 takes the form, later versions its function space. The branch can go with 0.9.
+    """
+    return petsc.create_vector(form.function_spaces[0] if VERSION >= (0, 10) else form)
 
 
 def geometry_dofmap(mesh: dolfinx.mesh.Mesh) -> npt.NDArray[np.int32]:

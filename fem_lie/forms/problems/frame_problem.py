@@ -39,7 +39,8 @@ class FrameProblem:
     Attributes:
         x: Unknown of the solver, six values per node.
         a: Form from which the matrix is created: ``fem.petsc.create_matrix(problem.a)``.
-        L: Form from which the vector is created: ``fem.petsc.create_vector(problem.L)``.
+        L: Form from which the vector is created: ``fem.petsc.create_vector(problem.L)``, from
+            DOLFINx 0.10 on ``create_vector(problem.x.function_space)``.
     """
 
     def __init__(
@@ -105,7 +106,7 @@ class FrameProblem:
             prefix: Prefix of options in PETSc's database, which overrule all of this.
         """
         snes = PETSc.SNES().create(self.x.function_space.mesh.comm)
-        snes.setFunction(self.residual, petsc.create_vector(self.L))
+        snes.setFunction(self.residual, _compat.create_vector(self.L))
         snes.setJacobian(self.jacobian, petsc.create_matrix(self.a))
         snes.setDivergenceTolerance(_NO_LIMIT)
         ksp = snes.getKSP()
