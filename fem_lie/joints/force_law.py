@@ -82,9 +82,10 @@ class ForceLaw(Connection):
                 "compiled_law"
             )
 
-    @cached_property
+    @property
     def along(self) -> Coordinate:
         """Coordinate along which the force acts."""
+        # not stored: copies of this item on other ranks refer to parts of bodies
         if isinstance(self.coordinate, Coordinate):
             return self.coordinate
         return Distance(*self.coordinate).length
