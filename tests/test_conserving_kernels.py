@@ -13,6 +13,7 @@ import fem_lie as fl
 from demos.double_pendulum import pendulum
 from fem_lie import lie
 from fem_lie._jit.records import block_of
+from fem_lie.forms.abilities import Ends
 from fem_lie.solve.conserving import model
 from fem_lie.solve.conserving.midpoint import mean_forces
 from fem_lie.solve.conserving.midpoint.cayley import span
@@ -144,3 +145,27 @@ def test_mean_forces_do_their_work_however_far_an_element_turns(kind, ω, direct
     F[:, axis], change[:, axis] = (-3.0, 3.0), (-0.5 * small, 0.5 * small)
     found = work(H, turned(H, change, np.array(ω)), F, director)
     assert found == pytest.approx(3.0 * small, rel=1e-6)
+
+
+def test_the_work_of_contacts_of_lines_is_the_change_of_their_energy():
+    """Of bent threads that move at random, so that parts begin and cease to overlap."""
+    section = fl.Section.circle(0.01, fl.Material(1e8, 0.3, 1000.0))
+    x = np.linspace(-0.2, 0.2, 6)
+    paths = [
+        np.column_stack([x, 0.0 * x, 2.0 * x * x]),
+        np.column_stack([x + 0.01, 0.1 * x, 0.018 - 2.0 * x * x]),
+    ]
+    threads = [fl.Net(path, [range(6)], section) for path in paths]
+    lines = [fl.contact.Line(thread, 0.01) for thread in threads]
+    contact = fl.contact.Contact(*lines, fl.contact.Penalty(1e6))
+    numbers = {thread: np.arange(6) + 6 * k for k, thread in enumerate(threads)}
+    random = np.random.default_rng(0)
+    for _ in range(40):
+        start, end = (np.concatenate([thread.frames for thread in threads]) for _ in range(2))
+        for each in (start, end):
+            each[:, 0] += random.normal(0.0, 2e-3, (12, 3))
+        term = contact.term(numbers.__getitem__)
+        before, after = term.energy(start), term.energy(end)
+        ends = Ends(start, end, 0.5 * (start + end), end - start)
+        done = term.add_over_step(ends, np.zeros((12, 6)), np.zeros(6))
+        assert done.work == pytest.approx(after - before, abs=1e-13 * (before + after))

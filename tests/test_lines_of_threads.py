@@ -110,25 +110,6 @@ def test_a_bent_element_touches_where_its_gap_has_several_extrema(first):
     np.testing.assert_allclose(found[0], found[1], rtol=0.06, atol=1e-3 * abs(found[1][1]))
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_the_work_of_threads_is_the_change_of_their_energy(seed):
-    """Also of nearly parallel ones, of which other parts overlap at the end of a step."""
-    x = np.linspace(-0.5, 0.5, 6)
-    paths = np.stack([np.column_stack([x, 0.0 * x, 0.0 * x]) for _ in range(2)])
-    paths[1] += np.column_stack([0.03 + 0.0 * x, 0.02 * x, 0.0 * x + 2.0 * RADIUS])
-    random = np.random.default_rng(seed)
-    scene = fl.Scene()
-    for path, speed in zip(paths, (2.0, -2.0), strict=True):
-        thread = scene.add(fl.Net(path, [range(6)], SECTION))
-        thread.velocities[:, :3] = random.normal(0.0, 2.0, (6, 3))
-        thread.add_velocity((0.0, 0.0, speed))
-    lines = [fl.contact.Line(thread, RADIUS) for thread in scene.bodies]
-    contact = scene.add(fl.contact.Contact(*lines, LAW))
-    result = fl.EnergyMomentum().run(scene, duration=0.01, step=2.5e-4, progress=False)
-    assert fl.post.contact_forces(result, contact).touching.max() > 0
-    assert result.balance_error < 1e-11
-
-
 LAID = fl.elements.DiscreteCable(natural=True)
 
 

@@ -65,3 +65,37 @@ def test_a_free_beam_under_a_pressure_that_grows(scheme):
         moved[:, :, 2], np.tile(exact[:, np.newaxis], 4), atol=1e-3 * exact.max()
     )
     np.testing.assert_allclose(moved[:, :, :2], 0.0, atol=1e-6 * exact.max())
+
+
+RUBBER = fl.ShellSection.layer(0.05, fl.Material(1e5, 0.3, 1000.0))
+
+
+def saddle(a: float, b: float) -> tuple[float, float, float]:
+    return a, b, 0.2 * a * b
+
+
+SHELLS = {
+    "five parameters": lambda: fl.Shell(fl.mesh.parametric_surface(saddle, (2, 2)), RUBBER),
+    "drilling": lambda: fl.Shell(fl.mesh.parametric_surface(saddle, (2, 2)), RUBBER, drilling=True),
+    "thin": lambda: fl.ThinShell(fl.mesh.smooth_patch(saddle, (2, 2)), RUBBER),
+}
+
+
+@pytest.mark.parametrize("kind", SHELLS)
+def test_pressure_on_shells_in_conserving_steps(kind):
+    """Hydrostatic pressure on a free shell: work and momenta balance, errors are of order two."""
+
+    def run(steps: int) -> fl.Result:
+        shell = SHELLS[kind]()
+        scene = scene_with(shell, fl.loads.SurfacePressure(shell, 40.0, (0.0, 15.0, 60.0)))
+        given = {"duration": 0.1, "step": 0.1 / steps, "progress": False}
+        return fl.EnergyMomentum().run(scene, **given)
+
+    coarse, middle, fine = (run(steps) for steps in (20, 40, 80))
+    for result in (coarse, fine):
+        assert result.balance_error < 1e-11
+        assert max(result.momentum_error, result.angular_momentum_error) < 1e-11
+    assert fine.total_energy[-1] > 0.1
+    ends = [result.frames[-1, :, 0] for result in (coarse, middle, fine)]
+    ratio = np.linalg.norm(ends[0] - ends[1]) / np.linalg.norm(ends[1] - ends[2])
+    assert ratio == pytest.approx(4.0, rel=0.25)
