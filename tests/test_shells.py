@@ -383,7 +383,9 @@ CASES = {
     ),
     "triangles of degree 2 in a mixed element": (
         lambda: fl.Shell(
-            fl.mesh.parametric_surface(square, (1, 1), cell="triangle", degree=2), LAYER
+            fl.mesh.parametric_surface(square, (1, 1), cell="triangle", degree=2),
+            LAYER,
+            formulation=fl.elements.HellingerReissner(),
         ),
         "HellingerReissner is for",
     ),
