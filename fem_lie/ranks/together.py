@@ -8,6 +8,7 @@ import sys
 import time
 import traceback
 from functools import cache
+from importlib import import_module
 from types import TracebackType
 
 from mpi4py import MPI
@@ -87,6 +88,10 @@ def end_together() -> None:
     reports an error if they wait elsewhere.
     """
     if several():
+        # what is registered last is called first at exit: these two wait there for all ranks, too,
+        # but do not say why
+        for library in "petsc4py.PETSc", "slepc4py.SLEPc":
+            import_module(library)
         sys.excepthook = _end_all
         atexit.register(_at_end)
 
