@@ -40,7 +40,7 @@ _log = logging.getLogger(__name__)
 
 
 class Last(NamedTuple):
-    """The last checkpoint beside a result file.
+    """The last checkpoint of a run with a result file.
 
     Attributes:
         path: File of the checkpoint.
