@@ -243,8 +243,8 @@ def folding_beam():
 
 
 REFUSED = {
-    "loose block": (loose_block, ""),
-    "swinging block": (swinging_block, "rigid motion"),
+    "loose block": (loose_block, "nothing resists"),
+    "swinging block": (swinging_block, "nothing resists"),
     "folding beam": (folding_beam, ""),
 }
 """Scenes that statics refuses, and what the message has on any number of ranks."""

@@ -240,8 +240,16 @@ class QuadraticRate:
 
 
 class Polishing:
-    """No convergence test: a fixed number of iterations."""
+    """No convergence test: a fixed number of iterations near a converged state."""
+
+    def __init__(self, farthest: float) -> None:
+        """Start at a converged state.
+
+        Args:
+            farthest: Larger corrections have diverged: the matrix is singular.
+        """
+        self._farthest = farthest
 
     def judge(self, size: float) -> Verdict:
-        """Always continue."""
-        return Verdict.GOES_ON
+        """Continue, unless the correction is too large for a converged state."""
+        return Verdict.GOES_ON if size <= self._farthest else Verdict.DIVERGED

@@ -133,6 +133,7 @@ def check_proportion(scene: Scene) -> None:
 
 _MOST = 30  # iterations from a restarted state
 _SETTLED = 1e-11  # over the length of the model
+_FARTHEST = 1.0  # larger corrections, over the length of the model, have diverged
 _OF_TURNS = 1e-3  # rotations have a larger round-off in slender structures
 _LEAST = 1e-3  # smallest increment of a preload
 
@@ -330,7 +331,9 @@ class SceneEquilibrium(Equilibrium):
         if not search.possible or not len(search.allowed(self._H)):
             return ""
         # unbalanced forces would contribute resistance
-        self._converges(factor, POLISHED)
+        kept = self.state()
+        if not iterate(_AtFactor(self, factor), POLISHED).size <= _FARTHEST:
+            self.restore(kept)  # corrections of a singular matrix are round-off without bound
         internal, load = self.forces()
         self._fill(factor)
         free = search.unresisted(search.allowed(self._H), internal - factor * load)
@@ -379,6 +382,8 @@ class _AtFactor(Iterated):
         return max(moved, _OF_TURNS * turned) / model.diameter
 
     def judge(self, size: float) -> Verdict:
+        if not size <= _FARTHEST:
+            return Verdict.DIVERGED
         return Verdict.CONVERGED if size < _SETTLED else Verdict.GOES_ON
 
 

@@ -97,6 +97,7 @@ class Newton:
 
 _SMALLEST = 1e-3  # smallest increment of the preload
 _FARTHEST = 1e3  # larger increments, over their units, have diverged
+_NEAR = 1e-2  # the same near a converged state
 
 _log = logging.getLogger(__name__)
 
@@ -128,7 +129,7 @@ class LoadSteps(Iterated):
         self.residual: float = 0.0
         self.last: float = 0.0
         self._lost, self._factor = "", 0.0
-        self._criterion: Criterion = Polishing()
+        self._criterion: Criterion = Polishing(_NEAR)
         equations.history_variables.update_stress(self.H)
         now = TimeState(self.H, self._zero, self._zero, self.multipliers)
         self._scale = equations.fill(now, None, Plan(self._zero))
@@ -246,12 +247,25 @@ class LoadSteps(Iterated):
                 "The matrix is singular: is every body held by clamps or joints, with no motion "
                 "left free?"
             )
+        if not self._factors and (free := self._free_at_start()):
+            return free
         if not self._options.linearised_stress:
             return "Try Newton(linearised_stress=True), or more load_steps."
         return (
             "Try more load_steps; if the load has a maximum here (snap-through), prescribe a "
             "displacement instead of a load."
         )
+
+    def _free_at_start(self) -> str:
+        """Message on rigid motions that nothing resists in the first state, if there are any."""
+        search = FreeMotions(self.equations)
+        if not search.possible or not len(allowed := search.allowed(self.H)):
+            return ""
+        self._fill(self._factor)
+        free = search.unresisted(allowed, np.zeros_like(self._r))
+        if not len(free):
+            return ""
+        return f"In the first state {search.freedom(free)}"
 
     def solve(self, factor: float) -> bool:
         """Go to the load factor and record that state; on failure, stay at the old one."""
@@ -334,8 +348,11 @@ class LoadSteps(Iterated):
         history = self.equations.history_variables
         H, multipliers, saved = self.H.copy(), self.multipliers.copy(), history.saved_state()
         # unbalanced forces would contribute resistance
-        self._factor, self._criterion = factor, Polishing()
-        iterate(self, POLISHED)
+        self._factor, self._criterion = factor, Polishing(_NEAR)
+        if iterate(self, POLISHED).verdict != Verdict.GOES_ON:
+            # corrections of a singular matrix are round-off without bound
+            self.H, self.multipliers = H, multipliers
+            history.restore(saved)
         self._fill(factor)
         free = search.unresisted(search.allowed(self.H), self._r)
         self.H, self.multipliers = H, multipliers

@@ -194,7 +194,11 @@ class FreeMotions:
         return np.asarray(motions[np.abs(stiffness) <= self._shared.total(small)])
 
     def message(self, motions: Array, factor: float) -> str:
-        """Message on motions that are free at a load factor."""
+        """Message on motions that are free in the equilibrium at a load factor."""
+        return f"the equilibrium at load factor {factor:g} is one of many: {self.freedom(motions)}"
+
+    def freedom(self, motions: Array) -> str:
+        """A sentence on how many motions of which bodies are free."""
         unknowns, count = self._equations.unknowns, len(motions)
         moves = np.zeros(6 * unknowns.moving)
         moves[self._free] = np.abs(motions).max(axis=0)
@@ -202,7 +206,6 @@ class FreeMotions:
         bodies = unknowns.bodies.items()
         names = ", ".join(body.label for body, own in bodies if np.isin(own, nodes).any())
         return (
-            f"the equilibrium at load factor {factor:g} is one of many: {count} rigid "
-            f"motion{'s' * (count > 1)} of {names} left free. Is every body held by clamps or "
-            "joints, with no motion left free?"
+            f"nothing resists {count} rigid motion{'s' * (count > 1)} of {names}. Is every body "
+            "held by clamps or joints, with no motion left free?"
         )
