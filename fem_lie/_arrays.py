@@ -329,6 +329,22 @@ def direction(value: npt.ArrayLike, what: str) -> Array:
     return np.asarray(scaled / np.linalg.norm(scaled))
 
 
+_ORTHOGONAL = 1e-8
+
+
+def rotation_matrix(value: npt.ArrayLike, what: str) -> Array:
+    """``value`` as a rotation matrix, shape (3, 3).
+
+    Raises:
+        ValueError: It is none; the message names the argument.
+    """
+    R = numbers(value, what)
+    orthogonal = R.shape == (3, 3) and np.abs(R.T @ R - np.eye(3)).max() <= _ORTHOGONAL
+    if not orthogonal or np.linalg.det(R) < 0:
+        raise ValueError(f"{what} must be a proper orthogonal 3×3 matrix, got {value!r}")
+    return R
+
+
 def members_within(groups: Mapping[str, Indices], chosen: Indices) -> dict[str, Indices]:
     """Members of each group among the chosen ones, numbered as in ``chosen``, which ascends."""
     return {name: np.flatnonzero(np.isin(chosen, members)) for name, members in groups.items()}

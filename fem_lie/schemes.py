@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 from fem_lie._public_names import public_names
 
 if TYPE_CHECKING:
-    from fem_lie.joints.events import Event, Lock, Release, Stop
+    from fem_lie.events.actions import Lock, Release, Stop
+    from fem_lie.events.event import Event
     from fem_lie.results.record import Record
     from fem_lie.scene.matrix_terms import MatrixTerms
     from fem_lie.solve.alpha.options import ConstraintIndex, MatrixFrame

@@ -79,6 +79,7 @@ MAY_IMPORT = {
     "bodies.gradients": {"bodies.cells", "bodies.thin_shells", "elements.gradients"},
     "joints.equations": {"lie"},
     "joints": {"joints.equations", "bodies.beams"},
+    "events": {"joints"},
     "contact.sides": {"bodies.beams", "forms.small_energy"},
     "contact.convex": {"contact.sides"},
     "contact.laws": {"contact.sides"},
@@ -89,7 +90,7 @@ MAY_IMPORT = {
     "pictures": {"bodies.beams"},
     "pictures.page": {"pictures"},
     "scene": {
-        "joints",
+        "events",
         "contact",
         "pictures",
         "bodies.gradients",

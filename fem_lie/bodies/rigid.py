@@ -6,23 +6,12 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array, numbers, vector
+from fem_lie._arrays import Array, numbers, rotation_matrix, vector
 from fem_lie.attachments.at_nodes import at_node
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.model import BodyModel, MaterialPoint
 from fem_lie.lie.motions import Group
 from fem_lie.sections.properties import director_mass_matrix
-
-_ORTHOGONAL = 1e-8
-
-
-def _proper(rotation: npt.ArrayLike) -> Array:
-    """``rotation`` as a matrix; raises as :class:`RigidBody`."""
-    R = numbers(rotation, "rotation")
-    orthogonal = R.shape == (3, 3) and np.abs(R.T @ R - np.eye(3)).max() <= _ORTHOGONAL
-    if not orthogonal or np.linalg.det(R) < 0:
-        raise ValueError(f"rotation must be a proper orthogonal 3×3 matrix, got {rotation!r}")
-    return R
 
 
 class RigidBodyModel(BodyModel):
@@ -105,7 +94,7 @@ class RigidBody(Body):
         tensor = numbers(inertia, "inertia")
         tensor = np.diag(tensor) if tensor.shape == (3,) else tensor
         mass_matrix = director_mass_matrix(mass, tensor)
-        R = np.eye(3) if rotation is None else _proper(rotation)
+        R = np.eye(3) if rotation is None else rotation_matrix(rotation, "rotation")
         frame = lie.frame(vector(position, 3, "position"), R)
         # radius of gyration: the only length that a rigid body has
         size = float(np.sqrt(np.trace(tensor) / mass))

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from fem_lie._public_names import public_names
 
 if TYPE_CHECKING:
+    from fem_lie.joints.bushing import Bushing
     from fem_lie.joints.connection import Connection, Coordinate
     from fem_lie.joints.joint import Joint
     from fem_lie.joints.kinds import (
@@ -28,6 +29,7 @@ else:
     __getattr__, __dir__ = public_names(__name__)
 
 __all__ = [
+    "Bushing",
     "Collar",
     "Connection",
     "Coordinate",

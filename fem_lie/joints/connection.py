@@ -108,6 +108,24 @@ class VelocityConstraintDefinition(NamedTuple):
     radius: float = 0.0
 
 
+class BushingDefinition(NamedTuple):
+    """Definition of springs and dampers in six components, see :mod:`~.equations.bushings`.
+
+    Attributes:
+        a: Point to which frame A is fixed.
+        b: Point to which frame B is fixed.
+        frames: Frames A and B in the initial configuration, each (4, 3).
+        stiffness: Stiffness of the relative motion, shape (6, 6).
+        damping: Damping of the relative motion, shape (6, 6).
+    """
+
+    a: Point
+    b: Point
+    frames: tuple[Array, Array]
+    stiffness: Array
+    damping: Array
+
+
 class Connection(ABC):
     """Base class of whatever connects frames of bodies.
 
@@ -178,6 +196,10 @@ class Connection(ABC):
 
     def sliding_definition(self) -> SlidingConstraintDefinition | None:
         """Definition of a frame that slides along a beam, or ``None``."""
+        return None
+
+    def bushing_definition(self) -> BushingDefinition | None:
+        """Definition of springs and dampers in six components, or ``None``."""
         return None
 
     @abstractmethod

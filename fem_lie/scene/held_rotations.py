@@ -63,6 +63,8 @@ def _by_connection(item: Connection) -> Iterator[tuple[Body, HeldRotation]]:
             yield from _by_each_other(item.label, definition.a, ground())
     for rolling in item.velocity_definitions():
         yield from _by_each_other(item.label, rolling.a, rolling.b)
+    if bushing := item.bushing_definition():
+        yield from _by_each_other(item.label, bushing.a, bushing.b)
 
 
 def _asks(body: Body) -> bool:

@@ -17,8 +17,8 @@ from fem_lie.bodies.body import Body
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.bodies.model import Holds
 from fem_lie.contact.contact import Contact
+from fem_lie.events.event import Event
 from fem_lie.joints.connection import Connection
-from fem_lie.joints.events import Event
 from fem_lie.joints.joint import Joint
 from fem_lie.joints.redundant import RedundantConstraints
 from fem_lie.joints.rigid_link import RigidLink

@@ -122,20 +122,10 @@ def single_forces(scene: Scene, beam: Beam) -> Indices:
     points: list[Point] = [load.point for load in scene.loads if isinstance(load, PointLoad)]
     points += [clamp.point for clamp in scene.clamps]
     points += [motion.point for motion in scene.motions]
-    points += [item.b for item in sliding]
     for link in scene.links:
         points += [link.a, link.b]
     for connection in (*scene.joints, *scene.connections):
-        points += [
-            point
-            for definition in connection.definitions()
-            for point in (definition.a, definition.b)
-        ]
-        points += [
-            point
-            for definition in connection.velocity_definitions()
-            for point in (definition.a, definition.b)
-        ]
+        points += connection.points
     own = [point for point in points if point.body is beam]
     nodes = [
         n for point in own for n in (point.attachment.nodes if point.attachment else (point.node,))

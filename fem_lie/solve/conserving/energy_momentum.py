@@ -67,6 +67,7 @@ def refuse_scene(equations: Equations) -> None:
     """
     unknowns, known = equations.unknowns, equations.arrays
     pairs = known.pairs_of_all
+    springs = unknowns.other_springs if pairs is None else pairs.other_springs
     apart = [
         f"{term.label} with damping" if term.viscosity is not None else term.label
         for term in known.terms
@@ -74,9 +75,7 @@ def refuse_scene(equations: Equations) -> None:
     ]
     reasons = {
         "force laws without a potential (ForceLaw)": unknowns.laws_without_potential,
-        "springs along coordinates of joints between the nodes of a Beam": (
-            unknowns.other_springs if pairs is None else pairs.other_springs
-        ),
+        f"springs of {', '.join(springs)}": bool(springs),
         "supports along axes fixed in space (Shell.roller)": bool(equations.supports),
         "joints that need the rotation of a cable's end or of a node without axes "
         "(Revolute, Fixed; Spherical away from the node)": pairs is not None and pairs.loose,

@@ -11,8 +11,9 @@ import numpy as np
 from fem_lie._arrays import Array, number
 from fem_lie._state import Stateful, attributes
 from fem_lie.bodies.body import Point
+from fem_lie.events.actions import Action
+from fem_lie.events.event import Event
 from fem_lie.joints.connection import Connection
-from fem_lie.joints.events import Action, Event
 from fem_lie.lie.node_types import retract_all
 from fem_lie.system.equations import Equations
 
@@ -28,7 +29,7 @@ class EventError(RuntimeError):
 
 
 class RunningState:
-    """A state of a run, see :class:`~fem_lie.joints.events.State`.
+    """A state of a run, see :class:`~fem_lie.events.state.State`.
 
     Attributes:
         time: The time.

@@ -17,6 +17,7 @@ from fem_lie._arrays import Array
 from fem_lie._state import HasState, Stateful, attributes
 from fem_lie.bodies.model import FoldedElementError
 from fem_lie.forms.abilities import PassedThroughError
+from fem_lie.joints.connection import LostBranchError
 from fem_lie.joints.laws import ForceLawError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result
@@ -215,7 +216,7 @@ class Integration(Driver[HistoryT]):
         _log.info("%s; %s; matrix: %s", *summary)
 
     def _accept_history(self, start: Array | None, middle: Array | None = None) -> bool:
-        """Accept the current frames; return whether no surfaces passed through each other.
+        """Accept the current frames; return whether surfaces and joints admit them.
 
         Args:
             start: Frames at the start of the step; without them surfaces are not checked.
@@ -223,7 +224,7 @@ class Integration(Driver[HistoryT]):
         """
         try:
             self.equations.history_variables.accept(self.frames, start)
-        except PassedThroughError as error:
+        except (PassedThroughError, LostBranchError) as error:
             self.reason = str(error)
             return False
         if start is not None:

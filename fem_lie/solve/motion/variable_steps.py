@@ -15,6 +15,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._state import attributes
 from fem_lie.forms.abilities import PassedThroughError
+from fem_lie.joints.connection import LostBranchError
 from fem_lie.joints.histories import declared
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results import Result
@@ -354,11 +355,11 @@ class VariableSteps(Driver[Growing]):
         return before, h, total, values
 
     def _accept_history(self, start: Array) -> bool:
-        """Whether the equations accept the end, with no surfaces passing through each other."""
+        """Whether the equations accept the end: surfaces and joints admit it."""
         stepper = self._stepper
         try:
             stepper.equations.history_variables.accept(stepper.frames, start)
-        except PassedThroughError as error:
+        except (PassedThroughError, LostBranchError) as error:
             stepper.reason = str(error)
             return False
         stepper.equations.history_variables.watch(start, stepper.frames, stepper.h)

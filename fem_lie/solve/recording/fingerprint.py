@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.canonical import CanonicalBytes, attributes, data_of_body
-from fem_lie.joints.events import Action
+from fem_lie.events.actions import Action
 from fem_lie.scene import Scene
 from fem_lie.system.equations import Equations
 
@@ -83,6 +83,7 @@ class Fingerprint:
                 ("activity", item.active),
                 ("sliding", item.sliding_definition()),
                 ("rolling", item.velocity_definitions()),
+                ("bushing", item.bushing_definition()),
             ):
                 self._add(f"{name} of connection {k}", value, f"{name} of {item.label}")
         for k, event in enumerate(scene.events, start=1):

@@ -37,7 +37,7 @@ class AllPairs(NamedTuple):
         oriented: Nodes and attachments of which more than the position matters, shape (n + g,).
         turns: Whether any angle is counted beyond a full turn.
         loose: Whether axes matter that do not rotate with their node or attachment.
-        other_springs: Whether there are springs in sets whose pairs are not here.
+        other_springs: Descriptions of sets with springs whose pairs are not here.
     """
 
     joints: PackedJoints
@@ -45,7 +45,7 @@ class AllPairs(NamedTuple):
     oriented: Flags
     turns: bool
     loose: bool
-    other_springs: bool
+    other_springs: Sequence[str]
 
 
 def all_pairs(
@@ -84,7 +84,7 @@ def all_pairs(
         bool
     )
     turns, loose = bool(table.functions.any()), bool((oriented & ~whole).any())
-    springs = any(len(each.springs) > 0 for each in sets[len(parts) :])
+    springs = [each.what for each in sets[len(parts) :] if len(each.springs)]
     return AllPairs(pack(table), attachments, oriented, turns, loose, springs)
 
 

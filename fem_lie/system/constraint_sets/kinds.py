@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from fem_lie.system.constraint_sets.bushings import Bushings
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
     Numbered,
@@ -18,7 +19,7 @@ from fem_lie.system.constraint_sets.relative_motions import RelativeMotions
 from fem_lie.system.constraint_sets.rolls import Rolls
 from fem_lie.system.constraint_sets.slides import Slides
 
-KINDS: tuple[type[ConstraintSet], ...] = (RelativeMotions, Slides, Rolls)
+KINDS: tuple[type[ConstraintSet], ...] = (RelativeMotions, Slides, Bushings, Rolls)
 
 
 def sets_of(

@@ -57,6 +57,7 @@ class HistoryVariables:
 
         Raises:
             PassedThroughError: They did; no history variable has changed.
+            LostBranchError: A bushing is rotated by almost half a turn.
             ValueError: Something slid off its beam.
         """
         if start is not None:

@@ -58,7 +58,7 @@ class Unknowns(NamedTuple):
         preloaded: Whether there are springs with a prescribed rest value.
         may_be_redundant: Whether constraints may be redundant.
         other_constraints: Descriptions of constraints that are not between two frames.
-        other_springs: Whether there are springs along coordinates of these.
+        other_springs: Descriptions of these that have springs.
         drilling: Shells whose nodes have drilling rotations.
         floating: Bodies that deform within their frames.
         has_potential: Whether all loads have a potential.
@@ -95,7 +95,7 @@ class Unknowns(NamedTuple):
     preloaded: bool
     may_be_redundant: bool
     other_constraints: Sequence[str]
-    other_springs: bool
+    other_springs: Sequence[str]
     drilling: Sequence[str]
     floating: Sequence[str]
     has_potential: bool
@@ -143,7 +143,7 @@ class Unknowns(NamedTuple):
             preloaded=shared.any(connections.preloaded),
             may_be_redundant=system.scene.redundant is not RedundantConstraints.REFUSE,
             other_constraints=connections.others,
-            other_springs=shared.any(any(len(each.springs) > 0 for each in connections.sets[1:])),
+            other_springs=[each.what for each in connections.sets[1:] if len(each.springs)],
             drilling=[
                 b.label
                 for b, six in numbering.has_drilling.items()
