@@ -1,4 +1,4 @@
-"""Postprocessing: section forces, stress resultants, stresses, contact forces, pictures."""
+"""Postprocessing: section forces, stresses, contact forces, frequency response, pictures."""
 
 from typing import TYPE_CHECKING
 
@@ -20,11 +20,15 @@ if TYPE_CHECKING:
     )
     from fem_lie.results.stresses.solid_stress import SolidStresses, solid_stresses
     from fem_lie.results.stresses.thin_resultants import ThinResultants, thin_resultants
+    from fem_lie.results.vibrations.response import FrequencyResponse
+    from fem_lie.solve.small_motions.frequency_response import BaseExcitation, frequency_response
 else:
     __getattr__, __dir__ = public_names(__name__)
 
 __all__ = [
+    "BaseExcitation",
     "ContactForces",
+    "FrequencyResponse",
     "NodalColours",
     "Page",
     "Resultants",
@@ -34,6 +38,7 @@ __all__ = [
     "ThinResultants",
     "Units",
     "contact_forces",
+    "frequency_response",
     "resultant_colours",
     "resultant_series",
     "resultants",

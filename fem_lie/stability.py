@@ -7,7 +7,7 @@ from fem_lie._public_names import public_names
 if TYPE_CHECKING:
     from fem_lie.results.mode_shapes import BucklingModes
     from fem_lie.results.path import CriticalPoint, CriticalPointType, EquilibriumPath, PathState
-    from fem_lie.results.vibrations import Modes
+    from fem_lie.results.vibrations.modes import Modes
     from fem_lie.solve.stability.branches import switch_branch
     from fem_lie.solve.stability.imperfections import (
         FieldImperfection,

@@ -288,6 +288,15 @@ def test_rotating_beam():
     assert len(found) == 2 and max(map(abs, found.values())) <= 1e-2
 
 
+def test_frequency_response():
+    """Exact dynamic stiffness; motions in time."""
+    record = main("frequency_response")
+    errors = {key: error for found in record["errors"].values() for key, error in found.items()}
+    assert set(errors) == {"direct", "modal", "base_excitation"}
+    assert max(errors.values()) <= 2e-6
+    assert max(record["errors_in_time"].values()) <= 5e-4
+
+
 def test_speed_against_error(tmp_path):
     """Orders are those of the theory; docs/measured/speed_against_error.csv has more meshes."""
     record = study("speed_against_error", coarsest=8, finest=64, smallest_step=1.25e-4, repeats=1)

@@ -74,7 +74,9 @@ VIEWS = {
 }
 """What can be asked of the constraints at a position, what is remembered, of a time, of a state."""
 
-IMPORTED = {f"equations.{name}" for name in ("Equations", "TimeState", "LinearState", "Plan")}
+IMPORTED = {f"equations.{name}" for name in ("Equations", "TimeState", "LinearState", "Plan")} | {
+    "small_motions.SmallMotions"
+}
 
 COMPILED = {
     "nodes.numbering.expand_motion",

@@ -84,11 +84,22 @@ SOLVERS = {
     "path": (fl.stability.EquilibriumPath, lambda scene: fl.follow_path(scene, 1.0)),
     "buckling": (fl.stability.BucklingModes, lambda scene: fl.buckling(scene, 2)),
     "vibrations": (fl.stability.Modes, lambda scene: fl.vibrations(scene, count=2)),
+    "response": (
+        fl.post.FrequencyResponse,
+        lambda scene: fl.post.frequency_response(
+            scene, fl.post.BaseExcitation((0, 0, 1.0)), [0.0, 1.0]
+        ),
+    ),
     "motion": (
         fl.Result,
         lambda scene: fl.GeneralisedAlpha().run(scene, duration=0.02, step=0.01),
     ),
 }
+
+
+COMPLEX = ("vibrations", "response")
+MODES = ("buckling", *COMPLEX)
+"""Results with displacements about one state."""
 
 
 @pytest.fixture(scope="module")
@@ -177,7 +188,7 @@ def test_functions_are_on_the_mesh_that_was_given(results, kind, solver):
     found = result.functions(body)
     displacement = found["displacement"]
     assert displacement.function_space.mesh is mesh
-    row = 0 if solver in ("buckling", "vibrations") else -1
+    row = 0 if solver in MODES else -1
     values = result.displacement(body.point((LENGTH, 0.0, 0.0)))[row].real
     x = displacement.function_space.tabulate_dof_coordinates()
     at = np.flatnonzero(np.isclose(x, (LENGTH, 0.0, 0.0)).all(axis=1))
@@ -256,8 +267,8 @@ def test_tables(results, solver, tmp_path):
     label, values = result._rows()
     assert header[0] == label
     np.testing.assert_array_equal(table[label], values)
-    modes = solver in ("buckling", "vibrations")
-    name = f"{end.label} {'uz' if modes else 'z'}{' re' if solver == 'vibrations' else ''}"
+    modes = solver in MODES
+    name = f"{end.label} {'uz' if modes else 'z'}{' re' if solver in COMPLEX else ''}"
     expected = (result.displacement(end) if modes else result.position(end))[:, 2].real
     np.testing.assert_array_equal(table[name], expected)
     quantity, own = {
@@ -265,6 +276,7 @@ def test_tables(results, solver, tmp_path):
         "path": ("negative pivots", lambda: result.negative_pivots),
         "buckling": ("load factor", lambda: result.factors),
         "vibrations": ("frequency", lambda: result.hertz),
+        "response": ("frequency", lambda: result.hertz),
         "motion": ("kinetic", lambda: result.kinetic),
     }[solver]
     np.testing.assert_array_equal(table[quantity], own())

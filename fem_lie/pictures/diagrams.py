@@ -11,6 +11,7 @@ import numpy as np
 from fem_lie.pictures.stage import SI
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
 
 # colours of Okabe & Ito, distinguishable with colour vision deficiency
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+
+
+_NIL = 1e-9  # of the largest component
 
 
 def energies(
@@ -122,6 +126,35 @@ def displacements(
         _components(ax, factors, np.vstack([np.zeros(3), moved]), "u", marker="o")
         ax.set_ylabel(f"{label} [{units.length}]")
     axes[-1].set_xlabel("load factor")
+    return saved(figure, path)
+
+
+def responses(
+    frequencies: Array,
+    amplitudes: npt.NDArray[np.complex128],
+    label: str,
+    path: str | os.PathLike[str] | None = None,
+    *,
+    units: Units = SI,
+) -> Figure:
+    """Modulus and phase of the components of a displacement over frequency.
+
+    Args:
+        frequencies: Angular frequencies, shape (k,).
+        amplitudes: Complex amplitudes, shape (k, 3).
+        label: Name of the point.
+        path: Name of the file if it is to be saved.
+        units: Units of the axes.
+    """
+    figure, (above, below) = figure_of_rows(2, "Frequency response", units)
+    size = np.abs(amplitudes).max(axis=0)
+    for index in np.flatnonzero(size > _NIL * size.max()):
+        values, colour = amplitudes[:, index], COLOURS[index]
+        above.semilogy(frequencies, np.abs(values), color=colour, label=f"$u_{'xyz'[index]}$")
+        below.plot(frequencies, np.degrees(np.unwrap(np.angle(values))), color=colour)
+    above.set_ylabel(f"{label} [{units.length}]")
+    _legend(above)
+    below.set(xlabel=f"angular frequency [rad/{units.time}]", ylabel="phase [°]")
     return saved(figure, path)
 
 

@@ -269,6 +269,10 @@ class SmallMotions:
         ]
         return RigidParts(rest, (K - rest).tocsr(), self._matrix(blocks), motions)
 
+    def forces(self, nodal: Array) -> Array:
+        """Forces on the free unknowns, in the unit of energy, from those of all, shape (6 n,)."""
+        return np.asarray((self.weight * nodal)[~self._system.held.ravel()])
+
     def twists(self, vector: Complex) -> Complex:
         """Twists of all nodes, (N, 6), from a vector of free unknowns."""
         system = self._system

@@ -1,14 +1,6 @@
-"""Small vibrations about any equilibrium, and the scaling of modes.
+"""Free small vibrations about any equilibrium, and the scaling of modes.
 
-With ``H exp(h)`` near the equilibrium ``H`` the linear equations are, without any further
-assumption on the scene (:func:`fem_lie.system.small_motions.linearised`)::
-
-    M ḧ + (C + M ad(v)) ḣ + (∂r/∂h + C ad(v)) h + Bᵀ δλ = 0,    B h = 0
-
-with ``v`` the local velocities of the steady rotation. The stiffness includes the geometric
-stiffness of stress, loads and joints, and centrifugal softening; the damping includes the Coriolis
-terms.
-
+The equations are those of :func:`~fem_lie.solve.stability.equilibrium_state.small_motions`.
 Modes are scaled by their largest displacement, or by rotation if they consist of rotations only.
 This is decided for each node: a node that rotates by θ, with cells of length l around it, moves by
 a good part of l θ in any wave that the mesh can represent, however short it is and however large
@@ -23,18 +15,14 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices, instance, whole
+from fem_lie._arrays import Array, Indices, whole
 from fem_lie.bodies.body import Body
-from fem_lie.joints.redundant import RedundantConstraints
-from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.spectra.smallest import smallest
 from fem_lie.results.equilibrium import StaticResult
-from fem_lie.results.vibrations import Modes
+from fem_lie.results.vibrations.modes import Modes
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
-from fem_lie.solve.statics.load_steps import Newton
-from fem_lie.solve.statics.statics import statics
-from fem_lie.system.equations import Equations
+from fem_lie.solve.stability.equilibrium_state import small_motions
 
 Shape = npt.NDArray[np.float64] | npt.NDArray[np.complex128]
 
@@ -135,28 +123,12 @@ def vibrations(
         ValueError: Invalid scene or options; no inertia; more modes than degrees of freedom.
         ConvergenceError: No equilibrium, or no method computes all modes to their residuals.
     """
-    rotation = Rotation.of(spin, about)
-    rotation.check(scene)
     whole(count, "count")
-    instance(at, StaticResult | None, "at", "a result of fl.statics or None")
-    if at is not None:
-        if rotation:
-            raise ValueError("the rotation is that of at=...; do not give spin, too")
-        rotation = at.steady_rotation
-    equations = Equations(scene, dynamics=True)
+    equations, state = small_motions(scene, at, Rotation.of(spin, about), load_steps)
     unknowns = equations.unknowns
-    if scene.redundant is not RedundantConstraints.REFUSE:
-        raise ValueError("vibrations need constraints without redundant ones")
-    if any(joint.velocity_definitions() for joint in scene.joints):
-        raise ValueError("vibrations need position constraints, got a velocity constraint")
     free = int((~unknowns.held).sum()) - unknowns.m
     if not 1 <= count <= free:
         raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
-    state = equations.small_motions(rotation)
-    if at is None and not state.balanced():
-        at = _equilibrium(scene, spin, about, load_steps)
-    if at is not None:
-        state.move(at.info.renumbered(at.frames, unknowns.bodies))
     s, vectors, residuals = smallest(state.pencil(), count, state.rate, petsc_options_prefix)
     lengths = node_lengths(unknowns.bodies)
     found = [scaled(state.twists(vector), lengths) for vector in vectors]
@@ -172,32 +144,3 @@ def vibrations(
     if modes.unstable.any():
         _log.warning("the equilibrium is unstable: eigenvalues %s", s[modes.unstable])
     return modes
-
-
-def _equilibrium(
-    scene: Scene, spin: npt.ArrayLike, about: npt.ArrayLike, load_steps: int
-) -> StaticResult:
-    """Equilibrium by statics, down to round-off if possible.
-
-    Soft directions are sensitive to the forces that an error of 1e-10 lengths causes along stiff
-    axes.
-
-    Raises:
-        ConvergenceError: There is none; the message says how to get one.
-    """
-    try:
-        fine = Newton(tolerance=1e-12)
-        return statics(scene, spin=spin, about=about, load_steps=load_steps, newton=fine)
-    except ConvergenceError:
-        pass
-    try:
-        return statics(scene, spin=spin, about=about, load_steps=load_steps)
-    except ConvergenceError as error:
-        raise ConvergenceError(
-            "vibrations are about an equilibrium: the configuration in which the bodies were "
-            "created is none under these loads, and fl.statics finds none from there. Create the "
-            "bodies where they are at rest (a pendulum where it hangs), or let a damped motion "
-            "come to rest and continue from its end with fl.adaptivity.transfer, or give "
-            f"at=fl.statics(...) of the scene in smaller load steps. Statics says: {error}",
-            error.result,
-        ) from None

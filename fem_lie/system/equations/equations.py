@@ -358,7 +358,7 @@ class Equations:
         """Linear equations about the initial frames, in a rotating frame.
 
         Args:
-            rotation: Estimated error of rotations, rad.
+            rotation: Steady rotation of that frame.
         """
         return SmallMotions(self._system, rotation)
 

@@ -1,0 +1,1 @@
+"""Analyses by the linearised equations of motion: frequency response."""
