@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from fem_lie.solve.multirate.multi_rate import MultiRate
     from fem_lie.solve.statics.load_steps import Newton
     from fem_lie.solve.step_control import AdaptiveStep, ConstantStep
+    from fem_lie.solve.trees.munthe_kaas import MuntheKaas
     from fem_lie.solve.variational.variational import Variational
     from fem_lie.system.nodes.element_rotations import CoarseElementsWarning
 else:
@@ -51,6 +52,7 @@ __all__ = [
     "MatrixFrame",
     "MatrixTerms",
     "MultiRate",
+    "MuntheKaas",
     "Newton",
     "NineStages",
     "Record",

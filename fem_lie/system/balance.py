@@ -341,6 +341,15 @@ class EnergyBalance(Stateful):
             return connections.table.targets
         return connections.present_targets
 
+    def rates(self, state: TimeState, row: Array) -> None:
+        """Rates of the balance at the current time of the equations, for a quadrature.
+
+        Args:
+            state: Frames, twists, their rates and multipliers.
+            row: Power, dissipation and resultants, shape (14,), overwritten.
+        """
+        self._acting.look(*state, row, self._wrenches)
+
     def add(self, h: float, time: float, H: Array, v: Array, a: Array, multipliers: Array) -> None:
         """Add a step, whose end is the current time of the equations and the given state.
 

@@ -262,3 +262,29 @@ def look_and_sum_up(
     H, v, multipliers, _ = end
     look(H, v, multipliers, scene, row, wrenches)
     sum_up(h, end, row, wrenches, this.start, this.total)
+
+
+@linked
+def look_at(
+    H: Array,
+    v: Array,
+    multipliers: Array,
+    looks: tuple[bool, bool],
+    row: Array,
+    wrenches: Array,
+    table: Indices,
+) -> None:
+    """:func:`look` at a state within a step.
+
+    Args:
+        H: Frames of all nodes, ground and prescribed motions.
+        v: Twists, shape (n, 6).
+        multipliers: Lagrange multipliers, shape (m,).
+        looks: Whether to evaluate loads, and joints.
+        row: Shape (14,), overwritten.
+        wrenches: Forces and moments of ground and prescribed frames, shape (p + 1, 6), overwritten.
+        table: Constant arrays, see :class:`_Actions`.
+    """
+    this = _actions(table)
+    constant = this.conservative, this.damping, this.joints, this.bodies
+    look(H, v, multipliers, (this.kinds, this.loads, *constant, *looks), row, wrenches)

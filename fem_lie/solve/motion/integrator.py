@@ -44,6 +44,9 @@ class Integrator(ABC):
     _has_events: ClassVar[bool] = False
     """Whether the scheme ends steps at events, and has constraints that may be inactive."""
 
+    _order: ClassVar[int] = ORDER
+    """Order of the error estimate of a step, over its size."""
+
     def run(
         self,
         scene: Scene,
@@ -151,7 +154,7 @@ class Integrator(ABC):
 
         def begin(equations: Equations) -> VariableSteps:
             jumps, length = events(scene, plan.duration), equations.unknowns.length
-            control = choice.control(plan.duration, length, ORDER, jumps)
+            control = choice.control(plan.duration, length, self._order, jumps)
             finer = steppers(equations, control) if choice.refinement > 1 else None
             return VariableSteps(steppers(equations, control), control, finer, choice.refinement)
 
