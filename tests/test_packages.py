@@ -133,6 +133,7 @@ MAY_IMPORT = {
     "solve.composed": {"solve.conserving", "solve.variational"},
     "solve.multirate": {"solve.conserving"},
     "solve.hamel": {"solve.conserving.midpoint"},
+    "solve.trees": {"solve.motion"},
 }
 """Packages and what each may import directly; imports are transitive."""
 

@@ -77,7 +77,9 @@ def mujoco(request: Record) -> Record:
         f'<option integrator="RK4" timestep="{request["step"]!r}" '
         f'gravity="{_text(request["gravity"])}"><flag contact="disable"/></option>'
     )
-    text = f"<mujoco>{option}<worldbody>{''.join(parts)}{'</body>' * (last + 1)}</worldbody></mujoco>"
+    text = (
+        f"<mujoco>{option}<worldbody>{''.join(parts)}{'</body>' * (last + 1)}</worldbody></mujoco>"
+    )
     model = mj.MjModel.from_xml_string(text)
     data = mj.MjData(model)
     if anchors[0] is None:

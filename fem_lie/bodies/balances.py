@@ -28,6 +28,9 @@ WORK, DAMPING, NUMERICAL, COLUMNS = 0, 1, 2, 3
 BY_LOADS, BY_REACTIONS, TOTAL = 3, 9, 15
 """First columns of the impulses of loads and of reactions behind those three; number of columns."""
 
+POWER, LOSS, LOADS, REACTIONS, SIZE = 0, 1, 2, 8, 14
+"""First index of each external action at one time in a row, and the size of a row."""
+
 
 def energy_gaps(total: Array, balance: Array) -> Array:
     """Energy less work plus dissipation, relative to the first row, shape (T,).

@@ -21,7 +21,17 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie._state import Stateful, attributes
-from fem_lie.bodies.balances import BY_REACTIONS, DAMPING, TOTAL, WORK
+from fem_lie.bodies.balances import (
+    BY_REACTIONS,
+    DAMPING,
+    LOADS,
+    LOSS,
+    POWER,
+    REACTIONS,
+    SIZE,
+    TOTAL,
+    WORK,
+)
 from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays
 from fem_lie.joints.equations.terms import wrenches
 from fem_lie.lie.node_types import acceleration, pull_back
@@ -30,11 +40,6 @@ from fem_lie.system import outer_forces
 from fem_lie.system.nodes.masses import PlainLoads
 from fem_lie.system.nodes.sums import add_moments
 from fem_lie.system.outer_forces import (
-    LOADS,
-    LOSS,
-    POWER,
-    REACTIONS,
-    SIZE,
     LastState,
     PlainScene,
     add_local,

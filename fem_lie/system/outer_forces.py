@@ -16,7 +16,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked, uncounted
 from fem_lie._jit.copies import copy_blocks, copy_matrix, copy_vector
 from fem_lie._jit.packed_arrays import Integers1, Numbers1, Numbers2, Numbers3, unpacking
-from fem_lie.bodies.balances import BY_LOADS
+from fem_lie.bodies.balances import BY_LOADS, LOADS, LOSS, POWER, REACTIONS, SIZE
 from fem_lie.joints.equations import terms
 from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays
 from fem_lie.lie.node_types import floating, inertia, push_all_forward, wrench
@@ -34,9 +34,6 @@ from fem_lie.lie.tuples import (
     scaled,
 )
 from fem_lie.system.nodes.masses import PlainLoads
-
-POWER, LOSS, LOADS, REACTIONS, SIZE = 0, 1, 2, 8, 14
-"""First index of each quantity in a row, and the size of a row."""
 
 PlainScene: TypeAlias = tuple[
     Indices, PlainLoads, Array, PlainInertia, PackedJoints, PlainFloating, bool, bool

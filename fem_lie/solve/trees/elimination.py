@@ -14,9 +14,9 @@ a link with free columns, one after the other, are ::
 
 since no force acts along ``s``. Outward again, ``q̈ = −(e + u·v̇)/d`` in reverse order. The work
 grows with the number of links (Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7).
-Ball joints are eliminated as a block of three: what is left of the inertia is a 3×3 mass of their
-centre. All components are along the axes of the links, so that inertia is constant; uniform gravity
-is an acceleration of the ground.
+Rotations of ball joints and of free links are eliminated as a block of three: what is left of the
+inertia is a 3×3 mass of their centre. All components are along the axes of the links, so that
+inertia is constant; uniform gravity is an acceleration of the ground.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from __future__ import annotations
 from typing import NamedTuple, TypeAlias
 
 from fem_lie._arrays import Array
-from fem_lie._jit import inlined, uncounted
+from fem_lie._jit import inlined, inlined_uncounted, uncounted
 from fem_lie._jit.packed_arrays import Frames, Integers1, Numbers1, Numbers2, Sixes
 from fem_lie.lie.tuples import (
     Matrix,
@@ -32,17 +32,19 @@ from fem_lie.lie.tuples import (
     combined,
     cross,
     dot,
+    load,
     load_row,
     minus,
     plus,
     rotate,
     rotate_back,
     scaled,
+    store,
 )
 
-
-BALL, COMMUTING, GROUP = range(3)
-"""Motions of a joint: rotations about its centre, columns that commute, any other subgroup."""
+BALL, FREE, COMMUTING, GROUP = range(4)
+"""Motions of a joint: rotations about its centre, all (of a link without one before), columns that
+commute, any other subgroup."""
 
 Symmetric: TypeAlias = tuple[float, float, float, float, float, float]
 """Symmetric 3×3 matrix: xx, xy, xz, yy, yz, zz."""
@@ -82,8 +84,9 @@ class Motion(NamedTuple):
         bent: ``ad(v) S q̇``, (k, 6).
         inertia: Inertia of each link with all behind it, (k, 21).
         p: Force of each link with all behind it, if it is not accelerated, (k, 6).
-        u: ``I s`` of all columns; of ball joints the columns of ``B D⁻¹``, (d, 6).
-        e: ``s·p`` and ``1/d`` of all columns; of ball joints ``D⁻¹ p``, (d, 2).
+        u: ``I s`` of all columns; of ball joints and free links the columns of ``B D⁻¹``, (d, 6).
+        e: ``s·p`` and ``1/d`` of all columns; of ball joints and free links ``D⁻¹ p``, then the
+            acceleration of the origin, (d, 2).
         a: Rates of the twists minus gravity, (k, 6).
         rate: ``q̈``, (d,).
     """
@@ -213,7 +216,7 @@ def _add_inertia(
         M[i, 12 + k] += b[2][k]
 
 
-@uncounted
+@inlined_uncounted
 def outward(links: Links, now: Motion, bias: bool) -> None:
     """Velocities of all links, and their own inertia; with ``bias`` the forces of inertia at rest.
 
@@ -227,7 +230,9 @@ def outward(links: Links, now: Motion, bias: bool) -> None:
         p, start, end = links.parent[i], links.first[i], links.first[i + 1]
         u = ω = su = sω = zero
         if links.motion[i] == BALL:
-            sω = now.w[start], now.w[start + 1], now.w[start + 2]
+            sω = load(now.w, start)
+        elif links.motion[i] == FREE:
+            su, sω = load(now.w, start), load(now.w, start + 3)
         else:
             for k in range(start, end):
                 su = combined(1.0, su, now.w[k], _first(links.columns, k))
@@ -257,7 +262,7 @@ def outward(links: Links, now: Motion, bias: bool) -> None:
             _store(now.p, i, zero, zero)
 
 
-@uncounted
+@inlined_uncounted
 def inward(links: Links, now: Motion) -> None:
     """Eliminate all columns, from the last link to the first."""
     for i in range(links.parent.shape[0] - 1, -1, -1):
@@ -266,7 +271,7 @@ def inward(links: Links, now: Motion) -> None:
         pu, pω = _first(now.p, i), _last(now.p, i)
         d1, d2, d3 = load_row(now.X[i], 1), load_row(now.X[i], 2), load_row(now.X[i], 3)
         r, cu, cω = load_row(now.X[i], 0), _first(now.bent, i), _last(now.bent, i)
-        if links.motion[i] == BALL:
+        if links.motion[i] <= FREE:
             inverse = _inverse(D)
             e = _times_symmetric(inverse, pω)
             w1 = _times_symmetric(inverse, (B[0], B[1], B[2]))
@@ -275,14 +280,21 @@ def inward(links: Links, now: Motion) -> None:
             for k in range(3):
                 now.u[start + k, 0], now.u[start + k, 1] = w1[k], w2[k]
                 now.u[start + k, 2], now.e[start + k, 0] = w3[k], e[k]
-            if parent < 0:
+            ball = links.motion[i] == BALL
+            if ball and parent < 0:
                 continue
             b1, b2, b3 = (B[0], B[1], B[2]), (B[3], B[4], B[5]), (B[6], B[7], B[8])
             A = (
                 A[0] - dot(w1, b1), A[1] - dot(w1, b2), A[2] - dot(w1, b3),
                 A[3] - dot(w2, b2), A[4] - dot(w2, b3), A[5] - dot(w3, b3),
             )  # fmt: skip
-            f = plus(minus(pu, _times(B, e)), _times_symmetric(A, cu))
+            f = minus(pu, _times(B, e))
+            if not ball:
+                f = _times_symmetric(_inverse(A), f)
+                for k in range(3):
+                    now.e[start + 3 + k, 0] = -f[k]
+                continue
+            f = plus(f, _times_symmetric(A, cu))
             f, A = rotate(d1, d2, d3, f), _rotated(d1, d2, d3, A)
             _add(now.p, parent, 0, f)
             _add(now.p, parent, 3, cross(r, f))
@@ -342,7 +354,7 @@ def inward(links: Links, now: Motion) -> None:
         _add_inertia(now.inertia, parent, A, (c1, c2, c3), S)
 
 
-@uncounted
+@inlined_uncounted
 def accelerations(links: Links, now: Motion) -> None:
     """Rates of all twists and of ``q̇``, from the first link to the last."""
     g = -links.gravity[0], -links.gravity[1], -links.gravity[2]
@@ -355,15 +367,19 @@ def accelerations(links: Links, now: Motion) -> None:
             u = plus(_first(now.a, parent), cross(ω, load_row(now.X[i], 0)))
         u = plus(rotate_back(d1, d2, d3, u), _first(now.bent, i))
         ω = plus(rotate_back(d1, d2, d3, ω), _last(now.bent, i))
-        if links.motion[i] == BALL:
-            for k in range(3):
-                at = start + k
-                now.rate[at] = -now.e[at, 0] - dot(_first(now.u, at), u) - ω[k]
-            ω = (
-                ω[0] + now.rate[start],
-                ω[1] + now.rate[start + 1],
-                ω[2] + now.rate[start + 2],
+        if links.motion[i] <= FREE:
+            at = start
+            if links.motion[i] == FREE:
+                found = now.e[start + 3, 0], now.e[start + 4, 0], now.e[start + 5, 0]
+                store(now.rate, start, minus(found, u))
+                u, at = found, start + 3
+            turned = (
+                -now.e[start, 0] - dot(_first(now.u, start), u),
+                -now.e[start + 1, 0] - dot(_first(now.u, start + 1), u),
+                -now.e[start + 2, 0] - dot(_first(now.u, start + 2), u),
             )
+            store(now.rate, at, minus(turned, ω))
+            ω = turned
         else:
             for k in range(end - 1, start - 1, -1):
                 pulled = now.e[k, 0] + dot(_first(now.u, k), u) + dot(_last(now.u, k), ω)

@@ -20,11 +20,8 @@ from fem_lie.joints import kinds
 from fem_lie.joints.equations.joint_arrays import JointArrays, views
 from fem_lie.joints.joint import Joint
 from fem_lie.solve.motion.integrator import refuse
-from fem_lie.solve.trees.elimination import BALL, COMMUTING, GROUP, Links
+from fem_lie.solve.trees.elimination import BALL, COMMUTING, FREE, GROUP, Links
 from fem_lie.system.equations import Equations
-
-_SINGULAR = 1e-13
-"""Inertia along a free column, over that without other columns, that counts as none."""
 
 
 class Subgroup(NamedTuple):
@@ -40,7 +37,7 @@ class Subgroup(NamedTuple):
 
 
 _E = np.eye(6)
-_FREE, _BALL = Subgroup(GROUP, _E), Subgroup(BALL, _E[3:])
+_FREE, _BALL = Subgroup(FREE, _E), Subgroup(BALL, _E[3:])
 _ABOUT_X, _ABOUT_Z = Subgroup(COMMUTING, _E[3:4]), Subgroup(COMMUTING, _E[5:])
 _IN_PLANE = Subgroup(COMMUTING, _E[:2])
 _MOTIONS: dict[type[Joint], tuple[Subgroup, ...]] = {
@@ -79,19 +76,21 @@ class Tree(NamedTuple):
 
 
 class _Edge(NamedTuple):
-    """A joint from the side of one of its nodes: to which node, by which pair, and in which order.
+    """A joint from the side of one of its nodes: the node and the motions behind it.
 
     Attributes:
         to: Node behind the joint.
         pair: Pair of frames.
         near: Side of the pair from which the joint is seen.
-        joint: The joint.
+        label: Name of the joint.
+        parts: Motions of side B relative to side A.
     """
 
     to: int
     pair: int
     near: int
-    joint: Joint
+    label: str
+    parts: tuple[Subgroup, ...]
 
 
 def tree_of(equations: Equations, gravity: Array) -> Tree:
@@ -122,15 +121,18 @@ class _Builder:
 
     def _graph(self) -> list[list[_Edge]]:
         arrays, m = self._arrays, len(self._arrays.targets)
-        items = self._equations.system.connections.items
+        scene = self._equations.scene
+        items = [*scene.joints, *scene.connections]
         found: list[list[_Edge]] = [[] for _ in range(self._n + 1)]
-        for pair, (a, b) in enumerate(arrays.nodes):
+        for pair in range(len(arrays.nodes)):
+            a, b = (int(node) for node in arrays.nodes[pair])
             rows = arrays.rows[arrays.first[pair] : arrays.first[pair + 1]]
             for owner in np.unique(self._equations.arrays.owner[rows[rows < m]]):
                 joint = items[int(owner)]
-                _subgroups(joint)
-                found[a].append(_Edge(int(b), pair, 0, joint))
-                found[b].append(_Edge(int(a), pair, 1, joint))
+                assert isinstance(joint, Joint)
+                parts = _subgroups(joint)
+                found[a].append(_Edge(b, pair, 0, joint.label, parts))
+                found[b].append(_Edge(a, pair, 1, joint.label, parts))
         return found
 
     def build(self, gravity: Array) -> Tree:
@@ -171,7 +173,7 @@ class _Builder:
                 used.add(edge.pair)
                 if edge.to == self._n or self._link[edge.to] >= 0:
                     raise ValueError(
-                        f"MuntheKaas moves trees of bodies, and {edge.joint.label} closes a loop: "
+                        f"MuntheKaas moves trees of bodies, and {edge.label} closes a loop: "
                         "open it there by a stiff spring, or use GeneralisedAlpha"
                     )
                 self._join(node, edge)
@@ -185,7 +187,7 @@ class _Builder:
             lie.se3_compose(self._H[at], frame[side])
             for at, side in ((node, edge.near), (edge.to, far))
         )
-        parts = _subgroups(edge.joint)
+        parts = edge.parts
         relative = lie.se3_compose(lie.se3_inverse(near), end)
         between = _split(relative, parts) if far else _split(lie.se3_inverse(relative), parts)
         if not far:
@@ -231,13 +233,12 @@ class _Builder:
         return np.asarray(np.linalg.lstsq(S, twists[1] - twists[0], rcond=None)[0])
 
 
-def _subgroups(joint: object) -> tuple[Subgroup, ...]:
+def _subgroups(joint: Joint) -> tuple[Subgroup, ...]:
     """Subgroups of a joint, known by what it constrains.
 
     Raises:
         ValueError: It constrains something else.
     """
-    assert isinstance(joint, Joint)
     for kind, motions in _MOTIONS.items():
         same = np.array_equal(kind.selection, joint.selection)
         if same and not joint.functions.any():
@@ -245,7 +246,7 @@ def _subgroups(joint: object) -> tuple[Subgroup, ...]:
     if isinstance(joint, kinds.Screw):
         column = np.array([[0.0, 0.0, joint.pitch / (2.0 * np.pi), 0.0, 0.0, 1.0]])
         return (Subgroup(COMMUTING, column),)
-    known = ", ".join(kind.__name__ for kind in (*_MOTIONS, kinds.Screw))
+    known = ", ".join([*(kind.__name__ for kind in _MOTIONS), kinds.Screw.__name__])
     refuse("MuntheKaas", {f"{joint.label}, which is none of {known}": True})
     raise AssertionError
 
@@ -259,7 +260,7 @@ def _split(G: Array, parts: Sequence[Subgroup]) -> list[Array]:
         return [moved, np.vstack([np.zeros(3), G[1:]])]
     Q = G[1:].T
     angle, second = np.arctan2(Q[1, 0], Q[0, 0]), np.arctan2(Q[2, 1], Q[2, 2])
-    return [np.asarray(lie.se3_exp(a * part.columns[0])) for a, part in zip((angle, second), parts, strict=True)]
+    return [lie.se3_exp(angle * parts[0].columns[0]), lie.se3_exp(second * parts[1].columns[0])]
 
 
 def _inertia(G: Array, own: Array) -> Array:
@@ -274,20 +275,3 @@ def _inertia(G: Array, own: Array) -> Array:
     J = np.trace(moved, axis1=1, axis2=2)[:, None, None] * np.eye(3) - moved
     rows, columns = np.triu_indices(3)
     return np.column_stack([m, s, J[:, rows, columns]])
-
-
-def singular(links: Links, inertia: Array) -> Indices:
-    """Links without inertia along some of their free columns; ``inertia`` (k, 21) of all links."""
-    found = []
-    for i, row in enumerate(inertia):
-        S = links.columns[links.first[i] : links.first[i + 1]]
-        if len(S):
-            A, D = np.zeros((3, 3)), np.zeros((3, 3))
-            A[np.triu_indices(3)], D[np.triu_indices(3)] = row[:6], row[15:]
-            A, D = A + np.triu(A, 1).T, D + np.triu(D, 1).T
-            B = row[6:15].reshape(3, 3)
-            M = S @ np.block([[A, B], [B.T, D]]) @ S.T
-            size = np.sqrt(np.maximum(np.diag(M), 0.0))
-            if not size.all() or np.linalg.eigvalsh(M / np.outer(size, size))[0] < _SINGULAR:
-                found.append(i)
-    return np.array(found, dtype=np.int64)

@@ -19,6 +19,7 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie._state import ChangingArrays, attributes
+from fem_lie.bodies.balances import SIZE
 from fem_lie.bodies.rigid import RigidBody
 from fem_lie.joints.equations.joint_arrays import views
 from fem_lie.lie.motions import Group
@@ -35,11 +36,10 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.step_control import Control
-from fem_lie.solve.trees import steps
+from fem_lie.solve.trees import reported, steps
 from fem_lie.solve.trees.elimination import INERTIA, Motion
-from fem_lie.solve.trees.graph import Tree, singular, tree_of
+from fem_lie.solve.trees.graph import Tree, tree_of
 from fem_lie.system.equations import Equations, TimeState
-from fem_lie.system.outer_forces import SIZE
 
 _ROUND_OFF = 1e-12
 """Largest difference of dead loads from weights, over the largest weight."""
@@ -123,9 +123,7 @@ class MuntheKaasRun(Integration[Recorder]):
     def _how(self) -> steps.PlainOptions:
         balance, arrays = self.balance, self.equations.arrays
         compiled = not balance.empty and balance.compiled
-        return (
-            *steps.Options(self._summed, self._forced, compiled, *balance.looks, arrays.turns),
-        )
+        return (*steps.Options(self._summed, self._forced, compiled, *balance.looks, arrays.turns),)
 
     @property
     def _in_loop(self) -> bool:
@@ -166,19 +164,10 @@ class MuntheKaasRun(Integration[Recorder]):
         """Compute the initial accelerations.
 
         Raises:
-            ValueError: Velocities violate a joint, or a body lacks inertia.
+            ValueError: Velocities violate a joint.
         """
         check_velocities(self.equations, self.h)
         self._begin(0.0)
-        lacking = singular(self.tree.links, self.now.inertia)
-        if len(lacking):
-            node = int(np.flatnonzero(self.tree.link >= lacking[0])[0])
-            bodies, masters = self.equations.unknowns.bodies, self.equations.arrays.master
-            names = [body.label for body, nodes in bodies.items() if node in masters[nodes]]
-            raise ValueError(
-                f"MuntheKaas: {names[0]} and the bodies behind it have no inertia along a free "
-                "motion of its joint: expected positive moments of inertia"
-            )
 
     def _begin(self, time: float) -> None:
         """Evaluate the first stage at the current state."""
@@ -195,7 +184,7 @@ class MuntheKaasRun(Integration[Recorder]):
             self.equations.residual(self._instant, self._none, self._r, self._forces)
         steps.solve(table, how, stage)
         if self._looks:
-            steps.observe(table, self.multipliers)
+            reported.observe(table, self.multipliers)
             self.balance.rates(TimeState(self.H, self.v, self.a, self._none), self.rows[stage])
             steps.add_ground(table, stage)
 
@@ -222,7 +211,7 @@ class MuntheKaasRun(Integration[Recorder]):
     def _close(self, h: float) -> None:
         """End a step made from Python."""
         steps.close(self._packed.addresses, self._how, h)
-        steps.observe(self._packed.addresses, self.multipliers)
+        reported.observe(self._packed.addresses, self.multipliers)
 
     def _failure(self, steps: int) -> str:
         text = "numbers are not finite; explicit steps must resolve the fastest motion"
@@ -234,7 +223,7 @@ class MuntheKaasRun(Integration[Recorder]):
 
     def _now(self) -> TimeState:
         """State after a step, with accelerations and joint forces."""
-        steps.observe(self._packed.addresses, self.multipliers)
+        reported.observe(self._packed.addresses, self.multipliers)
         return TimeState(self.H, self.v, self.a, self.multipliers)
 
     def _record(self, history: Recorder) -> bool:
@@ -280,7 +269,7 @@ class MuntheKaasSteps(MuntheKaasRun):
         """Make step ``index``; return 1, or 0 if it failed."""
         h = end - start
         self._stages(start, h, end - side(end, h) if lands else end)
-        steps.errors(self._packed.addresses, h, self._error)
+        reported.errors(self._packed.addresses, h, self._error)
         self._close(h)
         self._made = index
         return int(np.isfinite(self.w).all())
@@ -323,8 +312,7 @@ class MuntheKaasSteps(MuntheKaasRun):
         self.balance.rest()
 
     def refactorise_at(self, time: float) -> None:
-        """There is no matrix; the first stage is that of the current state."""
-        self._begin(time)
+        """There is no matrix."""
 
 
 @dataclass(frozen=True)
@@ -392,9 +380,7 @@ def _refuse(scene: Scene) -> None:
         "prescribed motions": [motion.point.label for motion in scene.motions],
         "contact with impacts or friction": contacts,
     }
-    refuse(
-        "MuntheKaas", {f"{what} ({found[0]})": True for what, found in reasons.items() if found}
-    )
+    refuse("MuntheKaas", {f"{what} ({found[0]})": True for what, found in reasons.items() if found})
 
 
 def uniform_gravity(equations: Equations) -> bool:

@@ -19,7 +19,7 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import inlined, linked, uncounted
+from fem_lie._jit import inlined, inlined_uncounted, linked, uncounted
 from fem_lie._jit.copies import copy_vector
 from fem_lie._jit.packed_arrays import (
     Frames,
@@ -31,30 +31,28 @@ from fem_lie._jit.packed_arrays import (
     Sixes,
     unpacking,
 )
-from fem_lie._jit.stack import matrix_at, stack, vector_at
-from fem_lie.bodies.balances import BY_LOADS
-from fem_lie.joints.equations import one_pair, terms
-from fem_lie.joints.equations.joint_arrays import JointArrays, PackedJoints, joint_arrays
-from fem_lie.joints.equations.relative_motion import force
-from fem_lie.lie.series import exponential, inverse_coefficients
+from fem_lie._jit.stack import stack, vector_at
+from fem_lie.bodies.balances import BY_LOADS, LOADS, REACTIONS
+from fem_lie.joints.equations import terms
+from fem_lie.joints.equations.joint_arrays import PackedJoints, joint_arrays
+from fem_lie.lie.series import Coefficients, blend, dual_blend, exponential
 from fem_lie.lie.tuples import (
     Vector,
     add_wrench,
     combined,
-    cross,
     dot,
     load,
     load_frame,
     load_row,
     plus,
     rotate,
-    rotate_back,
     store,
     store_row,
 )
 from fem_lie.solve.trees.elimination import (
     BALL,
     COMMUTING,
+    FREE,
     Links,
     Motion,
     accelerations,
@@ -63,7 +61,7 @@ from fem_lie.solve.trees.elimination import (
     wrench,
 )
 from fem_lie.system.nodes.sums import residual
-from fem_lie.system.outer_forces import LOADS, REACTIONS, look_at
+from fem_lie.system.outer_forces import look_at
 
 STAGES = 4
 """Number of stages; the one after them is the first of the next step."""
@@ -163,11 +161,11 @@ class Run(NamedTuple):
     wrenches: Integers2
 
 
-_run = unpacking(Run)
+run_of = unpacking(Run)
 
 
 @inlined
-def _twist(links: Links, q: Array, i: int) -> tuple[Vector, Vector]:
+def twist_of(links: Links, q: Array, i: int) -> tuple[Vector, Vector]:
     """Combination of the columns of link ``i`` by the numbers ``q`` (d,)."""
     u = ω = (0.0, 0.0, 0.0)
     for k in range(links.first[i], links.first[i + 1]):
@@ -176,7 +174,7 @@ def _twist(links: Links, q: Array, i: int) -> tuple[Vector, Vector]:
     return u, ω
 
 
-@uncounted
+@inlined_uncounted
 def _move(links: Links, X0: Array, θ: Array, X: Array) -> None:
     """``X = X₀ exp(S θ)`` of all links."""
     for i in range(links.parent.shape[0]):
@@ -184,8 +182,10 @@ def _move(links: Links, X0: Array, θ: Array, X: Array) -> None:
         d1, d2, d3 = load_row(X0[i], 1), load_row(X0[i], 2), load_row(X0[i], 3)
         if links.motion[i] == BALL:
             u, ω = (0.0, 0.0, 0.0), load(θ, links.first[i])
+        elif links.motion[i] == FREE:
+            u, ω = load(θ, links.first[i]), load(θ, links.first[i] + 3)
         else:
-            u, ω = _twist(links, θ, i)
+            u, ω = twist_of(links, θ, i)
         moved, r1, r2, r3 = exponential(u, ω)
         store_row(X[i], 0, plus(x, rotate(d1, d2, d3, moved)))
         store_row(X[i], 1, rotate(d1, d2, d3, r1))
@@ -193,36 +193,41 @@ def _move(links: Links, X0: Array, θ: Array, X: Array) -> None:
         store_row(X[i], 3, rotate(d1, d2, d3, r3))
 
 
-@uncounted
+@inlined
+def _coefficients(x: float) -> tuple[Coefficients, Coefficients]:
+    """Coefficients of ``dexp⁻¹`` and their derivatives, up to the fifth power of the angle.
+
+    The scheme needs them up to the second; beyond a radian a step is inaccurate anyway.
+    """
+    e = 1.0 / 12.0 + x * (1.0 / 720.0 + x / 30240.0)
+    de = 1.0 / 720.0 + x / 15120.0
+    return (1.0 - x * e, 0.5, e), (-e - x * de, 0.0, de)
+
+
+@inlined_uncounted
 def _pull_back(links: Links, θ: Array, w: Array, out: Array) -> None:
     """``θ̇ = dexp⁻¹(θ) q̇`` of all links."""
-    work = vector_at(stack(18), 18)
-    d, v, moved = work[:6], work[6:12], work[12:18]
     for i in range(links.parent.shape[0]):
         start, end = links.first[i], links.first[i + 1]
         if links.motion[i] == BALL:
-            ω, q = load(θ, start), load(w, start)
-            (α, β, γ), _ = inverse_coefficients(dot(ω, ω))
-            turned = combined(α, q, β, cross(ω, q))
-            store(out, start, combined(1.0, turned, γ * dot(ω, q), ω))
+            ω = load(θ, start)
+            factors, _ = _coefficients(dot(ω, ω))
+            store(out, start, blend(factors, ω, load(w, start)))
         elif links.motion[i] == COMMUTING:
             for k in range(start, end):
                 out[k] = w[k]
         else:
-            u, ω = _twist(links, θ, i)
-            store(d, 0, u)
-            store(d, 3, ω)
-            u, ω = _twist(links, w, i)
-            store(v, 0, u)
-            store(v, 3, ω)
-            lie.apply_tangent_inverse(d, v, moved)
+            u, ω = twist_of(links, θ, i)
+            v, spin = twist_of(links, w, i)
+            both = _coefficients(dot(ω, ω))
+            turned, moved = dual_blend(both[0], both[1], ω, u, spin, v)
             for k in range(start, end):
                 s = links.columns[k]
                 # columns of these subgroups are unit vectors
-                out[k] = dot(load(s, 0), load(moved, 0)) + dot(load(s, 3), load(moved, 3))
+                out[k] = dot(load(s, 0), moved) + dot(load(s, 3), turned)
 
 
-@uncounted
+@inlined_uncounted
 def _combine(slopes: Array, part: int, weights: Array, h: float, start: Array, out: Array) -> None:
     """``out = start + h Σ a k``."""
     for k in range(out.shape[0]):
@@ -233,7 +238,7 @@ def _combine(slopes: Array, part: int, weights: Array, h: float, start: Array, o
 
 
 @uncounted
-def _observe(this: Run) -> None:
+def move_nodes(this: Run) -> None:
     """Frames of links and nodes in space, and twists of the nodes."""
     links, now = this.links, this.now
     for i in range(links.parent.shape[0]):
@@ -260,10 +265,10 @@ def _load(this: Run) -> None:
             this.now.p[i, k] += work[k]
 
 
-@linked
+@uncounted
 def place(table: Indices, how: PlainOptions, stage: int, h: float) -> None:
     """Frames and velocities of a stage; with other forces than gravity also those of all nodes."""
-    this, options = _run(table), Options(*how)
+    this, options = run_of(table), Options(*how)
     links, now, weights = this.links, this.now, _TABLEAU[stage]
     _combine(this.slopes, 1, weights, h, this.w, now.w)
     _combine(this.slopes, 0, weights, h, this.zero, this.angle)
@@ -271,13 +276,13 @@ def place(table: Indices, how: PlainOptions, stage: int, h: float) -> None:
     _pull_back(links, this.angle, now.w, this.slopes[stage, 0])
     outward(links, now, not options.forced)
     if options.forced or options.balance:
-        _observe(this)
+        move_nodes(this)
 
 
-@linked
+@uncounted
 def solve(table: Indices, how: PlainOptions, stage: int) -> None:
     """Accelerations of a stage, whose residual is known if the sum of forces is not compiled."""
-    this, options = _run(table), Options(*how)
+    this, options = run_of(table), Options(*how)
     links, now, none = this.links, this.now, this.none
     if options.forced:
         if options.summed:
@@ -306,14 +311,14 @@ def _add_ground(this: Run, row: Array) -> None:
 @linked
 def add_ground(table: Indices, stage: int) -> None:
     """Add the forces of joints between ground and the first links to the row of a stage."""
-    this = _run(table)
+    this = run_of(table)
     _add_ground(this, this.rows[stage])
 
 
-@linked
+@uncounted
 def close(table: Indices, how: PlainOptions, h: float) -> None:
     """Make the last stage the start of the next step."""
-    this, options = _run(table), Options(*how)
+    this, options = run_of(table), Options(*how)
     now, slopes = this.now, this.slopes
     for i in range(now.X.shape[0]):
         lie.reorthonormalise(now.X[i])
@@ -329,7 +334,7 @@ def close(table: Indices, how: PlainOptions, h: float) -> None:
         this.total[k if k < LOADS else k + BY_LOADS - LOADS] += h * total
     copy_vector(this.rows[STAGES], this.rows[0])
     if options.turns:
-        _observe(this)
+        move_nodes(this)
         terms.unwrap(this.H, joint_arrays(this.joints))
         terms.unwrap(this.H, joint_arrays(this.probes))
 
@@ -342,90 +347,3 @@ def advance(table: Indices, how: PlainOptions, h: float, count: int) -> None:
             place(table, how, stage, h)
             solve(table, how, stage)
         close(table, how, h)
-
-
-@linked
-def errors(table: Indices, h: float, out: Array) -> None:
-    """Estimated errors of the nodes at the last stage, local components, (n, 6)."""
-    this, part = _run(table), vector_at(stack(6), 6)
-    links, now, slopes, moved = this.links, this.now, this.slopes, this.now.bent
-    for k in range(this.angle.shape[0]):
-        this.angle[k] = h / 6.0 * (slopes[STAGES - 1, 0, k] - slopes[STAGES, 0, k])
-    for i in range(links.parent.shape[0]):
-        u, ω = _twist(links, this.angle, i)
-        for k in range(6):
-            moved[i, k] = 0.0
-        if links.parent[i] >= 0:
-            lie.apply_adjoint_inverse(now.X[i], moved[links.parent[i]], moved[i])
-        store(moved[i], 0, plus(load(moved[i], 0), u))
-        store(moved[i], 3, plus(load(moved[i], 3), ω))
-    for node in range(this.link.shape[0]):
-        lie.apply_adjoint_inverse(this.own[node], moved[this.link[node]], part)
-        for k in range(6):
-            out[node, k] = part[k]
-
-
-@linked
-def observe(table: Indices, multipliers: Array) -> None:
-    """Frames, twists and their rates of all nodes after :func:`solve`, and multipliers (m,)."""
-    this = _run(table)
-    _observe(this)
-    g, part = load(this.links.gravity, 0), vector_at(stack(6), 6)
-    for node in range(this.link.shape[0]):
-        i = this.link[node]
-        lie.apply_adjoint_inverse(this.own[node], this.now.a[i], part)
-        _, d1, d2, d3 = load_frame(this.H[node])
-        store(this.a[node], 0, plus(load(part, 0), rotate_back(d1, d2, d3, g)))
-        store(this.a[node], 3, load(part, 3))
-    _find_multipliers(this, joint_arrays(this.joints), multipliers)
-
-
-@uncounted
-def _find_multipliers(this: Run, arrays: JointArrays, out: Array) -> None:
-    """Lagrange multipliers from the forces of the joints on their links."""
-    work = vector_at(stack(one_pair.WORKSPACE), one_pair.WORKSPACE)
-    A, B, z, p, f, _, sides, total = one_pair.workspace(work)
-    m, columns, M = len(arrays.targets), matrix_at(stack(36), 6, 6), matrix_at(stack(42), 6, 7)
-    for j in range(this.pairs.shape[0]):
-        pair, link, side = this.pairs[j], this.wrenches[j, 0], this.wrenches[j, 1]
-        one_pair.locate(this.H, arrays, pair, A, B, z, f)
-        force_on, moment_on = wrench(this.now, link)
-        store(total, 0, force_on)
-        store(total, 3, moment_on)
-        count = 0
-        for t in range(arrays.first[pair], arrays.first[pair + 1]):
-            if arrays.rows[t] < m:
-                one_pair.gradient(arrays, pair, t, z, p)
-                force(z, p, sides[0], sides[1])
-                copy_vector(sides[side], columns[count])
-                count += 1
-        for i in range(count):
-            for k in range(count):
-                M[i, k] = dot_six(columns[i], columns[k])
-            M[i, 6] = -dot_six(columns[i], total)
-        _eliminate(M, count)
-        count = 0
-        for t in range(arrays.first[pair], arrays.first[pair + 1]):
-            if arrays.rows[t] < m:
-                out[arrays.rows[t]] = M[count, 6]
-                count += 1
-
-
-@inlined
-def dot_six(a: Array, b: Array) -> float:
-    """Product of two six-vectors."""
-    return dot(load(a, 0), load(b, 0)) + dot(load(a, 3), load(b, 3))
-
-
-@uncounted
-def _eliminate(M: Array, count: int) -> None:
-    """Solve with the positive definite ``M`` (count, count) for its last column."""
-    for k in range(count):
-        for i in range(count):
-            if i != k:
-                factor = M[i, k] / M[k, k]
-                for c in range(k, count):
-                    M[i, c] -= factor * M[k, c]
-                M[i, 6] -= factor * M[k, 6]
-    for k in range(count):
-        M[k, 6] /= M[k, k]
