@@ -78,6 +78,8 @@ class _Switch(Action):
         """Raise an error if the connection has no constraint that can be switched."""
         name = type(self).__name__
         _arrays.instance(self.connection, Connection, name, "a joint, drive or gear")
+        if self.connection.bounds is not None:
+            raise ValueError(f"{name}: {self.connection.label} is a limit, which switches itself")
         if not self.connection.size or self.connection.velocity_definitions():
             raise ValueError(
                 f"{name}: {self.connection.label} has no constraints of positions, expected a "

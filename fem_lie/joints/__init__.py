@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from fem_lie._public_names import public_names
 
 if TYPE_CHECKING:
+    from fem_lie.events.limit import Limit
     from fem_lie.joints.bushing import Bushing
     from fem_lie.joints.connection import Connection, Coordinate
     from fem_lie.joints.joint import Joint
@@ -41,6 +42,7 @@ __all__ = [
     "InPlane",
     "Joint",
     "KnifeEdge",
+    "Limit",
     "Planar",
     "Prismatic",
     "RedundantConstraints",

@@ -126,6 +126,22 @@ class BushingDefinition(NamedTuple):
     damping: Array
 
 
+class Bounds(NamedTuple):
+    """Range of a coordinate in which its constraint does not act.
+
+    Attributes:
+        lower: Smallest value.
+        upper: Largest value.
+        restitution: Coefficient of restitution of impacts at both ends.
+        unit: Size of the coordinate: 1 for angles, that of the bodies for lengths.
+    """
+
+    lower: float
+    upper: float
+    restitution: float
+    unit: float
+
+
 class Connection(ABC):
     """Base class of whatever connects frames of bodies.
 
@@ -166,6 +182,11 @@ class Connection(ABC):
         return False
 
     @property
+    def bounds(self) -> Bounds | None:
+        """Range in which its only constraint does not act, ``None``: it is no limit."""
+        return None
+
+    @property
     def spring(self) -> tuple[float, float, float] | None:
         """Stiffness, damping and rest value of the spring term; ``None``: no spring."""
         return None
@@ -177,7 +198,7 @@ class Connection(ABC):
 
     @property
     def fingerprint(self) -> Array | None:
-        """Numbers that differ if the force law does; ``None``: no law."""
+        """Numbers that differ if its force law or its limits do; ``None``: it has neither."""
         return None
 
     @property

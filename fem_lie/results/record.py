@@ -218,8 +218,8 @@ class StepHistory(Summarised):
         measured_translation: Error of positions, measured by a refined step; nan if not measured.
         measured_rotation: Error of rotations, rad, measured in the same way.
         rejected: Ends of the rejected steps, shape (R,).
-        event_times: Times of the events, shape (E,).
-        event_numbers: Number of each of them among the events of the scene, shape (E,).
+        event_times: Times of the events and of impacts on limits, shape (E,).
+        event_numbers: Number of each among the events of the scene, followed by its limits, (E,).
         event_losses: Kinetic energy that each has taken, shape (E,).
     """
 

@@ -311,6 +311,11 @@ class Scene(Summarised):
         of_all = (*self.joints, *self.connections)
         return [each for each in of_all if not each.active or each in by_events]
 
+    @property
+    def happens(self) -> bool:
+        """Whether runs have events: those of the scene, or impacts of limits."""
+        return bool(self.events) or any(item.bounds is not None for item in self.connections)
+
     def without_impacts(self) -> Scene:
         """Copy of the scene without contacts by impacts, which act at ends of steps only.
 

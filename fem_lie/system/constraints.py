@@ -391,23 +391,28 @@ class Connections:
         """Pairs of the first set whose forces results report, their sides, and all owners."""
         return *self.first.reported, self.owner
 
-    def report(self, H: Array, v: Array, multipliers: Array) -> tuple[Array, Array, Array]:
-        """Quantities of all items for results, at twists ``v`` of the moving nodes.
+    def wrenches(self, H: Array, v: Array, multipliers: Array) -> Array:
+        """Force and moment of each item on its point ``a``, in its axes there, shape (j, 6)."""
+        found = np.zeros((len(self.items), 6))
+        for each in self.sets:
+            each.wrenches(H, v, multipliers, found)
+        return found
 
-        Returns:
-            Force and moment of each item on its point ``a``, in its axes there, shape (j, 6);
-            relative coordinates of all items, shape (c,); the largest constraint violation of each
-            item, shape (j,).
-        """
-        forces, coordinates = np.zeros((len(self.items), 6)), np.zeros(self._coordinates[-1])
+    def violations(self, H: Array, v: Array) -> Array:
+        """Largest constraint violation of each item at twists of the moving nodes, shape (j,)."""
         values, largest = np.zeros(self.m), np.zeros(len(self.items))
         for each in self.sets:
-            each.wrenches(H, v, multipliers, forces)
-            each.coordinates(H, coordinates)
             each.values(H, v, values)
         values[self.inactive] = 0.0
         np.maximum.at(largest, self.owner, np.abs(values))
-        return forces, coordinates, largest
+        return largest
+
+    def coordinates(self, H: Array) -> Array:
+        """Relative coordinates of all items, shape (c,)."""
+        found = np.zeros(self._coordinates[-1])
+        for each in self.sets:
+            each.coordinates(H, found)
+        return found
 
     def info(self) -> tuple[JointInfo, ...]:
         """Names, types and coordinates for results, in the numbering of all nodes."""

@@ -201,13 +201,13 @@ class RunState(DividedIntegration[Recorder]):
         self.balance.look(time, *self._accepted)
         self._outgrown = True
 
-    def _make_consistent(self, time: float) -> None:
+    def _make_consistent(self, time: float, restitution: Array | None = None) -> None:
         """Compute admissible velocities and consistent accelerations at ``time``."""
         equations, s = self.equations, self.s
         s.H[self._moving + 1 :] = equations.prescribed(time).frames
         v = equations.start.velocities.copy()
         v[: self._moving] = s.twist1
-        v = allowed_velocities(equations, self._starter, s.H, v, time, self.p.h)
+        v = allowed_velocities(equations, self._starter, s.H, v, time, self.p.h, restitution)
         self.multipliers[:] = set_start(equations, self._starter, self.p, s, v, time)
         equations.prescribed(time).act()
 

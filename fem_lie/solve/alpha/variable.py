@@ -240,10 +240,10 @@ class AlphaSteps(Run):
         all_to_group(s.kinds, s.H, across[:n])
         return across[:n]
 
-    def pass_event(self, time: float) -> None:
+    def pass_event(self, time: float, restitution: Array | None = None) -> None:
         """Make accelerations and velocities at ``time`` consistent."""
         s = self.s
-        self._make_consistent(time)
+        self._make_consistent(time, restitution)
         self.balance.jump(time, s.H, s.twist1, s.rate1, self.multipliers)
 
     def damp_oscillations(self, time: float, h: float) -> None:

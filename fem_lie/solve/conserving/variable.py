@@ -66,6 +66,11 @@ class ConservingSteps(Run):
         return self.local(self.s.V[: self.moving], self.s.H)
 
     @property
+    def multipliers(self) -> Array:
+        """Current Lagrange multipliers, (m,)."""
+        return self.s.multipliers
+
+    @property
     def increment(self) -> float:
         """Size of the last increment of the iteration."""
         return float(self.progress.increment)
@@ -105,8 +110,9 @@ class ConservingSteps(Run):
         assert self._factors is not None
         self.levels.keep(self._factors, self.model.scale)
 
-    def pass_event(self, time: float) -> None:
+    def pass_event(self, time: float, restitution: Array | None = None) -> None:
         """Reset the filter state; driven unknowns get their new velocity by an impulse."""
+        assert restitution is None, "conserving schemes have no limits"
         s = self.s
         s.filter_state.active, s.filter_state.length, s.w[:], s.w_F[:], s.sizes[:] = (
             0.0,

@@ -229,7 +229,13 @@ def _fill(equations: Equations, H: Array, step: float) -> Array:
 
 
 def allowed_velocities(
-    equations: Equations, solver: DirectSolver, H: Array, twist: Array, time: float, step: float
+    equations: Equations,
+    solver: DirectSolver,
+    H: Array,
+    twist: Array,
+    time: float,
+    step: float,
+    restitution: Array | None = None,
 ) -> Array:
     """Velocities ``twist`` (≥ n, 6) made admissible by an impulse in joints and prescribed motions.
 
@@ -240,6 +246,8 @@ def allowed_velocities(
         twist: Local velocities.
         time: The time.
         step: As in :func:`accelerations`.
+        restitution: Coefficient by which each constraint reverses its rate, shape (m,); default:
+            none does.
     """
     prescribed = equations.prescribed(time, step)
     v = _moved(equations, twist, prescribed.velocities)
@@ -247,6 +255,8 @@ def allowed_velocities(
         return v
     rates, _ = equations.constraints(H).rates(v)
     rates -= prescribed.target_rates[0]
+    if restitution is not None:
+        rates *= 1.0 + restitution
     v[: equations.unknowns.moving] -= across_joints(equations, solver, H, rates, step)
     return v
 

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from fem_lie._arrays import Array, number
+from fem_lie._arrays import Array, Flags, number
 from fem_lie._state import Stateful, attributes
 from fem_lie.bodies.body import Point
 from fem_lie.events.actions import Action
 from fem_lie.events.event import Event
 from fem_lie.joints.connection import Connection
 from fem_lie.lie.node_types import retract_all
+from fem_lie.solve.motion.limits import Limits
 from fem_lie.system.equations import Equations
 
 _DIFFERENCE = 1e-6
@@ -35,7 +36,9 @@ class RunningState:
         time: The time.
     """
 
-    def __init__(self, equations: Equations, time: float, H: Array, v: Array) -> None:
+    def __init__(
+        self, equations: Equations, time: float, H: Array, v: Array, multipliers: Array
+    ) -> None:
         """Store the state.
 
         Args:
@@ -43,9 +46,11 @@ class RunningState:
             time: The time.
             H: Frames of all nodes, ground and prescribed motions.
             v: Twists of the moving nodes.
+            multipliers: Lagrange multipliers.
         """
         self.time = time
         self._equations, self._H, self._v = equations, H, v
+        self._multipliers = multipliers
 
     @cached_property
     def _report(self) -> Any:
@@ -95,6 +100,10 @@ class RunningState:
         """Rate of a relative coordinate."""
         return float(self._rates[self._equations.info.coordinate(joint, name)])
 
+    def watched(self, limits: Limits) -> Array:
+        """Watched numbers of all stops of limits, see :mod:`~.motion.limits`."""
+        return limits.values(self._coordinates, self._multipliers)
+
     @property
     def kinetic(self) -> float:
         """Kinetic energy."""
@@ -102,41 +111,45 @@ class RunningState:
 
 
 class Events(Stateful):
-    """Events of one run.
+    """Events of one run: those of the scene, then the stops of its limits.
 
     Attributes:
-        values: Value of each condition at the start of the step, shape (e,).
-        counts: How often each has happened, shape (e,).
+        values: Value of each condition, and watched number of each stop, at the start of the step,
+            shape (e + 2 l,).
+        counts: How often each event of the scene has happened, shape (e,).
+        limits: Limits of coordinates.
         stopped: Whether an event has ended the run (1).
         at_once: Number of successive steps that ended at an event.
     """
 
-    STATE = attributes("values", "counts", "stopped", "at_once")
+    STATE = attributes("values", "counts", "limits", "stopped", "at_once")
 
-    def __init__(self, events: Sequence[Event], equations: Equations) -> None:
+    def __init__(self, equations: Equations) -> None:
         """Start before the first step.
 
         Args:
-            events: Events of the scene.
             equations: Equations of the scene.
         """
-        self._events, self._equations = tuple(events), equations
-        self.values = np.zeros(len(self._events))
+        self._events, self._equations = tuple(equations.scene.events), equations
+        self.limits = Limits(equations)
+        self.values = np.zeros(len(self))
         self.counts = np.zeros(len(self._events), dtype=np.int64)
         self.stopped, self.at_once = 0, 0
         self._H: Array = np.empty(0)
 
-    def __bool__(self) -> bool:
-        """Whether there are any."""
-        return bool(self._events)
+    def __len__(self) -> int:
+        """Number of conditions of the scene and of stops."""
+        return len(self._events) + len(self.limits)
 
     def evaluate(self, state: RunningState) -> Array:
-        """Values of all conditions, shape (e,).
+        """Values of all conditions, and watched numbers of all stops, shape (e + 2 l,).
 
         Raises:
             EventError: A condition failed or did not return a number.
         """
-        found = np.zeros(len(self._events))
+        found = np.empty(len(self))
+        if len(self.limits):
+            found[len(self._events) :] = state.watched(self.limits)
         for k, event in enumerate(self._events):
             try:
                 found[k] = number(event.condition(state), "value of the condition")
@@ -149,7 +162,7 @@ class Events(Stateful):
         self.values[:] = self.evaluate(state)
 
     def crossed(self, values: Array) -> Array:
-        """Signs, shape (e,), by which conditions changed theirs from negative to positive.
+        """Signs by which conditions changed theirs from negative to positive, shape (e + 2 l,).
 
         Zero: a condition did not change its sign, or its event does not happen any more.
 
@@ -159,11 +172,23 @@ class Events(Stateful):
         rises = (self.values < 0.0) & (values >= 0.0)
         falls = (self.values > 0.0) & (values <= 0.0)
         signs = rises.astype(np.float64) - falls
+        signs[len(self._events) :] = rises[len(self._events) :]
         for k, event in enumerate(self._events):
             over = self.counts[k] > 0 and not event.repeated
             if over or signs[k] * event.direction < 0.0:
                 signs[k] = 0.0
         return signs
+
+    def entered(self, values: Array) -> Flags:
+        """Stops at which a step starts that leaves them behind, as a mask of all, (e + 2 l,).
+
+        Args:
+            values: Values at the end of the step.
+        """
+        found: Flags = np.zeros(len(self), dtype=bool)
+        own = slice(len(self._events), None)
+        found[own] = self.limits.entered(self.values[own], values[own])
+        return found
 
     def pass_step(self, whole: bool) -> None:
         """Count steps that ended at an event.
@@ -174,7 +199,7 @@ class Events(Stateful):
         self.at_once = 0 if whole else self.at_once + 1
 
     def act(self, fired: Array, state: RunningState, H: Array) -> None:
-        """Take all actions of events.
+        """Take all actions of events of the scene.
 
         Args:
             fired: Signs of :meth:`crossed` of the step that ends here.
@@ -185,14 +210,14 @@ class Events(Stateful):
             EventError: An action failed, or an event happens without end.
         """
         self._H = H
-        for k in np.flatnonzero(fired):
+        if self.at_once > MOST_AT_ONCE:
+            raise EventError(
+                f"{self._label(int(np.flatnonzero(fired)[0]))} happens without end at time "
+                f"{state.time:.9g}: {MOST_AT_ONCE} steps in succession ended at events. Give it a "
+                "direction, repeated=False, or Lock what comes to rest"
+            )
+        for k in np.flatnonzero(fired[: len(self._events)]):
             event = self._events[k]
-            if self.at_once > MOST_AT_ONCE:
-                raise EventError(
-                    f"{event.label} happens without end at time {state.time:.9g}: "
-                    f"{MOST_AT_ONCE} steps in succession ended at events. Give it a direction, "
-                    "repeated=False, or Lock what comes to rest"
-                )
             self.counts[k] += 1
             for action in event.actions:
                 try:
@@ -202,6 +227,36 @@ class Events(Stateful):
                         action(state)
                 except Exception as error:
                     raise EventError(_failed("action", event, state.time, error)) from error
+
+    def strike(
+        self, fired: Array, H: Array, change: Callable[[Array], Array], *, rebound: bool
+    ) -> None:
+        """Let limits strike their stops or leave them.
+
+        Args:
+            fired: As for :meth:`act`.
+            H: Its frames of all nodes, ground and prescribed motions.
+            change: Makes the state consistent with all constraints, given the coefficient by which
+                each reverses its rate; returns the multipliers.
+            rebound: Whether there is restitution.
+        """
+        stops = fired[len(self._events) :] != 0.0
+        factors = self.limits.strike(stops, H, rebound=rebound)
+        while self.limits.separate(factors, H, change(factors)):
+            factors[:] = 0.0
+
+    def number(self, k: int) -> int:
+        """Number of an event in results: those of the scene, then limits.
+
+        Args:
+            k: Number of a condition or stop.
+        """
+        e = len(self._events)
+        return k if k < e else e + (k - e) // 2
+
+    def _label(self, k: int) -> str:
+        e = len(self._events)
+        return self._events[k].label if k < e else self.limits.items[(k - e) // 2].label
 
     # --- what actions of the package do ---
 
@@ -245,7 +300,7 @@ class Root:
 
     def _largest(self, values: Array) -> float:
         chosen = self._signs != 0.0
-        return float((self._signs * values)[chosen].max())
+        return float((self._signs[chosen] * values[chosen]).max())
 
     @property
     def found(self) -> bool:

@@ -252,7 +252,7 @@ def _plan(
         return ChosenSteps(Saving.chosen(save_every, save_at, duration, record), duration, step)
     steps = _number_of_steps(duration, step)
     saving = Saving.chosen(save_every, save_at, steps * step, record)
-    if events(scene, duration) or scene.events:
+    if events(scene, duration) or scene.happens:
         return ChosenSteps(saving, duration, ConstantStep(step))
     return EqualSteps(saving, steps, float(step))
 

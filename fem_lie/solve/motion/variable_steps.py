@@ -12,7 +12,7 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Flags
 from fem_lie._state import attributes
 from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
@@ -60,6 +60,10 @@ class Stepper(Protocol[HistoryT]):
         """Current twists of the moving nodes, (n, 6)."""
 
     @property
+    def multipliers(self) -> Array:
+        """Current Lagrange multipliers, (m,)."""
+
+    @property
     def increment(self) -> float:
         """Size of the last increment of the iteration."""
 
@@ -103,8 +107,11 @@ class Stepper(Protocol[HistoryT]):
         """Remove unresolved fast oscillations, after two rejections; ``h`` is the next size."""
 
     @abstractmethod
-    def pass_event(self, time: float) -> None:
-        """Make the state just before an event consistent with loads and motions after it."""
+    def pass_event(self, time: float, restitution: Array | None = None) -> None:
+        """Make the state just before an event consistent with loads and motions after it.
+
+        ``restitution``: coefficient by which each constraint reverses its rate, shape (m,).
+        """
 
     @abstractmethod
     def record(self, recorder: HistoryT, index: int, iterations: int) -> None:
@@ -177,8 +184,8 @@ class VariableSteps(Driver[Growing]):
         self.equations, self.steps = stepper.equations, StepLog(stepper.equations)
         self._index, self._time, self._iterations = 0, 0.0, 0
         self._last: tuple[float, StepError | None, float] = control.size, None, np.inf
-        self._events = Events(self.equations.scene.events, self.equations)
-        self._fired: Array = np.zeros(len(self.equations.scene.events))
+        self._events = Events(self.equations)
+        self._fired: Array = np.zeros(len(self._events))
 
     def history(
         self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None
@@ -197,7 +204,8 @@ class VariableSteps(Driver[Growing]):
 
     def _state(self, time: float) -> RunningState:
         """The current state, for events."""
-        return RunningState(self.equations, time, self.frames, self._stepper.twists)
+        stepper = self._stepper
+        return RunningState(self.equations, time, self.frames, stepper.twists, stepper.multipliers)
 
     @property
     def frames(self) -> Array:
@@ -215,7 +223,7 @@ class VariableSteps(Driver[Growing]):
     def _advance(self, history: Growing) -> bool:
         control, made = self._control, False
         while not made:
-            made = self._attempt()
+            made = self._attempt(history)
             if control.size < control.smallest * (1.0 - 1e-9):
                 return False
         return True
@@ -234,20 +242,29 @@ class VariableSteps(Driver[Growing]):
             control.pass_event()
         if (lands or happens) and not control.finished:
             if happens:
-                self._happen()
+                self._happen(rebound=True)
             else:
                 stepper.pass_event(time + side(time, stepper.h))
             kept |= self._fill_row(history, 0, event=True)
         return kept
 
-    def _happen(self) -> None:
-        """Take the actions of events at the end of the last step."""
+    def _happen(self, *, rebound: bool) -> None:
+        """Take the actions of events at the end of the last step; let limits strike their stops.
+
+        Args:
+            rebound: Whether there is restitution.
+        """
         time, before = self._time, self._state(self._time)
-        kinetic, fired = before.kinetic, np.flatnonzero(self._fired)
-        self._events.act(self._fired, before, self.frames)
+        kinetic, fired = before.kinetic, self._fired.copy()
+        self._events.act(fired, before, self.frames)
         self._fired[:] = 0.0
+
+        def change(restitution: Array) -> Array:
+            self._stepper.pass_event(time + side(time, self._stepper.h), restitution)
+            return self._stepper.multipliers
+
         try:
-            self._stepper.pass_event(time + side(time, self._stepper.h))
+            self._events.strike(fired, self.frames, change, rebound=rebound)
             self._refactorise()
         except (ValueError, SingularMatrixError) as error:
             raise EventError(
@@ -256,7 +273,8 @@ class VariableSteps(Driver[Growing]):
             ) from error
         after = self._state(time)
         lost = kinetic - after.kinetic
-        self.steps.events += [(time, int(k), lost / len(fired)) for k in fired]
+        numbers = [self._events.number(int(k)) for k in np.flatnonzero(fired)]
+        self.steps.events += [(time, k, lost / len(numbers)) for k in numbers]
         self._events.begin(after)
 
     def _fill_row(self, history: Growing, iterations: int, *, event: bool) -> bool:
@@ -291,7 +309,7 @@ class VariableSteps(Driver[Growing]):
     def _steppers(self) -> list[Stepper[Any]]:
         return [each for each in (self._stepper, self._finer) if each is not None]
 
-    def _attempt(self) -> bool:
+    def _attempt(self, history: Growing) -> bool:
         """Try one step; return whether it was accepted."""
         control, stepper, time, index = self._control, self._stepper, self._time, self._index
         h, event = control.fitted(time), control.next_event
@@ -302,6 +320,10 @@ class VariableSteps(Driver[Growing]):
         iterations = stepper.step_to(time, end, index + 1, lands)
         if iterations and self._events:
             signs = self._events.crossed(values := self._events.evaluate(self._state(end)))
+            entered = self._events.entered(values)
+            if entered.any():
+                self._rest_at_stops(entered, before, history)
+                return False
             if signs.any():
                 before, h, iterations, values = self._cut(
                     before, index, Root(signs, self._events.values, values, h)
@@ -327,6 +349,20 @@ class VariableSteps(Driver[Growing]):
         control.accept(e)
         self._index, self._time, self._iterations = index + 1, end, iterations
         return True
+
+    def _rest_at_stops(self, entered: Flags, before: Any, history: Growing) -> None:
+        """Let coordinates rest on stops at which the tried step started; it is taken back.
+
+        Args:
+            entered: Mask of the stops, see :meth:`.Events.entered`.
+            before: State at the start of the step.
+            history: The history of results, which gets a row.
+        """
+        self._stepper.take_back(before)
+        self._events.pass_step(whole=False)
+        self._fired[entered] = 1.0
+        self._happen(rebound=False)
+        self._fill_row(history, 0, event=True)
 
     def _cut(self, before: Any, index: int, root: Root) -> tuple[Any, float, int, Array]:
         """Repeat a step with the size at which the first event happens.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -113,18 +113,33 @@ class ConstraintsAt:
         )
 
 
-class Joints(NamedTuple):
-    """Forces, coordinates and violations of joints, springs, drives and gears.
+class Joints:
+    """Forces, coordinates and violations of joints, springs, drives and gears."""
 
-    Attributes:
-        forces: Force and moment of each on its point ``a``, in its axes, (j, 6).
-        coordinates: Coordinates of all, one after the other, (c,).
-        violations: Largest constraint violation of each, (j,).
-    """
+    def __init__(self, system: System, state: TimeState) -> None:
+        """Store the state; quantities are computed when they are asked for."""
+        self._system, self._state = system, state
 
-    forces: Array
-    coordinates: Array
-    violations: Array
+    @property
+    def forces(self) -> Array:
+        """Force and moment of each on its point ``a``, in its axes, (j, 6)."""
+        system, (H, v, _, multipliers) = self._system, self._state
+        if system.scene.redundant is RedundantConstraints.MINIMUM_NORM and system.m:
+            # the smallest of all multipliers that cause the same motion
+            B = system.tangent.jacobian(H)
+            units = np.asarray(system.units / system.length)
+            multipliers = IdleMultipliers.of(B, units, system.kkt.measure).remove(multipliers)
+        return system.connections.wrenches(H, v, multipliers)
+
+    @property
+    def coordinates(self) -> Array:
+        """Coordinates of all, one after the other, (c,)."""
+        return self._system.connections.coordinates(self._state.H)
+
+    @property
+    def violations(self) -> Array:
+        """Largest constraint violation of each, (j,)."""
+        return self._system.connections.violations(self._state.H, self._state.v)
 
 
 class Report:
@@ -175,13 +190,7 @@ class Report:
     @property
     def joints(self) -> Joints:
         """Forces, coordinates and violations of joints."""
-        system, (H, v, _, multipliers) = self._system, self._state
-        if system.scene.redundant is RedundantConstraints.MINIMUM_NORM and system.m:
-            # the smallest of all multipliers that cause the same motion
-            B = system.tangent.jacobian(H)
-            units = np.asarray(system.units / system.length)
-            multipliers = IdleMultipliers.of(B, units, system.kkt.measure).remove(multipliers)
-        return Joints(*system.connections.report(H, v, multipliers))
+        return Joints(self._system, self._state)
 
     @property
     def reactions(self) -> Array:

@@ -1,0 +1,122 @@
+"""Limits of coordinates in a run: gaps, impacts, rest and release.
+
+Each limit has two stops, the upper and the lower one. A stop is watched by a number that is
+negative while nothing happens: how far the coordinate is beyond it while the limit is open, the
+pulling force while the limit is closed at this stop.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_lie._arrays import Array, Flags
+from fem_lie._state import Stateful, attributes
+from fem_lie.joints.connection import Bounds, Connection
+from fem_lie.system.equations import Equations
+
+_BEYOND = 1e-9
+"""Distance beyond a stop, rad or over the size of the bodies, above which an open limit closes."""
+
+
+class Limits(Stateful):
+    """All limits of one run; stop 2 k is the upper one of limit k, stop 2 k + 1 the lower one.
+
+    Attributes:
+        closed: Stop at which each limit is closed: 1: upper, −1: lower, 0: none, shape (l,).
+    """
+
+    STATE = attributes("closed")
+
+    def __init__(self, equations: Equations) -> None:
+        """Collect the limits of the scene.
+
+        Args:
+            equations: Equations of the scene.
+        """
+        scene, self._equations = equations.scene, equations
+        items = [*scene.joints, *scene.connections]
+        found: list[tuple[Connection, Bounds]] = [
+            (item, bounds) for item in items if (bounds := item.bounds) is not None
+        ]
+        self.items = [item for item, _ in found]
+        owner = [items.index(item) for item in self.items]
+        self.rows = np.searchsorted(equations.arrays.owner, owner)
+        self._coordinates = np.array(
+            [equations.info.coordinate(item, None) for item in self.items], dtype=np.int64
+        )
+        ends = [(bounds.upper, bounds.lower) for _, bounds in found]
+        self._stops = np.array(ends, dtype=np.float64).reshape(-1, 2)
+        self._signs = np.array([1.0, -1.0])
+        self._restitution = np.array([bounds.restitution for _, bounds in found])
+        self._slack = _BEYOND * np.array([bounds.unit for _, bounds in found])
+        self.closed = np.zeros(len(found), dtype=np.int64)
+
+    def __len__(self) -> int:
+        """Number of stops."""
+        return 2 * len(self.items)
+
+    def values(self, coordinates: Array, multipliers: Array) -> Array:
+        """The watched number of each stop, shape (2 l,).
+
+        Args:
+            coordinates: Coordinates of all connections.
+            multipliers: Lagrange multipliers, shape (m,).
+        """
+        q, force = coordinates[self._coordinates], multipliers[self.rows]
+        gaps = self._signs * (q[:, np.newaxis] - self._stops)
+        pulls = np.where(self._sides, -self._signs * force[:, np.newaxis], -np.inf)
+        return np.where(self.closed[:, np.newaxis] != 0, pulls, gaps).ravel()
+
+    @property
+    def _sides(self) -> Flags:
+        """Whether each limit is closed at its upper and lower stop, shape (l, 2)."""
+        return np.asarray(self.closed[:, np.newaxis] == self._signs)
+
+    def entered(self, start: Array, end: Array) -> Flags:
+        """Stops of open limits that a step leaves behind although it starts at them, (2 l,).
+
+        Args:
+            start: Watched numbers at the start of the step.
+            end: Watched numbers at its end.
+        """
+        slack, free = np.repeat(self._slack, 2), np.repeat(self.closed == 0, 2)
+        return np.asarray(free & (start >= 0.0) & (end > slack))
+
+    def strike(self, fired: Flags, H: Array, *, rebound: bool) -> Array:
+        """Close open limits at their stops, and open closed ones.
+
+        Args:
+            fired: Stops at which something happens, shape (2 l,).
+            H: Frames of all nodes, ground and prescribed motions.
+            rebound: Whether there is restitution.
+
+        Returns:
+            Coefficient of restitution of each constraint, shape (m,).
+        """
+        factors = np.zeros(self._equations.unknowns.m)
+        for k, side in zip(*np.nonzero(fired.reshape(-1, 2)), strict=True):
+            if self.closed[k]:
+                self._open(k, H)
+                continue
+            self._equations.history_variables.switch(self.items[k], H, active=True)
+            self.closed[k] = int(self._signs[side])
+            factors[self.rows[k]] = self._restitution[k] if rebound else 0.0
+        return factors
+
+    def separate(self, factors: Array, H: Array, multipliers: Array) -> bool:
+        """Open limits that rebound, and those whose stop would pull; return whether there are any.
+
+        Args:
+            factors: Coefficients of restitution of the last :meth:`strike`.
+            H: Frames of all nodes, ground and prescribed motions.
+            multipliers: Lagrange multipliers after it, shape (m,).
+        """
+        pulls = self.closed * multipliers[self.rows] < 0.0
+        leaving = (self.closed != 0) & ((factors[self.rows] > 0.0) | pulls)
+        for k in np.flatnonzero(leaving):
+            self._open(int(k), H)
+        return bool(leaving.any())
+
+    def _open(self, k: int, H: Array) -> None:
+        self._equations.history_variables.switch(self.items[k], H, active=False)
+        self.closed[k] = 0
