@@ -19,7 +19,7 @@ ROUND = fl.Section.circle(2e-3, STEEL)
 
 def divide():
     """However small a scene is, it is divided among all ranks."""
-    for kind in "statics", "dynamics":
+    for kind in "statics", "dynamics", "vibrations", "buckling", "path":
         PETSc.Options(f"fem_lie_{kind}_")["divided_from"] = 0
 
 
@@ -242,6 +242,90 @@ def folding_beam():
     return scene, []
 
 
+def free_frame():
+    """Two beams on a ball joint, which nothing holds, with a spring across it."""
+    bar = fl.Section.rectangle(0.02, 0.02, fl.Material(E=5e8, nu=0.3, density=7800.0))
+    beams = [fl.Beam.straight((k, 0, 0), (k + 1, 0, 0), bar, cells=6) for k in range(2)]
+    scene = fl.Scene()
+    for beam in beams:
+        scene.add(beam)
+    scene.add(fl.joints.Spherical(beams[0].point("end"), beams[1].point("start")))
+    return scene, [beams[1].point("end")]
+
+
+def free_plate():
+    """A plate that nothing holds, divided among all ranks."""
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, 0.7 * b, 0.0), (4, 3))
+    layer = fl.ShellSection.layer(0.05, fl.Material(E=1e7, nu=0.3, density=1e3))
+    plate = fl.Shell(mesh, layer)
+    scene = fl.Scene()
+    scene.add(plate)
+    return scene, [plate.point("11")]
+
+
+def damped():
+    """The linked beams at rest: free motions, some of them damped."""
+    scene, points = linked()
+    still = fl.Scene()
+    for body in scene.bodies:
+        body.model.velocities[:] = 0.0
+        still.add(body)
+    for joint in scene.joints:
+        still.add(joint)
+    return still, points
+
+
+def blade():
+    """A beam that spins about the axis at its clamp."""
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.rectangle(0.02, 0.03, STEEL), cells=9)
+    scene = fl.Scene()
+    scene.add(beam)
+    scene.add(fl.Clamp(beam.point("start")))
+    return scene, [beam.point("end")]
+
+
+def column():
+    """Two beams on a hinge with a spring, under compression."""
+    bar = fl.Section.rectangle(0.02, 0.03, STEEL)
+    beams = [fl.Beam.straight((k, 0, 0), (k + 1, 0, 0), bar, cells=4) for k in range(2)]
+    scene = fl.Scene()
+    for beam in beams:
+        scene.add(beam)
+    ends = beams[0].point("end"), beams[1].point("start")
+    hinge = scene.add(fl.joints.Revolute(*ends, axis=(0, 1, 0)))
+    scene.add(fl.joints.Spring(hinge.angle, stiffness=5e3))
+    scene.add(fl.Clamp(beams[0].point("start")))
+    scene.add(fl.PointLoad(beams[1].point("end"), force=(-1e4, 0, 0)))
+    return scene, [beams[1].point("end")]
+
+
+def panel():
+    """A curved panel under compression."""
+    mesh = fl.mesh.parametric_surface(lambda a, b: (np.cos(a - 0.5), np.sin(a - 0.5), b), (6, 4))
+    shell = fl.Shell(mesh, fl.ShellSection.layer(0.005, STEEL))
+    shell.clamp("b=0")
+    scene = fl.Scene()
+    scene.add(shell)
+    scene.add(fl.loads.EdgeLoad(shell, "b=1", force=(0, 0, -1e4)))
+    return scene, [shell.point("11")]
+
+
+VIBRATIONS = {
+    "sheet": (sheet, 5, {}),
+    "channel": (channel, 5, {}),
+    "hinged": (hinged, 5, {}),
+    "block": (block, 4, {}),
+    "cable": (cable, 4, {}),
+    "free frame": (free_frame, 13, {}),
+    "free plate": (free_plate, 10, {}),
+    "damped": (damped, 8, {}),
+    "blade": (blade, 5, {"spin": (0, 0, 30.0)}),
+}
+"""Scenes, numbers of modes and arguments of vibrations."""
+
+BUCKLING = {"column": column, "panel": panel}
+"""Scenes that buckle."""
+
 REFUSED = {
     "loose block": (loose_block, "nothing resists"),
     "swinging block": (swinging_block, "nothing resists"),
@@ -321,6 +405,26 @@ def motion(build):
     }
 
 
+def vibrations(build, count, given):
+    """Eigenvalues, and amplitudes of points in the slowest mode that is not a rigid motion."""
+    scene, points = build()
+    modes = fl.vibrations(scene, count, **given)
+    first = int(np.flatnonzero(np.abs(modes.eigenvalues) > 1.0)[0])
+    return {"eigenvalues": modes.eigenvalues, "amplitudes": amplitudes(modes, first, points)}
+
+
+def buckling(build):
+    """Load factors, and amplitudes of points in the first mode."""
+    scene, points = build()
+    modes = fl.buckling(scene, 3)
+    return {"factors": modes.factors, "amplitudes": amplitudes(modes, 0, points)}
+
+
+def amplitudes(modes, mode, points):
+    """Lengths of the displacements of points in a mode."""
+    return np.array([np.linalg.norm(modes.displacement(point)[mode]) for point in points])
+
+
 def explicit(build):
     """Positions, velocities, joint forces, energies and impulses of explicit steps."""
     scene, points = build()
@@ -361,6 +465,12 @@ def results():
         found |= {f"{name} at rest, {what}": value for what, value in statics(build).items()}
     for name, build in MOTIONS.items():
         found |= {f"{name} in motion, {what}": value for what, value in motion(build).items()}
+    for name, given in VIBRATIONS.items():
+        values = vibrations(*given)
+        found |= {f"{name}, vibrations, {what}": value for what, value in values.items()}
+    for name, build in BUCKLING.items():
+        values = buckling(build)
+        found |= {f"{name}, buckling, {what}": value for what, value in values.items()}
     for name, build in EXPLICIT.items():
         values = explicit(build)
         found |= {f"{name} in explicit motion, {what}": value for what, value in values.items()}

@@ -31,7 +31,9 @@ def test_divided_scenes_have_the_results_of_one_rank(alone, tmp_path, ranks):
             size = np.abs(expected).max(initial=least)
             # they contain round-off of positions times the axial stiffness of cells
             of_reactions = name.endswith(("in motion, reactions", "in motion, impulses"))
-            allowed = 1e-8 if of_reactions else 1e-10
+            # residuals of vectors are the square roots of those of eigenvalues
+            of_modes = name.endswith("amplitudes")
+            allowed = 1e-8 if of_reactions or of_modes else 1e-10
             np.testing.assert_allclose(
                 found[name], expected, rtol=0, atol=allowed * size, err_msg=name
             )

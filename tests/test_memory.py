@@ -102,10 +102,12 @@ def test_pivots_are_not_counted_without_memory(little_for_mumps):
 def test_eigenvalues_without_memory_say_so(little_for_mumps):
     from slepc4py import SLEPc
 
-    from fem_lie.linear.spectra.pencil import set_up, to_petsc
+    from fem_lie.linear.spectra.pencil import set_up
+    from fem_lie.linear.spectra.unknowns import ON_ONE_RANK
 
     eigen = SLEPc.EPS().create(PETSc.COMM_SELF)
-    eigen.setOperators(to_petsc(laplacian(20)))
+    matrix = ON_ONE_RANK.matrix(laplacian(20), 8000)
+    eigen.setOperators(matrix.matrix)
     eigen.setTarget(0.0)
     with pytest.raises(MemoryError, match="the matrix of 8000 unknowns"):
         set_up(eigen, 2, SLEPc.EPS, "test_memory_")

@@ -220,7 +220,11 @@ class DirectSolver:
         except (PETSc.Error, ArithmeticError, MemoryError) as error:
             raised = error
         failure: Exception | None = raised
-        if lacks_memory(method.factorising(ksp.getPC()), raised):
+        factorising = method.factorising(ksp.getPC())
+        if failure is None and factorising is not None and factorising.getFailedReason():
+            # PETSc raises no error for a zero pivot in MUMPS
+            failure = ArithmeticError("the matrix has a zero pivot")
+        if lacks_memory(factorising, raised):
             failure = MemoryError(
                 f"not enough memory to factorise the matrix of {len(self._own.left)} unknowns by "
                 f"{method.package}: give the process more, or the scene fewer elements"

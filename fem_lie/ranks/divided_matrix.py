@@ -97,5 +97,14 @@ class DividedMatrix:
         """
         self._b.array[:] = b[self._owned]
         ksp.solve(self._b, self._x)
-        x[self._owned] = self._x.array
+        self.put(self._x, x)
+
+    def put(self, vector: PETSc.Vec, x: Array) -> None:
+        """Copy a vector of the matrix into one of all unknowns of the part.
+
+        Args:
+            vector: The vector.
+            x: The unknowns of the rows and of shared nodes are overwritten.
+        """
+        x[self._owned] = vector.array
         self._shared.take_from_owners(x[: 6 * self._nodes].reshape(-1, 6))

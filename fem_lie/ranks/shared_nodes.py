@@ -19,6 +19,8 @@ from petsc4py import PETSc
 
 import numpy as np
 import numpy.typing as npt
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
 
 from fem_lie._arrays import Array, Flags, Indices
 
@@ -91,6 +93,57 @@ class SharedNodes:
         self._forest.bcastBegin(row, values, values, MPI.REPLACE)
         self._forest.bcastEnd(row, values, values, MPI.REPLACE)
 
+    # --- groups of nodes ---
+
+    def groups(self, label: Indices, count: int) -> tuple[Indices, int]:
+        """Groups of connected nodes over all ranks.
+
+        Args:
+            label: Group of each node on this rank, shape (n,).
+            count: Number of these groups.
+
+        Returns:
+            Group of each node among those of all ranks, shape (n,), and their number.
+        """
+        if not self.several:
+            return label, count
+        total = self.comm.allreduce(count)
+        own = (label + self.comm.scan(count) - count).astype(PETSc.IntType)
+        at_owner = own.copy()
+        self.take_from_owners(at_owner[:, np.newaxis])
+        pairs = np.unique(np.column_stack([own, at_owner])[self.copied], axis=0)
+        rows, columns = np.concatenate(self.comm.allgather(pairs)).T
+        graph = sp.coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(total, total))
+        groups, number = connected_components(graph, directed=False)
+        return number[own].astype(np.int64), int(groups)
+
+    def of_all(self, values: Mapping[int, Array]) -> dict[int, list[Array]]:
+        """Values of all ranks by their key, those of lower ranks first."""
+        given = self.comm.allgather(dict(values)) if self.several else [values]
+        found: dict[int, list[Array]] = {}
+        for key, value in (pair for each in given for pair in each.items()):
+            found.setdefault(key, []).append(value)
+        return found
+
+    def columns(self, widths: Mapping[int, int], common: set[int]) -> tuple[dict[int, int], int]:
+        """First column of each group of a matrix of all ranks, and its number of columns.
+
+        Args:
+            widths: Number of columns of each group on this rank, the same on all ranks.
+            common: Groups of this rank that others have, too.
+        """
+        own = sum(width for group, width in widths.items() if group not in common)
+        last = self.comm.scan(own) - own if self.several else 0
+        total = self.comm.allreduce(own) if self.several else own
+        start: dict[int, int] = {}
+        for group, width in widths.items():
+            if group not in common:
+                start[group], last = last, last + width
+        shared = self.of_all({group: np.array(widths[group]) for group in common})
+        for group in sorted(shared):
+            start[group], total = total, total + int(shared[group][0])
+        return start, total
+
     # --- numbers on which all agree ---
 
     def largest(self, value: float) -> float:
@@ -104,6 +157,13 @@ class SharedNodes:
     def total(self, values: Array) -> Array:
         """Sum over all ranks, the same on all; any shape."""
         return np.asarray(self.comm.allreduce(values)) if self.several else values
+
+    def highest(self, values: Indices) -> Indices:
+        """Largest value of all ranks of each entry, any shape."""
+        found = values.copy()
+        if self.several:
+            self.comm.Allreduce(MPI.IN_PLACE, found, op=MPI.MAX)
+        return found
 
     def all(self, flag: bool) -> bool:
         """Whether it is so on all ranks."""

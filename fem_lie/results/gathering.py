@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
@@ -11,7 +11,8 @@ from mpi4py import MPI
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.bodies.catalogue import JointInfo, SceneInfo, SupportInfo
+from fem_lie.bodies.body import Body
+from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo, SupportInfo
 from fem_lie.parts.part_scene import ScenePart, connections_of
 from fem_lie.results.record import with_others
 from fem_lie.results.states import StateSeries
@@ -37,6 +38,66 @@ def gathered(result: Series, part: ScenePart | None) -> Series:
         if kept.get(name) is not None:
             others[name] = _on_all(part.comm, found.on_first(name, kept[name]))
     return with_others(result, others)
+
+
+def at_nodes(
+    info: SceneInfo, part: ScenePart | None, values: Sequence[Array]
+) -> tuple[SceneInfo, list[Array]]:
+    """Values of the nodes of the whole scene on all ranks, numbered body after body.
+
+    Args:
+        info: Bodies, joints and supports of the part of this rank.
+        part: The part; ``None``: that is the whole scene.
+        values: Real or complex values of the nodes of the part, shapes (k, n, …).
+
+    Returns:
+        Bodies, joints and supports of the scene, and the values, shapes (k, N, …).
+    """
+    if part is None:
+        return info, list(values)
+    found = Gathering(info, part)
+    as_reals = (x.view(np.float64) if np.iscomplexobj(x) else x for x in values)
+    whole = [_on_all(part.comm, found.of_nodes(x)) for x in as_reals]
+    return found.info, [x.view(of.dtype) for x, of in zip(whole, values, strict=True)]
+
+
+def of_part(
+    values: Array, info: SceneInfo, part: ScenePart | None, nodes: Mapping[Body, Indices]
+) -> Array:
+    """Values of all nodes of a scene, in the numbering of the equations of a part.
+
+    Args:
+        values: Values of the nodes of the scene, shape (k, N, …).
+        info: Bodies whose nodes these are.
+        part: What this rank has of the scene; ``None``: all.
+        nodes: Numbers of the nodes of each body in the equations.
+
+    Raises:
+        ValueError: They are not the bodies of the scene.
+    """
+    if part is None:
+        return info.renumbered(values, nodes)
+    whole = SceneInfo.of(part.whole.bodies)
+    if [(b.name, len(b.nodes)) for b in whole.bodies] != [
+        (b.name, len(b.nodes)) for b in info.bodies
+    ]:
+        raise ValueError("expected a result of this scene, got one with other bodies")
+    values = info.renumbered(values, {b: w.nodes for b, w in _both(part, whole)})
+    found = np.empty((len(values), sum(map(len, nodes.values())), *values.shape[2:]))
+    for body, numbers in nodes.items():
+        found[:, numbers] = values[:, part.nodes[body]]
+    return found
+
+
+def bodies_of(
+    info: SceneInfo, part: ScenePart | None, nodes: Mapping[Body, Indices]
+) -> Mapping[Body, Indices]:
+    """Numbers of the nodes of each body of the whole scene, see :func:`at_nodes`."""
+    return nodes if part is None else {body: own.nodes for body, own in _both(part, info)}
+
+
+def _both(part: ScenePart, info: SceneInfo) -> zip[tuple[Body, BodyInfo]]:
+    return zip(part.whole.bodies, info.bodies, strict=True)
 
 
 def _on_all(comm: MPI.Intracomm, values: Array) -> Array:

@@ -6,77 +6,53 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-import scipy.linalg
 import scipy.sparse as sp
 import scipy.sparse.linalg
-from scipy.sparse.csgraph import connected_components
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Flags
 from fem_lie.lie import node_types
 from fem_lie.lie.node_types import POSITION_GRADIENT, all_result_twists, at_rest
-from fem_lie.linear.spectra.pencil import FREE, Complex, Pencil, RigidParts, kernel
+from fem_lie.linear.spectra.pencil import Complex, Pencil, RigidParts
+from fem_lie.linear.spectra.unknowns import Unknowns, unknowns_of
 from fem_lie.scene.rotation import Rotation
+from fem_lie.system.nodes.groups import Groups
 from fem_lie.system.system import System
 from fem_lie.system.time_state import TimeState
 
 
 class RigidMotions(NamedTuple):
-    """Rigid motions of a connected group of elements, with nodes of any types.
+    """Rigid motions of all connected groups of elements, with nodes of any types.
 
     Attributes:
-        nodes: Nodes of the group, shape (n,).
-        unknowns: Its free unknowns among all free ones, shape (k,).
-        basis: Orthonormal rigid motions that the supports allow, shape (k, ≤ 6).
+        basis: Orthonormal motions of the free unknowns as columns, those that supports allow; shape
+            (n, r). Groups and columns are those of all ranks.
+        of_frames: Whether all nodes of the group of each column are frames or positions, shape
+            (r,).
     """
 
-    nodes: Indices
-    unknowns: Indices
-    basis: Array
+    basis: sp.csr_matrix
+    of_frames: Flags
 
 
-def rigid_motions(system: System, H: Array, weight: Array) -> list[RigidMotions]:
+def rigid_motions(system: System, H: Array, weight: Array) -> RigidMotions:
     """Rigid motions of all connected groups that have any; unknowns are twists over ``weight``."""
-    count = system.count
-    # without elements each node is a group of its own
-    none = np.zeros(0, dtype=np.int64)
-    pairs = (none, none), *system.elastic.pairs
-    rows, columns = (np.concatenate([p[k] for p in pairs]) for k in (0, 1))
-    graph = sp.coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(count, count))
-    pieces, label = connected_components(graph, directed=False)
-    number = np.cumsum(~system.held.ravel()) - 1
-    held = system.held.copy()
+    count, kinds, held = system.count, system.kinds, system.held
+    groups = Groups(system.shared, system.elastic.pairs)
+    sums = groups.sums(np.column_stack([H[:count, 0], np.ones(count), kinds >= POSITION_GRADIENT]))
+    moved = H[:count].copy()
+    moved[:, 0] -= (sums[:, :3] / sums[:, 3:4])[groups.of_node]
+    R = node_types.rigid_motions(kinds, moved, np.zeros(3)) * np.repeat([system.length, 1.0], 3)
+    for k in range(6):
+        along = np.ascontiguousarray(R[:, :, k])
+        system.supports.rotate(H, along)
+        R[:, :, k] = along
     # drilling rotations that shells hold are no supports
     drills = held & system.numbering.held & system.separates_director[:, np.newaxis]
     drills[:, :5] = False
-    found = []
-    for piece in range(pieces):
-        nodes = np.flatnonzero(label == piece)
-        R = node_types.rigid_motions(system.kinds[nodes], H[nodes], H[nodes, 0].mean(axis=0))
-        R *= np.repeat([system.length, 1.0], 3)
-        for k in range(6):
-            every = np.zeros((count, 6))
-            every[nodes] = R[:, :, k]
-            system.supports.rotate(H, every)
-            R[:, :, k] = every[nodes]
-        R = R.reshape(-1, 6) / weight.reshape(-1, 6)[nodes].reshape(-1, 1)
-        stuck = (held & ~drills)[nodes].ravel()
-        allowed = kernel(R[stuck])
-        free = ~held[nodes].ravel()
-        unknowns = (6 * nodes[:, np.newaxis] + np.arange(6)).ravel()[free]
-        basis = _orthonormal(R[free] @ allowed)
-        if basis.shape[1]:
-            found.append(RigidMotions(nodes, number[unknowns], basis))
-    return found
-
-
-def _orthonormal(motions: Array) -> Array:
-    """Orthonormal basis of the columns, without those that move nothing, as the spin of a cable."""
-    Q, R = np.linalg.qr(motions)
-    sizes = np.abs(np.diagonal(R))
-    if (sizes > FREE * sizes.max(initial=0.0)).all() and len(sizes) == motions.shape[1]:
-        return np.asarray(Q)
-    return np.asarray(scipy.linalg.orth(motions, rcond=FREE)) if motions.any() else Q[:, :0]
+    R = np.asarray(R.reshape(-1, 6) / weight[:, np.newaxis])
+    basis, of_column = groups.basis(R, (held & ~drills).ravel(), held.ravel())
+    return RigidMotions(basis, sums[of_column, 4] == 0)
 
 
 def stress_terms(forces: Array) -> Array:
@@ -191,8 +167,10 @@ class SmallMotions:
         system.applied(now, ones, r)
         applied = self._largest(r)
         system.residual(now, ones, r)
+        system.shared.sum(r[:n].reshape(-1, 6))
         lengths = np.where(system.connections.angular, 1.0, system.length)
-        self.gap = float((np.abs(r[n:]) / lengths).max(initial=0.0))
+        gap = float((np.abs(r[n:]) / lengths).max(initial=0.0))
+        self.gap = system.shared.largest(gap)
         self.B = system.tangent.jacobian(self.H) @ sp.diags(self.weight)
         force = self.weight * r[:n]
         self.multipliers: Array = np.zeros(system.m)
@@ -200,10 +178,12 @@ class SmallMotions:
             normal_factors = scipy.sparse.linalg.splu((self.B @ self.B.T).tocsc())
             self.multipliers = -normal_factors.solve(self.B @ force)
         # without joints the residual is the sum of all forces
-        self.force = max(applied, float(np.abs(force).max(initial=0.0)))
-        self.left = float(np.abs(force + self.B.T @ self.multipliers).max(initial=0.0))
+        largest = system.shared.largest
+        self.force = max(applied, largest(float(np.abs(force).max(initial=0.0))))
+        left = np.abs(force + self.B.T @ self.multipliers)
+        self.left = largest(float(left.max(initial=0.0)))
         self.blocks = linearised(system, self.H, self.v, self.multipliers)
-        if self.force <= _ULPS * abs(self._matrix(self.blocks[2])).max():
+        if self.force <= _ULPS * self._largest_entry(self.blocks[2]):
             # joint forces from round-off of strains would add stiffness
             self.multipliers[:] = 0.0
             self.blocks = linearised(system, self.H, self.v, self.multipliers)
@@ -212,20 +192,26 @@ class SmallMotions:
         """The largest of the forces ``r`` on free unknowns, in units of energy."""
         system = self._system
         forces = r[: 6 * system.count].reshape(-1, 6).copy()
+        system.shared.sum(forces)
         if system.supports:
             system.supports.rotate(self.H, forces)
         forces[system.held] = 0.0
-        return float(np.abs(self.weight * forces.ravel()).max(initial=0.0))
+        return system.shared.largest(float(np.abs(self.weight * forces.ravel()).max(initial=0.0)))
+
+    def _largest_entry(self, blocks: Array) -> float:
+        """The largest entry of the matrices of all parts."""
+        return self._system.shared.largest(float(abs(self._matrix(blocks)).max()))
 
     def balanced(self, tolerance: float = _BALANCED) -> bool:
         """Whether joint forces balance all other forces."""
-        M, _, K = (self._matrix(blocks) for blocks in self.blocks)
-        inertia = abs(M).max() * self.rate**2
+        M, _, K = self.blocks
+        inertia = self._largest_entry(M) * self.rate**2
         # iterations end at a fraction of the model length, and positions have finite precision
-        reach = float(np.abs(self.H[: self._system.count, 0]).max()) / self._system.length
-        stiffness = (1e-12 + 4.0 * np.finfo(np.float64).eps * reach) * abs(K).max()
-        return self.gap <= tolerance and self.left <= (
-            tolerance * max(self.force, inertia) + stiffness
+        far = self._system.shared.largest(float(np.abs(self.H[: self._system.count, 0]).max()))
+        reach = far / self._system.length
+        stiffness = (1e-12 + 4.0 * np.finfo(np.float64).eps * reach) * self._largest_entry(K)
+        return bool(
+            self.gap <= tolerance and self.left <= tolerance * max(self.force, inertia) + stiffness
         )
 
     def _matrix(self, blocks: Array) -> sp.csr_matrix:
@@ -243,16 +229,19 @@ class SmallMotions:
 
     def pencil(self) -> Pencil:
         """The eigenvalue problem."""
+        system = self._system
         M, C, K = (self._matrix(blocks) for blocks in self.blocks)
-        free = ~self._system.held.ravel()
-        pencil = Pencil(M, C if C.nnz else None, K, self.B.tocsr()[:, free], self._parts(K))
+        free = np.flatnonzero(~system.held.ravel())
+        damped, unknowns = system.shared.any(C.nnz > 0), unknowns_of(system.shared, free)
+        B = self.B.tocsr()[:, free]
+        pencil = Pencil(M, C if damped else None, K, B, self._parts(K, unknowns), unknowns)
         return pencil if pencil.split_is_exact else replace(pencil, parts=None)
 
     def stiffness(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """Tangent stiffness of free unknowns, in units of energy, and constraint Jacobian."""
         return self._matrix(self.blocks[2]), self.B.tocsr()[:, ~self._system.held.ravel()]
 
-    def _parts(self, K: sp.csr_matrix) -> RigidParts:
+    def _parts(self, K: sp.csr_matrix, unknowns: Unknowns) -> RigidParts:
         """Stiffness of elements and of everything else, with rigid motions."""
         system, kkt = self._system, self._system.kkt
         state = system, self.H, self.v, self.multipliers
@@ -262,12 +251,10 @@ class SmallMotions:
         nodes = np.arange(system.count)
         blocks[kkt.block_index(nodes, nodes)] = stress_terms(forces.reshape(-1, 6))
         # nodes with vector coordinates do not have exact rigid motions of stressed groups
-        motions = [
-            (piece.unknowns, piece.basis)
-            for piece in rigid_motions(system, self.H, self.weight)
-            if (system.kinds[piece.nodes] < POSITION_GRADIENT).all()
-        ]
-        return RigidParts(rest, (K - rest).tocsr(), self._matrix(blocks), motions)
+        motions = rigid_motions(system, self.H, self.weight)
+        basis = motions.basis[:, motions.of_frames]
+        elements, stress = (K - rest).tocsr(), self._matrix(blocks)
+        return RigidParts(rest, elements, stress, basis, unknowns)
 
     def forces(self, nodal: Array) -> Array:
         """Forces on the free unknowns, in the unit of energy, from those of all, shape (6 n,)."""

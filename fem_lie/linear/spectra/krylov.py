@@ -11,13 +11,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from petsc4py import PETSc
-
 import numpy as np
 import scipy.sparse as sp
 from slepc4py import SLEPc
 
-from fem_lie.linear.spectra.pencil import SHIFT, Complex, Pencil, padded, pairs_of, set_up, to_petsc
+from fem_lie.linear.spectra.pencil import SHIFT, Complex, Pencil, padded, pairs_of, set_up
+from fem_lie.linear.spectra.unknowns import OnRanks, Unknowns
 
 _TARGET = 0.1  # shift over the unit of s
 _FAR = 10.0  # largest eigenvalue over the unit of s
@@ -32,7 +31,7 @@ class Approximation:
         s: Eigenvalues, both of a conjugate pair for quadratic problems, shape (k,).
         vectors: Eigenvectors as rows, shape (k, n).
         solve: Function for ``e`` with ``P e + Bᵀ μ = r``, ``B e = 0`` of rows ``r``, shape (k, n);
-            ``P`` is the quadratic at the shift.
+            ``P`` is the quadratic at the shift, and ``r`` are partial forces.
     """
 
     s: Complex
@@ -74,44 +73,54 @@ class Krylov:
 
     def _linear(self, pencil: Pencil, count: int, shift: float) -> Approximation:
         """Eigenvalues ``−s²`` of ``K φ + Bᵀ μ = −s² M φ``."""
-        K, M = _saddle_point(pencil, pencil.K, shift), padded(pencil.M, pencil.B)
-        solver = SLEPc.EPS().create(PETSc.COMM_SELF)
-        solver.setOperators(to_petsc(K), to_petsc(M))
+        K = pencil.on_ranks(_saddle_point(pencil, pencil.K, shift))
+        M = pencil.on_ranks(padded(pencil.M, pencil.B))
+        solver = SLEPc.EPS().create(K.matrix.comm)
+        solver.setOperators(K.matrix, M.matrix)
         types = SLEPc.EPS.ProblemType
         solver.setProblemType(types.GHEP if pencil.symmetric else types.GNHEP)
         solver.setTarget(-shift)
-        set_up(solver, min(count + self.spare, K.shape[0]), SLEPc.EPS, self.prefix)
-        squares, vectors = pairs_of(solver, K, pencil.M.shape[0])
+        set_up(solver, min(count + self.spare, K.size), SLEPc.EPS, self.prefix)
+        squares, vectors = pairs_of(solver, K, pencil.unknowns)
         s = np.sqrt((-squares).astype(np.complex128))
-        return Approximation(np.where(s.imag < 0, -s, s), vectors, _Factors(solver, 1.0))
+        return Approximation(
+            np.where(s.imag < 0, -s, s), vectors, _Factors(solver, K, pencil.unknowns, 1.0)
+        )
 
     def _quadratic(self, pencil: Pencil, count: int, rate: float) -> Approximation:
         """Eigenvalues ``s``, scaled by a rate so that the required ones are about one."""
         assert pencil.C is not None
         # about one as well: very small eigenvalues have been found
-        size = np.abs(pencil.K.diagonal()).max(initial=0.0) + rate**2 * pencil.M.diagonal().max()
+        stiffest = pencil.unknowns.largest(float(pencil.diagonals[1].max(initial=0.0)))
+        size = stiffest + rate**2 * pencil.mass_unit
         unit = 2.0 ** -np.round(np.log2(size))
-        K = unit * _saddle_point(pencil, pencil.K, rate**2)
-        C, M = (
-            padded(unit * rate**k * part, pencil.B) for k, part in ((1, pencil.C), (2, pencil.M))
+        scaled = (
+            unit * _saddle_point(pencil, pencil.K, rate**2),
+            padded(unit * rate * pencil.C, pencil.B),
+            padded(unit * rate**2 * pencil.M, pencil.B),
         )
-        solver = SLEPc.PEP().create(PETSc.COMM_SELF)
-        solver.setOperators([to_petsc(K), to_petsc(C), to_petsc(M)])
+        matrices = [pencil.on_ranks(part) for part in scaled]
+        K = matrices[0]
+        solver = SLEPc.PEP().create(K.matrix.comm)
+        solver.setOperators([each.matrix for each in matrices])
         solver.setTarget(_TARGET * self.nearer)
-        set_up(solver, min(2 * count + self.spare, K.shape[0]), SLEPc.PEP, self.prefix)
-        s, vectors = pairs_of(solver, K, pencil.M.shape[0])
-        return Approximation(rate * s, vectors, _Factors(solver, unit))
+        set_up(solver, min(2 * count + self.spare, K.size), SLEPc.PEP, self.prefix)
+        s, vectors = pairs_of(solver, K, pencil.unknowns)
+        return Approximation(
+            rate * s, vectors, _Factors(solver, matrices[0], pencil.unknowns, unit)
+        )
 
 
 def _saddle_point(pencil: Pencil, K: sp.csr_matrix, shift: float) -> sp.csr_matrix:
     """``[[K, Bᵀ], [B, 0]]`` with constraints scaled as the stiffness."""
-    B = pencil.B
+    B, (mass, stiffness) = pencil.B, pencil.diagonals
+    own = pencil.unknowns.owned((stiffness + shift * mass)[np.newaxis])
+    total = pencil.unknowns.total(np.array([own.sum(), np.count_nonzero(own)]))
     if not B.shape[0]:
         return K
-    size = np.abs(K.diagonal()) + shift * pencil.M.diagonal()
     # for any unit of each
     rows = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
-    B = sp.diags(np.mean(size) / rows) @ B
+    B = sp.diags(total[0] / total[1] / rows) @ B
     return sp.bmat([[K, B.T], [B, None]], format="csr")
 
 
@@ -121,21 +130,21 @@ class _Factors:
 
     Attributes:
         solver: Solver that owns the factorisation.
+        matrix: The problem at its shift.
+        unknowns: Its unknowns.
         unit: Factor of the problem.
     """
 
     solver: Any
+    matrix: OnRanks
+    unknowns: Unknowns
     unit: float
 
     def __call__(self, residuals: Complex) -> Complex:
         """Solve, see ``Approximation.solve``."""
-        linear = self.solver.getST().getKSP()
-        x, b = linear.getOperators()[0].createVecs()
-        found, n = np.zeros_like(residuals), residuals.shape[1]
-        for k, residual in enumerate(residuals):
-            for factor, part in ((1.0, residual.real), (1.0j, residual.imag)):
-                b.set(0.0)
-                b.array[:n] = self.unit * part
-                linear.solve(b, x)
-                found[k] += factor * x.array[:n]
+        linear, found = self.solver.getST().getKSP(), np.zeros_like(residuals)
+        forces = self.unit * self.unknowns.assembled(residuals)
+        for factor, parts in ((1.0, forces.real), (1.0j, forces.imag)):
+            for k in range(len(found)):
+                found[k] += factor * self.matrix.solve(linear, parts[k])
         return found

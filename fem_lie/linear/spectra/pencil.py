@@ -20,6 +20,7 @@ state, ``Rᵀ f = 0``, so that ``(R y)ᵀ K_e ψ = −(δR y)ᵀ f``, with ``δR
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeVar
@@ -32,10 +33,11 @@ import scipy.linalg
 import scipy.sparse as sp
 from slepc4py import SLEPc
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array
 from fem_lie._compat import slepc_errors
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.packages import lacks_memory
+from fem_lie.linear.spectra.unknowns import ON_ONE_RANK, OnRanks, Unknowns
 
 Complex = npt.NDArray[np.complex128]
 
@@ -45,15 +47,6 @@ _TOLERANCE = 1e-9
 def padded(A: sp.csr_matrix, B: sp.csr_matrix) -> sp.csr_matrix:
     """The matrix with zero rows and columns for the multipliers."""
     return sp.block_diag([A, sp.csr_matrix((B.shape[0],) * 2)], format="csr")
-
-
-def to_petsc(A: sp.csr_matrix) -> PETSc.Mat:
-    """The matrix for PETSc, with all of its diagonal."""
-    # a direct solver needs a diagonal, even if it is zero
-    A = (A + sp.diags(np.full(A.shape[0], 0.0), format="csr")).tocsr()
-    A.sort_indices()
-    pointers = (A.indptr.astype(PETSc.IntType), A.indices.astype(PETSc.IntType), A.data)
-    return PETSc.Mat().createAIJ(A.shape, csr=pointers, comm=PETSc.COMM_SELF)
 
 
 def set_up(solver: Any, count: int, kind: Any, prefix: str) -> None:
@@ -100,15 +93,15 @@ def solve_factorised(solver: Any, prefix: str) -> None:
         ) from error
 
 
-def pairs_of(solver: Any, K: sp.csr_matrix, n: int) -> tuple[Complex, Complex]:
-    """All converged eigenvalues and vectors, without multipliers."""
+def pairs_of(solver: Any, matrix: OnRanks, unknowns: Unknowns) -> tuple[Complex, Complex]:
+    """All converged eigenvalues and vectors, without multipliers, the same on all ranks."""
     found = solver.getConverged()
-    real, imaginary = (PETSc.Vec().createSeq(K.shape[0]) for _ in range(2))
-    values, vectors = np.empty(found, dtype=np.complex128), np.empty((found, n), np.complex128)
+    real, imaginary = matrix.matrix.createVecs()
+    values, vectors = np.empty(found, dtype=np.complex128), []
     for k in range(found):
         values[k] = solver.getEigenpair(k, real, imaginary)
-        vectors[k] = real.array[:n] + 1j * imaginary.array[:n]
-    return values, vectors
+        vectors.append(matrix.unknowns(real) + 1j * matrix.unknowns(imaginary))
+    return unknowns.of_first(values), np.array(vectors).reshape(found, matrix.count)
 
 
 Extended = npt.NDArray[np.longdouble]
@@ -129,14 +122,15 @@ _MOST = 1200  # largest number of rigid motions of all groups for the search of 
 FREE = 1e-9  # largest motion of supports in a free rigid motion of a group of size one
 
 
-def kernel(A: Array) -> Array:
+def kernel(triangle: Array) -> Array:
     """Orthonormal basis (z, k) of the null space of a matrix (m, z) of one dimension.
 
-    For a tall matrix it is that of its triangle: the SVD of the matrix would need m² numbers.
+    Args:
+        triangle: That of its QR factors: the SVD of a tall matrix would need m² numbers.
     """
-    if not A.size:
-        return np.eye(A.shape[1])
-    return np.asarray(scipy.linalg.null_space(np.linalg.qr(A, mode="r"), rcond=FREE))
+    if not triangle.size:
+        return np.eye(triangle.shape[1])
+    return np.asarray(scipy.linalg.null_space(triangle, rcond=FREE))
 
 
 class RigidParts:
@@ -151,7 +145,8 @@ class RigidParts:
         rest: sp.csr_matrix,
         elements: sp.csr_matrix,
         stress: sp.csr_matrix,
-        motions: list[tuple[Indices, Array]],
+        motions: sp.csr_matrix,
+        unknowns: Unknowns,
     ) -> None:
         """Store the matrices.
 
@@ -159,41 +154,50 @@ class RigidParts:
             rest: Stiffness without elements, shape (n, n).
             elements: Stiffness of elements.
             stress: ``P``.
-            motions: Unknowns of each group, shape (k,), and an orthonormal basis of its rigid
-                motions that supports allow, shape (k, ≤ 6).
+            motions: Orthonormal rigid motions that supports allow, of all connected groups of
+                elements, as columns, shape (n, r).
+            unknowns: The unknowns of this rank.
         """
         self.rest, self.elements, self.stress = rest, elements, stress
-        self._motions = motions
+        self._R, self._unknowns = motions, unknowns
+        self._wide = motions.astype(np.longdouble)
 
     def mechanisms(self, B: sp.csr_matrix) -> Array:
         """Basis (z, n) of motions without strain of elements that the constraints ``B`` allow."""
-        n, columns = B.shape[1], [basis.shape[1] for _, basis in self._motions]
-        if sum(columns) > _MOST:
+        n, r = self._R.shape
+        if r > _MOST:
             return np.empty((0, n))
-        R = np.zeros((n, sum(columns)))
-        for (unknowns, basis), last in zip(self._motions, np.cumsum(columns), strict=True):
-            R[unknowns, last - basis.shape[1] : last] = basis
         size = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
-        allowed = (sp.diags(1.0 / np.where(size > 0.0, size, 1.0)) @ B) @ R
-        return np.asarray((R @ kernel(allowed)).T)
+        allowed = sp.diags(1.0 / np.where(size > 0.0, size, 1.0)) @ B @ self._R
+        return np.asarray((self._R @ kernel(self._unknowns.triangle(allowed.toarray()))).T)
 
     def strained(self, vectors: npt.NDArray[Real]) -> npt.NDArray[Real]:
         """``ψ`` of each row."""
-        out = vectors.copy()
-        for unknowns, basis in self._motions:
-            part = out[:, unknowns]
-            # twice: the first pass leaves round-off of the whole vector
-            for _ in range(2):
-                part = part - (part @ basis) @ basis.T
-            out[:, unknowns] = part
-        return out
+        return self._without_rigid(vectors, self._unknowns.owned, lambda moved: moved)
+
+    def _resisting(self, forces: Extended) -> Extended:
+        """Partial forces (k, n) without their resultants on groups: they do no work on ``R``."""
+        return self._without_rigid(forces, lambda given: given, self._unknowns.owned)
+
+    def _without_rigid(
+        self,
+        rows: npt.NDArray[Real],
+        counted: Callable[[npt.NDArray[Real]], npt.NDArray[Real]],
+        taken: Callable[[npt.NDArray[Real]], npt.NDArray[Real]],
+    ) -> npt.NDArray[Real]:
+        R = self._wide if rows.dtype == np.longdouble else self._R
+        # twice: the first pass leaves round-off of the whole vector
+        for _ in range(2):
+            share = self._unknowns.total(R.T @ counted(rows).T)
+            rows = rows - taken((R @ share).T)
+        return rows
 
     def product(self, vectors: Array) -> Extended:
         """``K φ`` of rows, shape (k, n), in extended precision."""
         strained = self.strained(vectors)
         elastic, stressed = product(self.elements, strained), product(self.stress, strained)
-        resultant = stressed - self.strained(stressed)
-        return product(self.rest, vectors) + self.strained(elastic) + resultant
+        resultant = stressed - self._resisting(stressed)
+        return product(self.rest, vectors) + self._resisting(elastic) + resultant
 
     def product_with_pressure(self, vectors: Array) -> Extended:
         """``K φ`` of rows if forces of elements have a resultant, as those of pressure do."""
@@ -204,20 +208,28 @@ class RigidParts:
 
         Strains below those of a vector with a relative error of its size are all round-off.
         """
-        strained = self.strained(vectors)
+        strained, total = self.strained(vectors), self._unknowns.total
         size, small = np.abs(vectors), np.abs(strained)
         cancels = (size * (abs(self.rest) @ size.T).T).sum(axis=1)
         cancels += (size * (abs(self.stress) @ small.T).T).sum(axis=1)
-        # vanishing forces, such as those of springs at rest, are round-off of stiffness
-        cancels += _VANISHES * abs(self.rest).max() * (size * size).sum(axis=1)
         strains = (small * (abs(self.elements) @ small.T).T).sum(axis=1)
-        rigid = np.linalg.norm(strained, axis=1) <= _KNOWN * np.linalg.norm(vectors, axis=1)
+        whole, elastic = ((self._unknowns.owned(x) ** 2).sum(axis=1) for x in (size, small))
+        cancels, strains, whole, elastic = total(np.array([cancels, strains, whole, elastic]))
+        # vanishing forces, such as those of springs at rest, are round-off of stiffness
+        stiffest = self._unknowns.largest(float(abs(self.rest).max()))
+        cancels = cancels + _VANISHES * stiffest * whole
+        rigid = np.sqrt(elastic) <= _KNOWN * np.sqrt(whole)
         return np.asarray(_ULPS * cancels + np.where(rigid, strains, _ULPS * strains))
 
 
 SHIFT = 1e-10  # over the largest ratio of stiffness to mass: regular with rigid motions
 _ROUND_OFF = 1e-12  # of the largest ratio of stiffness to mass, and of the terms that cancel
 _SYMMETRIC = 1e-9
+
+
+def _largest_row(A: PETSc.Mat) -> float:
+    """Largest sum of absolute values of a row."""
+    return float(A.norm(PETSc.NormType.NORM_INFINITY))
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,6 +243,7 @@ class Pencil:
         B: Constraint Jacobian, shape (m, n).
         parts: Stiffness split into that of elements, which rigid motion does not strain, and the
             rest; ``None`` if unknown.
+        unknowns: The unknowns, of which this rank may have a part.
     """
 
     M: sp.csr_matrix
@@ -238,23 +251,48 @@ class Pencil:
     K: sp.csr_matrix
     B: sp.csr_matrix
     parts: RigidParts | None = None
+    unknowns: Unknowns = ON_ONE_RANK
+
+    @cached_property
+    def diagonals(self) -> tuple[Array, Array]:
+        """Diagonals of mass and absolute stiffness, each shape (n,)."""
+        mass, stiffness = self.unknowns.assembled(
+            np.array([self.M.diagonal(), self.K.diagonal()], dtype=np.float64)
+        )
+        return np.asarray(mass), np.abs(stiffness)
 
     @cached_property
     def fastest(self) -> float:
         """Square root of the largest ratio of stiffness to mass of one unknown, a rate."""
-        mass, stiffness = self.M.diagonal(), np.abs(self.K.diagonal())
+        mass, stiffness = self.diagonals
         ratio = stiffness[mass > 0] / mass[mass > 0]
-        return float(np.sqrt(ratio.max(initial=0.0)))
+        return float(np.sqrt(self.unknowns.largest(ratio.max(initial=0.0))))
 
     @cached_property
     def symmetric(self) -> bool:
         """Whether the stiffness is symmetric."""
-        asymmetry = abs(self.K - self.K.T).max()
-        return bool(asymmetry <= _SYMMETRIC * abs(self.K).max())
+        K = self.on_ranks(self.K).matrix
+        skew = K.transpose(PETSc.Mat())
+        skew.axpy(-1.0, K)
+        return bool(_largest_row(skew) <= _SYMMETRIC * _largest_row(K))
 
-    def kinetic(self, vectors: Complex) -> Array:
+    def on_ranks(self, A: sp.csr_matrix) -> OnRanks:
+        """Matrix of the unknowns and of multipliers for PETSc."""
+        return self.unknowns.matrix(A, self.K.shape[0])
+
+    @property
+    def mass_unit(self) -> float:
+        """Largest mass of an unknown, or 1 without any."""
+        return self.unknowns.largest(float(self.diagonals[0].max(initial=0.0))) or 1.0
+
+    def work(self, vectors: Any, forces: Any) -> Any:
+        """``φ f`` of rows of vectors (k, n) and partial forces (l, n), shape (k, l)."""
+        return self.unknowns.total(vectors @ forces.T)
+
+    def kinetic(self, vectors: Array | Complex) -> Array:
         """``φᴴ M φ`` of each row."""
-        return np.asarray((vectors.conj() * (self.M @ vectors.T).T).sum(axis=1).real)
+        own = (vectors.conj() * (self.M @ vectors.T).T).sum(axis=1).real
+        return np.asarray(self.unknowns.total(own))
 
     def stiffness(self, vectors: Array) -> Extended:
         """``K φ`` of real rows in extended precision, without round-off of rigid motion."""
@@ -268,8 +306,12 @@ class Pencil:
     def split_is_exact(self) -> bool:
         """Whether ``parts`` are all of ``K``: nodes without drilling lack rigid motions."""
         probe = np.random.default_rng(0).normal(size=(1, self.K.shape[0]))
+        probe = self.unknowns.of_owners(probe)
         whole = product(self.K, probe)
-        return bool(abs(self.stiffness(probe) - whole).max() <= _SYMMETRIC * abs(whole).max())
+        both = np.concatenate([self.stiffness(probe) - whole, whole]).astype(np.float64)
+        difference, size = np.abs(self.unknowns.assembled(both)).max(axis=1, initial=0.0)
+        largest = self.unknowns.largest
+        return largest(float(difference)) <= _SYMMETRIC * largest(float(size))
 
     def terms(self, vectors: Complex) -> tuple[Complex, Complex, Complex]:
         """``M φ``, ``C φ`` and ``K φ`` of rows, see :meth:`stiffness`."""
@@ -285,7 +327,8 @@ class Pencil:
         """Rates that round-off makes of zero, for vectors (k, n) with ``φᴴ M φ``, (k,)."""
         if self.parts is None:
             size = np.abs(vectors)
-            energy = _ROUND_OFF * (size * (abs(self.K) @ size.T).T).sum(axis=1)
+            own = (size * (abs(self.K) @ size.T).T).sum(axis=1)
+            energy = _ROUND_OFF * self.unknowns.total(own)
         else:
             energy = self.parts.round_off(vectors.real) + self.parts.round_off(vectors.imag)
         ratio = np.divide(energy, mass, out=np.full(len(mass), np.inf), where=mass > 0)

@@ -12,7 +12,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 
 from fem_lie._arrays import Array
 from fem_lie.linear.spectra.pencil import SHIFT, Complex, Pencil, RigidParts
@@ -44,24 +43,25 @@ def without_round_off(pencil: Pencil, s: Complex, vectors: Complex) -> SlowMotio
     """Eigenpairs, of which the slow ones are recomputed with the split stiffness."""
     parts = pencil.parts
     assert parts is not None
-    rigid = _orthonormal(parts.mechanisms(pencil.B), pencil.M)
+    rigid = _orthonormal(pencil, parts.mechanisms(pencil.B))
     if not len(rigid):
         return SlowMotions(rigid, s, vectors)
     limit = _gap(np.abs(s), np.sqrt(SHIFT) * pencil.fastest)
     slow = np.abs(s) <= limit
-    free, resisted = _split(parts, rigid)
-    strained = _without_rigid(pencil.M, rigid, vectors[slow])
+    free, resisted = _split(pencil, parts, rigid)
+    strained = _without_rigid(pencil, rigid, vectors[slow])
     basis, z = np.concatenate([free, resisted, strained]), len(free)
-    K = np.asarray(basis @ pencil.stiffness(basis).T, dtype=np.float64)
+    K = np.asarray(pencil.work(basis, pencil.stiffness(basis)), dtype=np.float64)
     if pencil.C is None:
         rates, coordinates = _undamped(K, z, pencil.symmetric)
     else:
-        size = np.abs(basis) @ (abs(pencil.C) @ np.abs(basis.T))
-        rates, coordinates = _damped(K, basis @ (pencil.C @ basis.T), z, size.max(initial=0.0))
+        C = pencil.work(basis, (pencil.C @ basis.T).T)
+        size = pencil.work(np.abs(basis), (abs(pencil.C) @ np.abs(basis.T)).T)
+        rates, coordinates = _damped(K, C, z, size.max(initial=0.0))
     found = coordinates @ basis
     kept = np.abs(rates) <= limit
     span = np.concatenate([free, found[kept].real, found[kept].imag])
-    others = without(pencil, _orthonormal(span, pencil.M), s[~slow], vectors[~slow])
+    others = without(pencil, _orthonormal(pencil, span), s[~slow], vectors[~slow])
     return SlowMotions(
         free, np.concatenate([rates[kept], s[~slow]]), np.concatenate([found[kept], others])
     )
@@ -84,34 +84,34 @@ def without(pencil: Pencil, slow: Array, s: Complex, vectors: Complex) -> Comple
 
     Their forces do no work on slow modes: ``Φ Q(s) (φ − Φᵀ a) = 0``.
     """
-    own = [slow @ term.T.real for term in pencil.terms(slow.astype(np.complex128))]
-    work = [slow @ term.T for term in pencil.terms(vectors)]
+    own = [pencil.work(slow, term.real) for term in pencil.terms(slow.astype(np.complex128))]
+    work = [pencil.work(slow, term) for term in pencil.terms(vectors)]
     powers = np.stack([s**2, s, np.ones_like(s)])
     Q = np.einsum("pk,pij->kij", powers, np.asarray(own, dtype=np.float64))
     r = np.einsum("pk,pik->ki", powers, np.asarray(work, dtype=np.complex128))
     # larger values are not round-off: a damped free motion has a second eigenvalue
-    share = np.linalg.norm(vectors @ (pencil.M @ slow.T), axis=1)
+    share = np.linalg.norm(pencil.work(vectors, (pencil.M @ slow.T).T), axis=1)
     mixed = share <= _MIXED * np.sqrt(pencil.kinetic(vectors))
     cleared = vectors.copy()
     cleared[mixed] -= np.linalg.solve(Q[mixed], r[mixed, :, np.newaxis])[:, :, 0] @ slow
     return cleared
 
 
-def _without_rigid(M: sp.csr_matrix, rigid: Array, vectors: Complex) -> Array:
+def _without_rigid(pencil: Pencil, rigid: Array, vectors: Complex) -> Array:
     """Basis of the parts of vectors other than rigid motion and errors, shape (k, n)."""
     both = np.concatenate([vectors.real, vectors.imag])
-    both = _unit(both / np.abs(both).max(initial=1e-300), M / M.diagonal().max(), _SPLIT)
-    both = _unit(both, M, 0.0)
+    both = both / pencil.unknowns.largest(float(np.abs(both).max(initial=1e-300)))
+    both = _unit(pencil, both, _SPLIT * np.sqrt(pencil.mass_unit))
     for _ in range(2):
-        both = both - both @ (M @ rigid.T) @ rigid
-    return _orthonormal(_unit(both, M, _BESIDE), M)
+        both = both - pencil.work(both, (pencil.M @ rigid.T).T) @ rigid
+    return _orthonormal(pencil, _unit(pencil, both, _BESIDE))
 
 
-def _split(parts: RigidParts, rigid: Array) -> tuple[Array, Array]:
+def _split(pencil: Pencil, parts: RigidParts, rigid: Array) -> tuple[Array, Array]:
     """Rigid motions without stiffness, and the others."""
     if not len(rigid):
         return rigid, rigid
-    _, values, turn = np.linalg.svd(rigid @ (parts.rest @ rigid.T))
+    _, values, turn = np.linalg.svd(pencil.work(rigid, (parts.rest @ rigid.T).T))
     motions = turn @ rigid
     free = values <= parts.round_off(motions)
     return motions[free], motions[~free]
@@ -157,17 +157,17 @@ def _damped(K: Array, C: Array, z: int, size: float) -> tuple[Complex, Complex]:
     return np.asarray(unit * s, dtype=np.complex128), coordinates
 
 
-def _unit(vectors: Array, M: sp.csr_matrix, least: float) -> Array:
+def _unit(pencil: Pencil, vectors: Array, least: float) -> Array:
     """Rows scaled to length one; those not longer than ``least`` are left out."""
-    size = np.sqrt((vectors * (M @ vectors.T).T).sum(axis=1).clip(0.0))
+    size = np.sqrt(pencil.kinetic(vectors).clip(0.0))
     kept = size > least
     return np.asarray(vectors[kept] / size[kept, np.newaxis])
 
 
-def _orthonormal(vectors: Array, M: sp.csr_matrix) -> Array:
+def _orthonormal(pencil: Pencil, vectors: Array) -> Array:
     """Basis (k, n) of the span of rows, with ``Φ M Φᵀ = 1``."""
     if not len(vectors):
         return vectors
-    weight, base = np.linalg.eigh(vectors @ (M @ vectors.T))
+    weight, base = np.linalg.eigh(pencil.work(vectors, (pencil.M @ vectors.T).T))
     kept = weight > _DEPENDENT * weight.max()
     return np.asarray((base[:, kept] / np.sqrt(weight[kept])).T @ vectors)

@@ -32,6 +32,8 @@ def dense(pencil: Pencil, count: int, floor: float) -> Approximation:
         ConvergenceError: The problem is too large, or singular at the shift.
     """
     n, m = pencil.M.shape[0], pencil.B.shape[0]
+    if pencil.unknowns.several:
+        raise ConvergenceError("a scene on several ranks has no dense eigenvalue problem")
     if n - m > MOST:
         raise ConvergenceError(f"{n - m} unknowns are too many for a dense eigenvalue problem")
     basis = _admissible(pencil.B)
@@ -156,11 +158,11 @@ def _physical(pencil: Pencil, found: Approximation) -> tuple[Complex, Complex, A
     if pencil.parts is not None:
         slow = without_round_off(pencil, s, vectors)
         free, s, vectors = slow.free, slow.s, slow.vectors
-    s = _rayleigh(s, vectors, pencil.terms(vectors))
-    strained = vectors - (vectors @ (pencil.M @ free.T)) @ free
+    s = _rayleigh(pencil, s, vectors, pencil.terms(vectors))
+    strained = vectors - pencil.work(vectors, (pencil.M @ free.T).T) @ free
     round_off = pencil.round_off(strained, pencil.kinetic(vectors))
     if pencil.C is not None:
-        s, vectors = _one_of_each_pair(np.where(np.abs(s) <= round_off, 0.0, s), vectors)
+        s, vectors = _one_of_each_pair(pencil, np.where(np.abs(s) <= round_off, 0.0, s), vectors)
         round_off = np.zeros(len(s))
     zeros = np.zeros(len(free), dtype=np.complex128)
     both = np.concatenate([free.astype(np.complex128), vectors])
@@ -172,7 +174,7 @@ def _possible(pencil: Pencil, s: Complex, vectors: Complex) -> npt.NDArray[np.bo
 
     Their vectors violate the constraints, and differ from their Rayleigh quotients.
     """
-    quotients = np.abs(_rayleigh(s, vectors, pencil.terms(vectors)))
+    quotients = np.abs(_rayleigh(pencil, s, vectors, pencil.terms(vectors)))
     fast = np.abs(s) > np.sqrt(SHIFT) * pencil.fastest
     return np.asarray(~fast | (quotients > 0.5 * np.abs(s)))
 
@@ -190,10 +192,10 @@ def _improved(
     )
     residuals, change = _residuals(pencil, found, s, vectors, pencil.terms(vectors))
     for own, basis in zip(change, slower, strict=True):
-        own -= (own @ (pencil.M @ basis.T)) @ basis
+        own -= pencil.work(own, (pencil.M @ basis.T).T) @ basis
     near = np.where((residuals <= _NEAR)[:, np.newaxis], vectors - change, vectors)
     terms = pencil.terms(near)
-    nearest = np.where(s == 0.0, 0.0, _rayleigh(s, near, terms))
+    nearest = np.where(s == 0.0, 0.0, _rayleigh(pencil, s, near, terms))
     lower, _ = _residuals(pencil, found, nearest, near, terms)
     better = lower < residuals
     return (
@@ -210,10 +212,10 @@ def _slower(pencil: Pencil, s: Complex, vectors: Complex) -> list[Array]:
     for k, vector in enumerate(vectors):
         found.append(basis[: rows[np.searchsorted(np.abs(s), _SLOWER * np.abs(s[k]))]])
         for part in (vector.real, vector.imag):
-            size, left = np.sqrt(part @ (pencil.M @ part)), part
+            size, left = np.sqrt(pencil.work(part, pencil.M @ part)), part
             for _ in range(2):
-                left = left - (left @ (pencil.M @ basis.T)) @ basis
-            length = np.sqrt(left @ (pencil.M @ left))
+                left = left - pencil.work(left, (pencil.M @ basis.T).T) @ basis
+            length = np.sqrt(pencil.work(left, pencil.M @ left))
             if length > _SPLIT * size:
                 basis = np.vstack([basis, left / length])
         rows.append(len(basis))
@@ -235,9 +237,12 @@ def _residuals(
     return np.asarray(np.sqrt(size)), change
 
 
-def _rayleigh(s: Complex, vectors: Complex, terms: tuple[Complex, Complex, Complex]) -> Complex:
+def _rayleigh(
+    pencil: Pencil, s: Complex, vectors: Complex, terms: tuple[Complex, Complex, Complex]
+) -> Complex:
     """Root of ``φᴴ Q(s) φ`` nearest to ``s``, for each ``φ``."""
-    m, c, k = ((vectors.conj() * term).sum(axis=1) for term in terms)
+    own = [(vectors.conj() * term).sum(axis=1) for term in terms]
+    m, c, k = pencil.unknowns.total(np.array(own))
     root = np.sqrt(c * c - 4.0 * m * k)
     # the sum in which neither part cancels
     q = -0.5 * (c + np.where((c.conj() * root).real < 0.0, -root, root))
@@ -248,13 +253,16 @@ def _rayleigh(s: Complex, vectors: Complex, terms: tuple[Complex, Complex, Compl
     )
 
 
-def _one_of_each_pair(s: Complex, vectors: Complex) -> tuple[Complex, Complex]:
+def _one_of_each_pair(pencil: Pencil, s: Complex, vectors: Complex) -> tuple[Complex, Complex]:
     """The eigenvalue with ``Im s > 0`` of each pair; all real ones; one of each double zero."""
     still = s == 0.0
     turning = ~still & (s.imag > -1e-9 * np.abs(s))
     rigid = vectors[still]
     span = np.concatenate([rigid.real, rigid.imag])
     if len(rigid):
-        span = np.linalg.svd(span, full_matrices=False)[2][: (len(rigid) + 1) // 2]
+        triangle = pencil.unknowns.triangle(pencil.unknowns.owned(span).T)
+        _, sizes, turn = np.linalg.svd(triangle)
+        largest = slice((len(rigid) + 1) // 2)
+        span = (turn[largest] / sizes[largest, np.newaxis]) @ span
     rates = np.concatenate([np.zeros(len(span)), s[turning]])
     return rates, np.concatenate([span.astype(np.complex128), vectors[turning]])

@@ -16,11 +16,13 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags
-from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.pivots import inertia
 from fem_lie.linear.spectra.pencil import Pencil, RigidParts
 from fem_lie.linear.spectra.smallest import smallest
+from fem_lie.linear.spectra.unknowns import unknowns_of
+from fem_lie.parts.part_scene import ScenePart
+from fem_lie.results.gathering import at_nodes, bodies_of
 from fem_lie.scene import Scene
 from fem_lie.solve.stability.vibrations import largest_elongation, node_lengths, scaled
 from fem_lie.solve.statics.follow import SceneEquilibrium
@@ -37,20 +39,30 @@ class StableEquilibrium(SceneEquilibrium):
 
     Attributes:
         weight: Units of the unknowns of the nodes: lengths and radians, shape (6 n,).
+        unknowns: The free unknowns, of which this rank may have a part.
     """
 
-    def __init__(self, scene: Scene, prefix: str, *, linearised_stress: bool = True) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        prefix: str,
+        part: ScenePart | None = None,
+        *,
+        linearised_stress: bool = True,
+    ) -> None:
         """Build the equations.
 
         Args:
             scene: The scene.
             prefix: Prefix of the linear solver's options.
+            part: What this rank has of the scene, if it is divided.
             linearised_stress: Iterate on the stress by linearised updates; otherwise plain Newton.
         """
-        super().__init__(scene, prefix)
+        super().__init__(scene, prefix, part)
         self._linearised_stress = linearised_stress
         self.weight = self.equations.unknowns.units
         self._free = np.flatnonzero(~self.equations.unknowns.held.ravel())
+        self.unknowns = unknowns_of(self.equations.shared, self._free)
 
     def factorise(self, factor: float) -> None:
         """Factorise the tangent stiffness, and count its negative eigenvalues."""
@@ -69,11 +81,13 @@ class StableEquilibrium(SceneEquilibrium):
         """Raise ``ValueError`` if the tangent stiffness is singular in the current state."""
         self._fill(factor)
         A = tangent_csr(self.equations)
-        scale = sp.diags(1.0 / np.sqrt(np.maximum(np.abs(A.diagonal()), 1e-300)))
-        if self.equations.unknowns.m:
+        size: Array = A.diagonal()
+        self._shared.sum(size[: 6 * self._moving].reshape(-1, 6))
+        scale = sp.diags(1.0 / np.sqrt(np.maximum(np.abs(size), 1e-300)))
+        if self._shared.any(self.equations.unknowns.m > 0):
             scale = sp.diags(self.equations.matrix.units)
         try:
-            zero = inertia((0.5 * scale @ (A + A.T) @ scale).tocsr())[1]
+            zero = inertia((0.5 * scale @ (A + A.T) @ scale).tocsr(), self._shared)[1]
         except SingularMatrixError:
             zero = 1
         loose = self._loose_motions()
@@ -87,17 +101,14 @@ class StableEquilibrium(SceneEquilibrium):
     def _loose_motions(self) -> int:
         """Number of motions without strain that joints allow and nothing resists."""
         K, B = self.pencil()
-        kinds = self.equations.unknowns.kinds
-        motions = [
-            (piece.unknowns, piece.basis)
-            for piece in self.equations.constraints(self._H).rigid_motions(self.weight)
-            if (kinds[piece.nodes] < POSITION_GRADIENT).all()
-        ]
-        Z = RigidParts(K, K, K, motions).mechanisms(B)
+        motions = self.equations.constraints(self._H).rigid_motions(self.weight)
+        basis = motions.basis[:, motions.of_frames]
+        Z = RigidParts(K, K, K, basis, self.unknowns).mechanisms(B)
         if not len(Z):
             return 0
-        resists = np.abs(np.linalg.eigvalsh(0.5 * Z @ ((K + K.T) @ Z.T)))
-        return int((resists <= _LOOSE * abs(K).max()).sum())
+        products = self.unknowns.total(0.5 * Z @ ((K + K.T) @ Z.T))
+        resists = np.abs(np.linalg.eigvalsh(products))
+        return int((resists <= _LOOSE * self.largest_entry(K)).sum())
 
     def pencil(self) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """Tangent stiffness of the free unknowns in their units, and normalised constraint rows."""
@@ -121,8 +132,9 @@ class StableEquilibrium(SceneEquilibrium):
         K, B = self.pencil()
         K = (0.5 * (K + K.T)).tocsr()
         count = min(count, K.shape[0] - B.shape[0])
-        unit = sp.identity(K.shape[0], format="csr")
-        s, vectors, _ = smallest(Pencil(unit, None, K, B), count, 0.0, prefix)
+        ones = np.ones((1, K.shape[0]))
+        unit = sp.diags(self.unknowns.owned(ones)[0], format="csr")
+        s, vectors, _ = smallest(Pencil(unit, None, K, B, None, self.unknowns), count, 0.0, prefix)
         values = -(s**2).real
         return values, np.array([self.increments(vector.real) for vector in vectors])
 
@@ -149,13 +161,23 @@ class StableEquilibrium(SceneEquilibrium):
         if start is None:
             free = ~self.equations.unknowns.held.ravel()
             start = np.random.default_rng(_SEED).standard_normal(n) * free
-        value, right, x = np.nan, np.zeros(self.equations.unknowns.size), start
+            self._shared.take_from_owners(start.reshape(-1, 6))
+        value, right = np.nan, np.zeros(self.equations.unknowns.size)
+        x: Array = start
         for _ in range(repeats):
-            x = x / np.linalg.norm(x)
+            x = np.asarray(x / self._norm(x))
             right[:n] = x / self.weight
             y = self.solve_raw(right)[:n] / self.weight
-            value, x = 1.0 / float(x @ y), y
-        return value, np.asarray(x / np.linalg.norm(x))
+            value, x = 1.0 / self.dot(self._of_owned(x), y.reshape(-1, 6)), y
+        return value, np.asarray(x / self._norm(x))
+
+    def _of_owned(self, x: Array) -> Array:
+        """Unknowns of the nodes (6 n,) as rows, with zeros at nodes that other ranks own."""
+        return x.reshape(-1, 6) * self._shared.owned[:, np.newaxis]
+
+    def _norm(self, x: Array) -> float:
+        own = self._of_owned(x)
+        return float(np.sqrt(self.dot(own, own)))
 
     def increments(self, vector: Array) -> Array:
         """Local increments of the nodes, (n, 6), from a vector of free unknowns in their units."""
@@ -173,12 +195,24 @@ class StableEquilibrium(SceneEquilibrium):
 
     def largest(self, dx: Array) -> float:
         """Largest translation over the diameter, or rotation, of increments ``dx``."""
-        return float(np.abs(self.twists(dx)).max(initial=0.0) / self.diameter)
+        return self.maximum(self.twists(dx)) / self.diameter
+
+    def largest_entry(self, A: sp.csr_matrix) -> float:
+        """Largest entry of the matrices (n, n) of all parts."""
+        return self._shared.largest(float(abs(A).max()) if A.nnz else 0.0)
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Number of free unknowns less that of constraints, of the whole scene."""
+        unknowns = self.equations.unknowns
+        free = self.unknowns.owned(np.ones((1, len(self._free)))).sum() - unknowns.m
+        return int(self.unknowns.total(free))
 
     def largest_strain(self, dx: Array) -> float:
         """Largest elongation of a cell edge over its length due to increments ``dx``."""
         report = self.equations.report(self._H, dx[: 6 * self._moving].reshape(-1, 6))
-        return largest_elongation(self.equations.unknowns.bodies, report.frames, report.twists)
+        bodies = self.equations.unknowns.bodies
+        return self._shared.largest(largest_elongation(bodies, report.frames, report.twists))
 
     def solve_finely(self, b: Array) -> Array:
         """Solve with the last tangent, refined by residuals in higher than double precision.
@@ -190,8 +224,12 @@ class StableEquilibrium(SceneEquilibrium):
             tangent_csr(self.equations).astype(np.longdouble),
             np.zeros(len(b), dtype=np.longdouble),
         )
+        own = b.copy()
+        own[: 6 * self._moving] = self._of_owned(b[: 6 * self._moving]).ravel()
         for _ in range(1 + _REFINED):
-            x += self.solve_raw(np.asarray(b - A @ x, dtype=np.float64))
+            left = np.asarray(own - A @ x, dtype=np.float64)
+            self._shared.sum(left[: 6 * self._moving].reshape(-1, 6))
+            x += self.solve_raw(left)
         found = np.asarray(x, dtype=np.float64)
         self.equations.supports.rotate_back(self._H, found[: 6 * self._moving].reshape(-1, 6))
         return found
@@ -217,9 +255,15 @@ class StableEquilibrium(SceneEquilibrium):
         return self.pencil()[0]
 
     def all_nodes(self, shapes: Array) -> tuple[Array, Flags]:
-        """Scaled increments of all nodes from those of masters (k, n, 6); which only rotate."""
-        unknowns = self.equations.unknowns
-        lengths = node_lengths(unknowns.bodies)
-        found = [scaled(self.equations.report(self._H, shape).twists, lengths) for shape in shapes]
-        moved = np.array([shape for shape, _ in found]).reshape(-1, unknowns.total, 6)
+        """Scaled increments of all nodes of the whole scene, and which modes only rotate.
+
+        Args:
+            shapes: Increments of the master nodes of the part, shape (k, n, 6).
+        """
+        unknowns, info, part = self.equations.unknowns, self.equations.info, self.equations.part
+        own = np.array([self.equations.report(self._H, shape).twists for shape in shapes])
+        whole, (twists,) = at_nodes(info, part, (own.reshape(len(shapes), unknowns.total, 6),))
+        lengths = node_lengths(bodies_of(whole, part, unknowns.bodies))
+        found = [scaled(shape, lengths) for shape in twists]
+        moved = np.array([shape for shape, _ in found]).reshape(-1, *twists.shape[1:])
         return moved, np.array([turns for _, turns in found], dtype=np.bool_)

@@ -15,7 +15,9 @@ from __future__ import annotations
 from fem_lie._arrays import instance
 from fem_lie.joints.redundant import RedundantConstraints
 from fem_lie.linear.direct import ConvergenceError
+from fem_lie.parts.part_scene import ScenePart
 from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.gathering import of_part
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.statics.load_steps import Newton
@@ -25,7 +27,11 @@ from fem_lie.system.small_motions import SmallMotions
 
 
 def small_motions(
-    scene: Scene, at: StaticResult | None, rotation: Rotation, load_steps: int = 1
+    scene: Scene,
+    at: StaticResult | None,
+    rotation: Rotation,
+    load_steps: int = 1,
+    part: ScenePart | None = None,
 ) -> tuple[Equations, SmallMotions]:
     """Equations of a scene, linearised about an equilibrium.
 
@@ -35,6 +41,7 @@ def small_motions(
             or else the result of :func:`~fem_lie.solve.statics.statics.statics`.
         rotation: Steady rotation of the frame in which there is equilibrium.
         load_steps: For statics.
+        part: What this rank has of the scene, if it is divided.
 
     Raises:
         ValueError: Invalid scene or options, or no inertia.
@@ -46,7 +53,7 @@ def small_motions(
         if rotation:
             raise ValueError("the rotation is that of at=...; do not give spin, too")
         rotation = at.steady_rotation
-    equations = Equations(scene, dynamics=True)
+    equations = Equations(scene, dynamics=True, part=part)
     if scene.redundant is not RedundantConstraints.REFUSE:
         raise ValueError("vibrations need constraints without redundant ones")
     if any(joint.velocity_definitions() for joint in scene.joints):
@@ -55,7 +62,7 @@ def small_motions(
     if at is None and not state.balanced():
         at = _equilibrium(scene, rotation, load_steps)
     if at is not None:
-        state.move(at.info.renumbered(at.frames, equations.unknowns.bodies))
+        state.move(of_part(at.frames, at.info, part, equations.unknowns.bodies))
     return equations, state
 
 

@@ -25,9 +25,7 @@ that is not small compared to ``G``.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
-
-from petsc4py import PETSc
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import scipy.sparse as sp
@@ -35,7 +33,9 @@ from slepc4py import SLEPc
 
 from fem_lie._arrays import Array, whole
 from fem_lie.linear.direct import ConvergenceError
-from fem_lie.linear.spectra.pencil import padded, solve_factorised, to_petsc
+from fem_lie.linear.spectra.pencil import padded, pairs_of, solve_factorised
+from fem_lie.parts.part_scene import divided
+from fem_lie.results.gathering import at_nodes
 from fem_lie.results.mode_shapes import BucklingModes
 from fem_lie.scene import Scene
 from fem_lie.solve.progress_bars import Stopwatch, step_bar
@@ -87,17 +87,22 @@ def geometric_stiffness(
     def change(factor: float) -> sp.csr_matrix:
         return (model.stressed(state, factor) - K).tocsr()
 
-    factor, D = _alike(change, abs(K).max(), model.largest(dx))
-    if not D.count_nonzero():
+    size = model.largest_entry
+    factor, D = _alike(change, size, size(K), model.largest(dx))
+    if not size(D):
         return GeometricStiffness.of(D, factor)
     E = change(-0.5 * factor)
-    if abs(D + 2.0 * E).max() <= _PROPORTIONAL * abs(D).max():
+    if size(D + 2.0 * E) <= _PROPORTIONAL * size(D):
         return GeometricStiffness.of(D, factor)
-    return _extrapolated(change, D, E, factor)
+    return _extrapolated(change, size, (D, E), factor)
+
+
+Change: TypeAlias = Callable[[float], sp.csr_matrix]
+Size: TypeAlias = Callable[[sp.csr_matrix], float]
 
 
 def _alike(
-    change: Callable[[float], sp.csr_matrix], stiffness: float, displacement: float
+    change: Change, size: Size, stiffness: float, displacement: float
 ) -> tuple[float, sp.csr_matrix]:
     """A load factor at which the change is about as large as the stiffness, and the change.
 
@@ -108,7 +113,7 @@ def _alike(
     factor = 2.0 ** -np.round(np.log2(displacement)) if displacement else 1.0
     D = change(factor)
     for _ in range(_SCALINGS):
-        power = np.log2(max(abs(D).max() / stiffness, _ROUND_OFF))
+        power = np.log2(max(size(D) / stiffness, _ROUND_OFF))
         if abs(power) <= _ALIKE:
             return float(factor), D
         factor *= 2.0 ** -np.round(power)
@@ -117,18 +122,19 @@ def _alike(
 
 
 def _extrapolated(
-    change: Callable[[float], sp.csr_matrix], D: sp.csr_matrix, E: sp.csr_matrix, factor: float
+    change: Change, size: Size, first_two: tuple[sp.csr_matrix, sp.csr_matrix], factor: float
 ) -> GeometricStiffness:
     """Derivative from changes at ``s`` and ``−s/2`` for decreasing s, with an error of third order.
 
     User-defined elements may have internal unknowns on which the tangent stiffness depends in any
     way.
     """
+    D, E = first_two
     first, least, best = factor, np.inf, D
     before = sp.csr_matrix(D.shape)
     for _ in range(_SHRINKINGS):
         found = ((first / factor) * (D - 4.0 * E) / 3.0).tocsr()
-        error = abs(found - before).max() / abs(found).max()
+        error = size(found - before) / size(found)
         if error > least and least <= _CONVERGED:
             break  # round-off starts to grow
         if error < least:
@@ -149,60 +155,73 @@ _TRIES = 4  # each requests twice as many eigenvalues, among which are spurious 
 
 
 def lowest_positive(
-    K: sp.csr_matrix, B: sp.csr_matrix, G: sp.csr_matrix, count: int, prefix: str
+    model: StableEquilibrium,
+    K: sp.csr_matrix,
+    B: sp.csr_matrix,
+    G: sp.csr_matrix,
+    count: int,
+    prefix: str,
 ) -> tuple[Array, Array]:
     """Lowest positive λ with ``(K + λ G) φ + Bᵀ μ = 0``, ``B φ = 0``, and φ, (k, n).
 
     There may be fewer than ``count``.
     """
-    if not G.count_nonzero():
+    if not model.largest_entry(G):
         return np.empty(0), np.empty((0, K.shape[0]))
-    n = K.shape[0]
-    wanted, most = 2 * count + 4, n - B.shape[0]
-    inverse, vectors = _largest(K, B, G, min(wanted, most), prefix)
+    problem = _Inverse(model, K, B, G, prefix)
+    wanted, most = 2 * count + 4, model.degrees_of_freedom
+    inverse, vectors = problem.largest(min(wanted, most))
     for _ in range(_TRIES):
         if len(inverse) >= count or wanted >= most:
             break
         wanted *= 2
-        inverse, vectors = _largest(K, B, G, min(wanted, most), prefix)
+        inverse, vectors = problem.largest(min(wanted, most))
     order = np.argsort(-inverse)[:count]
     return np.asarray(1.0 / inverse[order]), vectors[order]
 
 
-def _largest(
-    K: sp.csr_matrix, B: sp.csr_matrix, G: sp.csr_matrix, wanted: int, prefix: str
-) -> tuple[Array, Array]:
-    """Largest positive ``1/λ`` of ``−G φ = (1/λ) K φ``."""
-    n, solver = K.shape[0], SLEPc.EPS().create(PETSc.COMM_SELF)
-    size = float(np.mean(np.abs(K.diagonal())))
-    bordered = sp.bmat([[K, size * B.T], [size * B, None]], format="csr") if B.shape[0] else K
-    solver.setOperators(to_petsc(padded(-G, B)), to_petsc(bordered))
-    types = SLEPc.EPS.ProblemType
-    solver.setProblemType(types.GNHEP if B.shape[0] else types.GHEP)
-    solver.setOptionsPrefix(prefix)
-    # the largest moduli would all belong to members in tension, if there are many of them
-    solver.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_REAL)
-    solver.setDimensions(wanted)
-    solver.setTolerances(_TOLERANCE, 500)
-    solve_factorised(solver, prefix)
-    values, vectors = _pairs(solver, n, bordered.shape[0])
-    # constraints add defective zero eigenvalues, which round-off makes positive or negative
-    energy = np.einsum("kn,kn->k", vectors, vectors @ K)
-    by_loads = -np.einsum("kn,kn->k", vectors, vectors @ G)
-    true = np.abs(by_loads - values * energy) <= _TRUE * values * energy
-    return values[true], vectors[true]
+class _Inverse:
+    """The problem ``−G φ = (1/λ) K φ`` with constraints."""
 
+    def __init__(
+        self,
+        model: StableEquilibrium,
+        K: sp.csr_matrix,
+        B: sp.csr_matrix,
+        G: sp.csr_matrix,
+        prefix: str,
+    ) -> None:
+        """Put the matrices of all ranks together."""
+        self._K, self._G, self._prefix, self._unknowns = K, G, prefix, model.unknowns
+        stiffness = np.abs(self._unknowns.assembled(K.diagonal()[np.newaxis]))
+        own = self._unknowns.owned(stiffness)
+        sums = self._unknowns.total(np.array([own.sum(), np.count_nonzero(own)]))
+        size = sums[0] / sums[1]
+        bordered = sp.bmat([[K, size * B.T], [size * B, None]], format="csr") if len(B.data) else K
+        self._constrained = model.equations.shared.any(B.shape[0] > 0)
+        self._matrices = [self._unknowns.matrix(A, K.shape[0]) for A in (padded(-G, B), bordered)]
 
-def _pairs(solver: Any, n: int, size: int) -> tuple[Array, Array]:
-    """Converged eigenpairs with a positive eigenvalue."""
-    real, imaginary = (PETSc.Vec().createSeq(size) for _ in range(2))
-    values, vectors = [], []
-    for k in range(solver.getConverged()):
-        values.append(solver.getEigenpair(k, real, imaginary).real)
-        vectors.append(real.array[:n].copy())
-    given = np.array(values)
-    kept = given > 1e-10 * np.abs(given).max(initial=0.0)
-    return given[kept], np.array(vectors).reshape(-1, n)[kept]
+    def largest(self, wanted: int) -> tuple[Array, Array]:
+        """Largest positive ``1/λ``, and vectors as rows."""
+        left, right = self._matrices
+        solver = SLEPc.EPS().create(right.matrix.comm)
+        solver.setOperators(left.matrix, right.matrix)
+        types = SLEPc.EPS.ProblemType
+        solver.setProblemType(types.GNHEP if self._constrained else types.GHEP)
+        solver.setOptionsPrefix(self._prefix)
+        # the largest moduli would all belong to members in tension, if there are many of them
+        solver.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_REAL)
+        solver.setDimensions(wanted)
+        solver.setTolerances(_TOLERANCE, 500)
+        solve_factorised(solver, self._prefix)
+        found, pairs = pairs_of(solver, right, self._unknowns)
+        positive = found.real > 1e-10 * np.abs(found.real).max(initial=0.0)
+        values, vectors = found[positive].real, np.ascontiguousarray(pairs[positive].real)
+        # constraints add defective zero eigenvalues, which round-off makes positive or negative
+        products = [np.einsum("kn,kn->k", vectors, (A @ vectors.T).T) for A in (self._K, self._G)]
+        energy, load = self._unknowns.total(np.array(products))
+        true = np.abs(-load - values * energy) <= _TRUE * values * energy
+        return np.asarray(values[true]), vectors[true]
 
 
 _OF_MODES, _OF_ALL = 1e-6, 1e-2  # significant ratio of skew part to load stiffness
@@ -240,8 +259,8 @@ def _response(
     model: StableEquilibrium, K: sp.csr_matrix, A: sp.csr_matrix, x: Array
 ) -> tuple[float, Array]:
     """``‖y‖`` for x of length one, with ``y = K⁻¹ A x`` and ``‖y‖² = yᵀ K y``; and y."""
-    y = model.solve_free(A @ x)
-    squares = [max(float(z @ (K @ z)), 0.0) for z in (x, y)]
+    y = model.solve_free(model.unknowns.assembled((A @ x)[np.newaxis])[0])
+    squares = [max(float(model.unknowns.total(z @ (K @ z))), 0.0) for z in (x, y)]
     return float(np.sqrt(squares[1] / squares[0])) if squares[0] else 0.0, y
 
 
@@ -252,10 +271,11 @@ def energy_radius(model: StableEquilibrium, K: sp.csr_matrix, A: sp.csr_matrix) 
     modulus of its eigenvalues: for a symmetric ``A`` this is one over the smallest load factor, of
     either sign.
     """
-    if not A.count_nonzero():
+    if not model.largest_entry(A):
         return 0.0
     # a smooth start that satisfies constraints: motions of single nodes are not of interest
-    x = model.solve_free(np.random.default_rng(_SEED).standard_normal(K.shape[0]))
+    start = np.random.default_rng(_SEED).standard_normal((1, K.shape[0]))
+    x = model.solve_free(model.unknowns.of_owners(start)[0])
     value = 0.0
     for _ in range(_REPEATS):
         before, (value, x) = value, _response(model, K, A, x)
@@ -289,10 +309,12 @@ def buckling(
     """
     check_proportion(scene)
     whole(count, "count")
-    model = StableEquilibrium(scene, petsc_options_prefix)
+    part = divided(scene, petsc_options_prefix)
+    model = StableEquilibrium(scene, petsc_options_prefix, part)
     unknowns = model.equations.unknowns
-    _check_stress(model.equations)
-    free = int((~unknowns.held).sum()) - unknowns.m
+    with model.equations.shared.errors(ValueError):
+        _check_stress(model.equations)
+    free = model.degrees_of_freedom
     if not 1 <= count <= free:
         raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
     watch = Stopwatch()
@@ -307,7 +329,8 @@ def buckling(
         G = geometric_stiffness(model, K, dx)
         K = (0.5 * (K + K.T)).tocsr()
         show("load factors and modes")
-        factors, vectors = lowest_positive(K, B, G.symmetric, count, petsc_options_prefix)
+        given = K, B, G.symmetric
+        factors, vectors = lowest_positive(model, *given, count, petsc_options_prefix)
         show("checks")
         check_potential(model, K, G, (factors, vectors))
         factors *= G.factor
@@ -320,13 +343,15 @@ def buckling(
     shapes = np.array([model.increments(vector) for vector in vectors])
     equations = model.equations
     shapes, rotation_only = model.all_nodes(shapes.reshape(-1, unknowns.moving, 6))
+    unloaded = equations.report(equations.start.unloaded).frames[np.newaxis]
+    info, (frames,) = at_nodes(equations.info, part, (unloaded,))
     modes = BucklingModes(
         factors=factors,
         shapes=shapes,
         rotation_only=rotation_only,
-        frames=equations.report(equations.start.unloaded).frames.copy(),
+        frames=frames[0].copy(),
         size=model.diameter,
-        info=equations.info,
+        info=info,
         seconds=watch.seconds,
     )
     if len(factors) < count:

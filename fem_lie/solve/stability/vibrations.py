@@ -18,7 +18,9 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, Indices, whole
 from fem_lie.bodies.body import Body
 from fem_lie.linear.spectra.smallest import smallest
+from fem_lie.parts.part_scene import divided
 from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.gathering import at_nodes, bodies_of
 from fem_lie.results.vibrations.modes import Modes
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
@@ -124,22 +126,28 @@ def vibrations(
         ConvergenceError: No equilibrium, or no method computes all modes to their residuals.
     """
     whole(count, "count")
-    equations, state = small_motions(scene, at, Rotation.of(spin, about), load_steps)
+    part = divided(scene, petsc_options_prefix)
+    rotation = Rotation.of(spin, about)
+    equations, state = small_motions(scene, at, rotation, load_steps, part)
     unknowns = equations.unknowns
-    free = int((~unknowns.held).sum()) - unknowns.m
+    owned = ~unknowns.held[equations.shared.owned]
+    free = int(equations.shared.total(owned.sum())) - unknowns.constraints
     if not 1 <= count <= free:
         raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
     s, vectors, residuals = smallest(state.pencil(), count, state.rate, petsc_options_prefix)
-    lengths = node_lengths(unknowns.bodies)
-    found = [scaled(state.twists(vector), lengths) for vector in vectors]
+    own = np.array([state.twists(vector) for vector in vectors])
+    frames = equations.report(state.H).frames[np.newaxis]
+    info, (twists, frames) = at_nodes(equations.info, part, (own, frames))
+    lengths = node_lengths(bodies_of(info, part, unknowns.bodies))
+    found = [scaled(shape, lengths) for shape in twists]
     modes = Modes(
         eigenvalues=s,
         shapes=np.array([shape if turns else unknowns.length * shape for shape, turns in found]),
         rotation_only=np.array([turns for _, turns in found], dtype=np.bool_),
-        frames=equations.report(state.H).frames.copy(),
+        frames=frames[0].copy(),
         size=unknowns.length,
         residuals=residuals,
-        info=equations.info,
+        info=info,
     )
     if modes.unstable.any():
         _log.warning("the equilibrium is unstable: eigenvalues %s", s[modes.unstable])

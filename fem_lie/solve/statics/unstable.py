@@ -16,11 +16,12 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array
-from fem_lie.lie.node_types import POSITION_GRADIENT, rigid_motions
+from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.pivots import inertia, negative_determinant
 from fem_lie.linear.spectra.pencil import RigidParts
+from fem_lie.linear.spectra.unknowns import unknowns_of
 
 if TYPE_CHECKING:
     from fem_lie.results.equilibrium import StaticResult
@@ -135,44 +136,19 @@ class FreeMotions:
     def __init__(self, equations: Equations) -> None:
         """Set up for the equations of a scene."""
         self._equations, unknowns = equations, equations.unknowns
-        self._shared = equations.shared
         vectors = bool((unknowns.kinds >= POSITION_GRADIENT).any())
-        self.possible: bool = self._shared.any(vectors)
+        self.possible: bool = equations.shared.any(vectors)
         self._weight = unknowns.units
         self._free = np.flatnonzero(~unknowns.held.ravel())
+        self._unknowns = unknowns_of(equations.shared, self._free)
 
     def allowed(self, H: Array) -> Array:
-        """Basis (z, free unknowns) of rigid motions that constraints allow at frames ``H``.
-
-        For a divided scene these are motions of the scene as a whole: its connected groups of
-        elements are known to no rank.
-        """
-        if self._shared.several:
-            return self._of_whole(H)
+        """Basis (z, free unknowns) of rigid motions that constraints allow at frames ``H``."""
         constraints = self._equations.constraints(H)
-        pieces = constraints.rigid_motions(self._weight)
         none = sp.csr_matrix((len(self._free),) * 2)
-        parts = RigidParts(none, none, none, [(p.unknowns, p.basis) for p in pieces])
+        basis, unknowns = constraints.rigid_motions(self._weight).basis, self._unknowns
         B = (constraints.jacobian @ sp.diags(self._weight)).tocsr()[:, self._free]
-        return parts.mechanisms(B)
-
-    def _of_whole(self, H: Array) -> Array:
-        equations, shared, unknowns = self._equations, self._shared, self._equations.unknowns
-        n, owned = unknowns.moving, shared.owned
-        places = np.append(H[:n, 0][owned].sum(axis=0), owned.sum())
-        *total, count = shared.total(places)
-        R = rigid_motions(unknowns.kinds, H[:n], np.array(total) / count)
-        R *= np.repeat([unknowns.length, 1.0], 3)
-        for k in range(6):
-            along = np.ascontiguousarray(R[:, :, k])
-            equations.supports.rotate(H, along)
-            R[:, :, k] = along
-        Z = R.reshape(-1, 6) / self._weight[:, np.newaxis]
-        at_supports = Z[(equations.arrays.supported & owned[:, np.newaxis]).ravel()]
-        B = equations.constraints(H).jacobian @ (self._weight[:, np.newaxis] * Z)
-        values, motions = np.linalg.eigh(shared.total(at_supports.T @ at_supports + B.T @ B))
-        allowed = motions[:, values <= _ULPS * values.max(initial=0.0)]
-        return np.asarray((Z[self._free] @ allowed).T)
+        return RigidParts(none, none, none, basis, unknowns).mechanisms(B)
 
     def unresisted(self, Z: Array, r: Array) -> Array:
         """The motions of ``Z`` that the last assembled tangent stiffness does not resist.
@@ -184,14 +160,13 @@ class FreeMotions:
         free, weight = self._free, self._weight[self._free]
         W = sp.diags(weight)
         K = (W @ tangent_csr(self._equations)[free][:, free] @ W).tocsr()
-        product = self._shared.total(Z @ (K @ Z.T))
+        product = self._unknowns.total(Z @ (K @ Z.T))
         stiffness, vectors = np.linalg.eigh(0.5 * (product + product.T))
         motions = vectors.T @ Z
         sizes = np.abs(motions)
         small = _ULPS * (sizes * (abs(K) @ sizes.T).T).sum(axis=1)
-        once = np.repeat(self._shared.owned, 6)[free]
-        small += _RESIDUAL * sizes @ np.abs(once * weight * r[free])
-        return np.asarray(motions[np.abs(stiffness) <= self._shared.total(small)])
+        small += _RESIDUAL * self._unknowns.owned(sizes) @ np.abs(weight * r[free])
+        return np.asarray(motions[np.abs(stiffness) <= self._unknowns.total(small)])
 
     def message(self, motions: Array, factor: float) -> str:
         """Message on motions that are free in the equilibrium at a load factor."""

@@ -73,7 +73,7 @@ class ConstraintsAt:
         """``dΦ/dt`` and ``d²Φ/dt²`` at constant twists ``v`` of the nodes, targets fixed, (m,)."""
         return self._system.connections.rates(self._H, v)
 
-    def rigid_motions(self, weight: Array) -> list[RigidMotions]:
+    def rigid_motions(self, weight: Array) -> RigidMotions:
         """Rigid motions that supports allow of connected groups of elements.
 
         See :func:`~fem_lie.system.small_motions.rigid_motions`.
