@@ -70,6 +70,7 @@ SCHEMES: dict[str, Callable[[Built], Integrator]] = {
     "Asynchronous": lambda built: fl.schemes.Asynchronous(),
     "Hamel": lambda built: fl.schemes.Hamel(),
     "MultiRate": lambda built: fl.schemes.MultiRate({built.bodies["body"]: 3}),
+    "MuntheKaas": lambda built: fl.schemes.MuntheKaas(),
 }
 FINER = 4
 """Steps of the reference in one of a scheme."""
