@@ -189,10 +189,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--stack", action="store_true", help="cubes at rest instead")
     chosen = parser.parse_args()
-    environment.PACKAGES.clear()
-    environment.PACKAGES["mujoco"] = ["mujoco==3.3.7"]
-    environment.IMPORTS["mujoco"] = "mujoco"
-    inside = environment.interpreters().get("mujoco")
+    inside = environment.interpreters("mujoco").get("mujoco")
     if inside is None:
         print("MuJoCo is not there")
     (compare_stacks if chosen.stack else compare_rows)(inside)

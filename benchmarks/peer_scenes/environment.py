@@ -16,16 +16,24 @@ from pathlib import Path
 PACKAGES = {
     "exudyn": ["exudyn==1.13.6"],
     "kratos": ["KratosMultiphysics==10.4.4", "KratosStructuralMechanicsApplication==10.4.4"],
+    "mujoco": ["mujoco==3.3.7"],
+    # its package does not say which versions of these it was built with
+    "pinocchio": ["pin==3.8.0", "cmeel-urdfdom==4.0.1", "cmeel-tinyxml2==10.0.0"],
 }
-IMPORTS = {"exudyn": "exudyn", "kratos": "KratosMultiphysics.StructuralMechanicsApplication"}
+IMPORTS = {
+    "exudyn": "exudyn",
+    "kratos": "KratosMultiphysics.StructuralMechanicsApplication",
+    "mujoco": "mujoco",
+    "pinocchio": "pinocchio",
+}
 OWN = "python{}.{}".format(*sys.version_info)
 PYTHONS = ("python3.13", "python3.12", "python3.11", "python3.10")
 
 
-def interpreters() -> dict[str, Path]:
-    """The Python that has each peer, of those that can be had."""
+def interpreters(*peers: str) -> dict[str, Path]:
+    """The Python that has each peer, of those that can be had; default: Exudyn and Kratos."""
     found: dict[str, Path] = {}
-    missing = set(PACKAGES)
+    missing = set(peers or ("exudyn", "kratos"))
     for python in candidates():
         for peer in sorted(missing):
             inside = folder(python, peer) / "bin" / "python"

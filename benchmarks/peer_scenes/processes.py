@@ -12,7 +12,13 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).parent
-PROGRAMS = {"ours": "ours.py", "exudyn": "exudyn_peer.py", "kratos": "kratos_peer.py"}
+PROGRAMS = {
+    "ours": "ours.py",
+    "exudyn": "exudyn_peer.py",
+    "kratos": "kratos_peer.py",
+    "mujoco": "tree_peers.py",
+    "pinocchio": "tree_peers.py",
+}
 ONE_CORE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 START = 120.0  # seconds that a program may take to be ready
 

@@ -1,6 +1,6 @@
 """Answers requests with runs of Pinocchio or MuJoCo; imports nothing but what their pythons have.
 
-A request is a line of JSON: ``bodies`` (mass, moments of inertia about the centre, position of the
+A request is a line of JSON: ``code`` (pinocchio or mujoco), ``bodies`` (mass, moments of inertia about the centre, position of the
 centre, spin), ``anchors`` of ball joints to the body before (none: the body is free), ``gravity``,
 ``probe`` (a point of the last body at the start), ``step`` and ``steps``. The answer is another
 one: where the probe ends, and seconds of the processor in the steps alone.
@@ -61,7 +61,7 @@ def mujoco(request: Record) -> Record:
 
     bodies, anchors = request["bodies"], request["anchors"] or [None]
     parts, base = [], np.zeros(3)
-    for k, (body, anchor) in enumerate(zip(bodies, anchors, strict=True)):
+    for body, anchor in zip(bodies, anchors, strict=True):
         centre = np.array(body["centre"])
         at = centre if anchor is None else np.array(anchor)
         kind = "free" if anchor is None else "ball"
@@ -72,13 +72,12 @@ def mujoco(request: Record) -> Record:
             f'<inertial pos="{_text(inner)}" mass="{body["mass"]!r}" diaginertia="{moments}"/>'
         )
         base = at
-        last = k
     option = (
         f'<option integrator="RK4" timestep="{request["step"]!r}" '
         f'gravity="{_text(request["gravity"])}"><flag contact="disable"/></option>'
     )
     text = (
-        f"<mujoco>{option}<worldbody>{''.join(parts)}{'</body>' * (last + 1)}</worldbody></mujoco>"
+        f"<mujoco>{option}<worldbody>{''.join(parts)}{'</body>' * len(parts)}</worldbody></mujoco>"
     )
     model = mj.MjModel.from_xml_string(text)
     data = mj.MjData(model)
@@ -99,10 +98,11 @@ def _text(vector: Any) -> str:
 
 def main() -> None:
     """Answer until the input ends."""
-    answer = {"pinocchio": pinocchio, "mujoco": mujoco}[sys.argv[1]]
-    print(json.dumps({"ready": sys.argv[1]}), flush=True)
+    answers = {"pinocchio": pinocchio, "mujoco": mujoco}
+    print(json.dumps({"ready": "trees"}), flush=True)
     for text in sys.stdin:
-        print(json.dumps(answer(json.loads(text))), flush=True)
+        request = json.loads(text)
+        print(json.dumps(answers[request["code"]](request)), flush=True)
 
 
 if __name__ == "__main__":
