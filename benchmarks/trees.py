@@ -176,7 +176,9 @@ def main() -> None:
             steps = CHAIN_STEPS[links] if links else FREE_STEPS
             duration, target = (DURATION, AT) if links else (1.0, FREE_AT)
             finest = steps[0] if links else 2.5e-4
-            exact, _ = ours(schemes["fem_lie, Munthe-Kaas"], given, finest, round(duration / finest))
+            exact, _ = ours(
+                schemes["fem_lie, Munthe-Kaas"], given, finest, round(duration / finest)
+            )
             runs: dict[str, Any] = {
                 name: lambda step, count, scheme=scheme, given=given: ours(
                     scheme, given, step, count

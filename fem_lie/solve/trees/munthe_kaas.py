@@ -386,8 +386,8 @@ def _refuse(scene: Scene) -> None:
 def uniform_gravity(equations: Equations) -> bool:
     """Whether the weight of the bodies in a uniform field is the only force."""
     arrays, unknowns = equations.arrays, equations.unknowns
-    springs = len(views(arrays.joints).springs) > 0
-    if springs or unknowns.time_dependent or not arrays.in_one_sum or len(arrays.damping.indptr):
+    others = len(views(arrays.joints).springs) > 0 or len(arrays.terms) > 0
+    if others or unknowns.time_dependent or not arrays.in_one_sum or len(arrays.damping.indptr):
         return False
     dead, moment, following = arrays.loads
     weight = np.einsum("nk,j->nkj", arrays.inertia.blocks[:, 0], equations.scene.gravity)
