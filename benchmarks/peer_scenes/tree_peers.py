@@ -1,9 +1,10 @@
 """Answers requests with runs of Pinocchio or MuJoCo; imports nothing but what their pythons have.
 
-A request is a line of JSON: ``code`` (pinocchio or mujoco), ``bodies`` (mass, moments of inertia about the centre, position of the
-centre, spin), ``anchors`` of ball joints to the body before (none: the body is free), ``gravity``,
-``probe`` (a point of the last body at the start), ``step`` and ``steps``. The answer is another
-one: where the probe ends, and seconds of the processor in the steps alone.
+A request is a line of JSON: ``code`` (pinocchio or mujoco), ``bodies`` (mass, moments of inertia
+about the centre, position of the centre, spin), ``anchors`` of ball joints to the body before
+(none: the body is free), ``gravity``, ``probe`` (a point of the last body at the start), ``step``
+and ``steps``. The answer is another one: where the probe ends, and seconds of the processor in the
+steps alone.
 """
 
 from __future__ import annotations

@@ -293,7 +293,7 @@ class MuntheKaasSteps(MuntheKaasRun):
     def damp_oscillations(self, time: float, h: float) -> None:
         """There are no unresolved oscillations in an explicit step."""
 
-    def pass_event(self, time: float) -> None:
+    def pass_event(self, time: float, restitution: Array | None = None) -> None:
         """Evaluate the first stage with loads of ``time``."""
         self._begin(time)
 
