@@ -5,8 +5,10 @@ from typing import TYPE_CHECKING
 from fem_lie._public_names import public_names
 
 if TYPE_CHECKING:
-    from fem_lie.events.actions import Lock, Release, Stop
+    from fem_lie.events.actions import Lock, Release, Scale, Stop
+    from fem_lie.events.controller import Controller
     from fem_lie.events.event import Event
+    from fem_lie.events.sensor import Sensor
     from fem_lie.results.record import Record
     from fem_lie.scene.matrix_terms import MatrixTerms
     from fem_lie.solve.alpha.options import ConstraintIndex, MatrixFrame
@@ -42,6 +44,7 @@ __all__ = [
     "ConstantStep",
     "ConstraintIndex",
     "ConstraintsOnly",
+    "Controller",
     "Event",
     "EveryIteration",
     "FactoriseOnce",
@@ -58,6 +61,8 @@ __all__ = [
     "Record",
     "RefactorisationPolicy",
     "Release",
+    "Scale",
+    "Sensor",
     "Stop",
     "TimeErrorEstimate",
     "TripleJump",

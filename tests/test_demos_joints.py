@@ -108,6 +108,14 @@ def test_rolling_disc():
     assert fine["violation"] < 1e-8
 
 
+def test_inverted_pendulum():
+    """Angles at samples against linear theory, with an error of second order in the step."""
+    coarse, fine = (main("inverted_pendulum", step=step, samples=50) for step in (4e-3, 2e-3))
+    assert fine["error"] < 2e-5
+    assert 3.5 < coarse["error"] / fine["error"] < 4.5
+    assert abs(fine["angles"][-1]) < 0.1
+
+
 def test_deployed_panels():
     """Panels latch in their order, at times and with losses of second order in the step."""
     coarse, fine = (main("deployed_panels", step=step) for step in (1e-2, 5e-3))

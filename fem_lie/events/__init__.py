@@ -1,1 +1,1 @@
-"""What happens in a run: events and their actions, limits of coordinates."""
+"""What happens in a run: events and their actions, limits of coordinates, sensors, controllers."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from fem_lie import _arrays
 from fem_lie.joints.connection import Connection
@@ -30,6 +30,14 @@ class Switchboard(Protocol):
             connection: A joint, drive or gear.
         """
 
+    def scale(self, item: Any, factor: float) -> None:
+        """Set the factor of a load, spring or force law.
+
+        Args:
+            item: The item.
+            factor: The factor.
+        """
+
     def stop(self) -> None:
         """End the run."""
 
@@ -48,6 +56,11 @@ class Action(ABC):
     @property
     def switched(self) -> Connection | None:
         """Connection whose constraints it switches, or ``None``."""
+        return None
+
+    @property
+    def scaled(self) -> tuple[Any, float | None] | None:
+        """Load, spring or force law whose factor it sets, and that at the start if it is known."""
         return None
 
 
@@ -132,3 +145,46 @@ class Release(_Switch):
     def act(self, scene: Switchboard) -> None:
         """Deactivate the constraints."""
         scene.release(self.connection)
+
+
+@dataclass(frozen=True, eq=False)
+class Scale(Action):
+    """Set the factor of a load, spring or force law: 0 switches it off, 1 on.
+
+    The factor multiplies the history of a load, and forces and derivatives of a law.
+
+    Attributes:
+        item: A load, spring or force law of the scene.
+        factor: Its factor from the event on.
+        initial: Its factor before any event; default: 1, or what another event says.
+
+    Example:
+        >>> rocket = fl.RigidBody(1.0, (0.1, 0.1, 0.1))
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(rocket)
+        >>> thrust = scene.add(fl.PointLoad(rocket.point("centre"), force=(0, 0, 20.0)))
+        >>> burnt = fl.schemes.Scale(thrust, 0.0)
+        >>> _ = scene.add(fl.schemes.Event(lambda state: state.time - 0.5, burnt))
+        >>> result = fl.GeneralisedAlpha().run(scene, duration=1.0, step=0.01)
+        >>> print(result.position(rocket.point("centre"))[-1, 2].round(4))
+        7.5
+    """
+
+    item: Any
+    factor: float
+    initial: float | None = None
+
+    def __post_init__(self) -> None:
+        """Raise an error if a factor is not a finite number."""
+        _arrays.number(self.factor, "Scale: factor")
+        if self.initial is not None:
+            _arrays.number(self.initial, "Scale: initial")
+
+    @property
+    def scaled(self) -> tuple[Any, float | None]:
+        """The item, and its factor at the start if it is known."""
+        return self.item, self.initial
+
+    def act(self, scene: Switchboard) -> None:
+        """Set the factor."""
+        scene.scale(self.item, float(self.factor))

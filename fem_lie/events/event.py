@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from fem_lie import _arrays
 from fem_lie.events.actions import Action
@@ -31,8 +31,9 @@ class Event:
     Attributes:
         condition: Function of the :class:`~fem_lie.events.state.State`, continuous in time.
         action: :class:`~fem_lie.schemes.Lock`, :class:`~fem_lie.schemes.Release`,
-            :class:`~fem_lie.schemes.Stop`, a function of the state, or a sequence of these. A
-            function may change what histories and force laws read; checkpoints do not save that.
+            :class:`~fem_lie.schemes.Scale`, :class:`~fem_lie.schemes.Stop`, a function of the
+            state, or a sequence of these. A function may change what histories and force laws
+            read; checkpoints do not save that.
         direction: 1 if the function must rise, −1 if it must fall; 0: either.
         repeated: Whether it happens again each time; otherwise only the first time.
         name: Name in messages.
@@ -64,8 +65,8 @@ class Event:
         for action in self.actions:
             if not (isinstance(action, Action) or callable(action)):
                 raise TypeError(
-                    "Event: action must be Lock, Release, Stop, a function of the state, or a "
-                    f"sequence of these, got {_arrays.shown(action)}"
+                    "Event: action must be Lock, Release, Scale, Stop, a function of the state, or "
+                    f"a sequence of these, got {_arrays.shown(action)}"
                 )
         if self.direction not in (-1, 0, 1):
             raise ValueError(f"Event: expected direction 1, −1 or 0, got {self.direction}")
@@ -87,4 +88,10 @@ class Event:
     def switched(self) -> list[Connection]:
         """Connections whose constraints it switches."""
         found = (each.switched for each in self.actions if isinstance(each, Action))
+        return [each for each in found if each is not None]
+
+    @property
+    def scaled(self) -> list[tuple[Any, float | None]]:
+        """Items whose factors it sets, and their factors at the start if they are known."""
+        found = (each.scaled for each in self.actions if isinstance(each, Action))
         return [each for each in found if each is not None]

@@ -116,7 +116,7 @@ class ForceLaw(Connection):
 
     @property
     def spring(self) -> tuple[float, float, float]:
-        """Factors of the derivatives of the law, and the shift of its coordinate."""
+        """Factors of the law and of its derivative in the rate, and the shift of its coordinate."""
         return 1.0, 0.0 if self.force_law.has_potential else 1.0, 0.0
 
     @property

@@ -182,6 +182,19 @@ class Result(Balanced, StateSeries):
         """
         return nearest(self.times, time, "time")
 
+    def sensor(self, name: str) -> Array:
+        """Values of a sensor of the scene at the times ``result.steps.sensor_times``, shape (P,).
+
+        Args:
+            name: Its name.
+
+        Raises:
+            KeyError: The scene had no such sensor.
+        """
+        if self.steps is None:
+            raise KeyError(f"no sensor named {name!r}; the scene of this run had none")
+        return self.steps.sensor(name)
+
     def resampled(self, times: npt.ArrayLike) -> Result:
         """The same motion at other times, for plots, or to compare runs with different steps.
 

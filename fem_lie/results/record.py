@@ -221,6 +221,9 @@ class StepHistory(Summarised):
         event_times: Times of the events and of impacts on limits, shape (E,).
         event_numbers: Number of each among the events of the scene, followed by its limits, (E,).
         event_losses: Kinetic energy that each has taken, shape (E,).
+        sensor_names: Names of the sensors of the scene in UTF-8, shape (q,).
+        sensor_times: Times of samples: the start, and the ends of all steps, shape (P,).
+        sensor_values: Values of all sensors at these times, shape (P, q).
     """
 
     times: Array
@@ -234,6 +237,9 @@ class StepHistory(Summarised):
     event_times: Array = field(default_factory=lambda: np.empty(0))
     event_numbers: npt.NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
     event_losses: Array = field(default_factory=lambda: np.empty(0))
+    sensor_names: npt.NDArray[np.bytes_] = field(default_factory=lambda: np.empty(0, "S1"))
+    sensor_times: Array = field(default_factory=lambda: np.empty(0))
+    sensor_values: Array = field(default_factory=lambda: np.empty((0, 0)))
 
     def __post_init__(self) -> None:
         count = len(self.times)
@@ -242,8 +248,25 @@ class StepHistory(Summarised):
             events = (len(self.event_times),)
             wanted = {"nodes": (count, 2), "rejected": (len(self.rejected),)}
             wanted |= dict.fromkeys(("event_times", "event_numbers", "event_losses"), events)
+            samples, sensors = (len(self.sensor_times),), (len(self.sensor_names),)
+            wanted |= {"sensor_names": sensors, "sensor_times": samples}
+            wanted |= {"sensor_values": samples + sensors}
             if shape != wanted.get(each.name, (count,)):
                 raise ValueError(f"{each.name} has the shape {shape} for {count} steps")
+
+    def sensor(self, name: str) -> Array:
+        """Values of a sensor at :attr:`sensor_times`, shape (P,).
+
+        Args:
+            name: Its name.
+
+        Raises:
+            KeyError: There is no such sensor.
+        """
+        known = [each.decode() for each in self.sensor_names]
+        if name not in known:
+            raise KeyError(f"no sensor named {name!r}; known: {', '.join(known) or 'none'}")
+        return self.sensor_values[:, known.index(name)]
 
     @property
     def ratios(self) -> Array:

@@ -17,7 +17,9 @@ from fem_lie.bodies.body import Body
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.bodies.model import Holds
 from fem_lie.contact.contact import Contact
+from fem_lie.events.controller import Controller
 from fem_lie.events.event import Event
+from fem_lie.events.sensor import Sensor
 from fem_lie.joints.connection import Connection
 from fem_lie.joints.joint import Joint
 from fem_lie.joints.redundant import RedundantConstraints
@@ -32,7 +34,17 @@ from fem_lie.scene.matrix_terms import MatrixTerms
 from fem_lie.scene.supports import Clamp, PrescribedMotion
 
 Item = TypeVar(
-    "Item", bound=Body | Connection | RigidLink | Contact | Load | Clamp | PrescribedMotion | Event
+    "Item",
+    bound=Body
+    | Connection
+    | RigidLink
+    | Contact
+    | Load
+    | Clamp
+    | PrescribedMotion
+    | Event
+    | Sensor
+    | Controller,
 )
 
 
@@ -85,6 +97,8 @@ class Scene(Summarised):
         clamps: Clamped points.
         motions: Points with a prescribed motion.
         events: Events of runs.
+        sensors: Sensors of runs.
+        controllers: Controllers of runs.
         began: Time and state from which runs start; :func:`~fem_lie.adaptivity.transfer` sets it.
         family: Family of scenes made by :meth:`with_loads` and :meth:`with_drives`, or ``None``.
 
@@ -121,6 +135,9 @@ class Scene(Summarised):
         self.clamps: list[Clamp] = []
         self.motions: list[PrescribedMotion] = []
         self.events: list[Event] = []
+        self.sensors: list[Sensor] = []
+        self.controllers: list[Controller] = []
+        self._initial_factors: dict[Any, float | None] = {}
         self._known: set[Body] = set()
         self._names: set[str] = set()
         self._kinds: Counter[type[Body]] = Counter()
@@ -133,7 +150,7 @@ class Scene(Summarised):
         yield "bodies", [body.label for body in self.bodies]
         yield "nodes", sum(len(body.frames) for body in self.bodies)
         between = "joints", "connections", "links", "contacts"
-        counted = (*between, "loads", "clamps", "motions", "events")
+        counted = (*between, "loads", "clamps", "motions", "events", "sensors", "controllers")
         yield from ((name, len(getattr(self, name))) for name in counted if getattr(self, name))
 
     @property
@@ -146,10 +163,11 @@ class Scene(Summarised):
         self._gravity = vector(value, 3, "gravity")
 
     def add(self, item: Item) -> Item:
-        """Add a body, joint, spring, drive, gear, link, contact, load, support or event; return it.
+        """Add a body, joint, spring, link, contact, load, support, event and so on; return it.
 
         Args:
-            item: A body, joint, spring, drive, gear, link, contact, load, support or event.
+            item: A body, joint, spring, drive, gear, link, contact, load, support, event, sensor or
+                controller.
 
         Raises:
             ValueError: The item is invalid, refers to a body that is not in the scene, or its name
@@ -198,10 +216,28 @@ class Scene(Summarised):
                         f"{item.label} switches {connection.label}, which is not in the scene; add "
                         "it first"
                     )
+            self._check_scaled(item.label, *(each for each, _ in item.scaled))
+            for each, start in item.scaled:
+                known = self._initial_factors.setdefault(each, start)
+                if known is None:
+                    self._initial_factors[each] = start
+                elif start is not None and start != known:
+                    raise ValueError(
+                        f"{item.label}: expected the initial factor {known:g}, as another event "
+                        f"says, got {start:g}"
+                    )
             self.events.append(item)
+        elif isinstance(item, Controller):
+            self._check_scaled(item.label, *item.actuators)
+            self.controllers.append(item)
+        elif isinstance(item, Sensor):
+            if item.name in (each.name for each in self.sensors):
+                raise ValueError(f"the scene has a sensor named {item.name!r} already")
+            self.sensors.append(item)
         else:
             raise TypeError(
-                "a scene takes bodies, joints, links, contacts, loads, supports, events, got "
+                "a scene takes bodies, joints, links, contacts, loads, supports, events, sensors, "
+                "controllers, got "
                 f"{shown(item)}"
             )
         return item
@@ -298,7 +334,9 @@ class Scene(Summarised):
         scene.connections, scene.links = list(connections), list(self.links)
         scene.contacts, scene.impacts = list(self.contacts), list(self.impacts)
         scene.clamps, scene.motions = list(self.clamps), list(self.motions)
-        scene.events = list(self.events)
+        scene.events, scene.sensors = list(self.events), list(self.sensors)
+        scene.controllers = list(self.controllers)
+        scene._initial_factors = dict(self._initial_factors)
         scene.began = self.began
         self.family = self.family or Family()
         scene.family = self.family
@@ -313,8 +351,16 @@ class Scene(Summarised):
 
     @property
     def happens(self) -> bool:
-        """Whether runs have events: those of the scene, or impacts of limits."""
-        return bool(self.events) or any(item.bounds is not None for item in self.connections)
+        """Whether runs have events, sensors, controllers, or limits with impacts."""
+        limited = any(item.bounds is not None for item in self.connections)
+        return bool(self.events or self.sensors or self.controllers) or limited
+
+    @property
+    def scaled(self) -> dict[Load | Connection, float]:
+        """Loads, springs and force laws with factors, and these at the start."""
+        by_controllers = {item: 1.0 for each in self.controllers for item in each.actuators}
+        by_events = self._initial_factors.items()
+        return by_controllers | {k: 1.0 if start is None else start for k, start in by_events}
 
     def without_impacts(self) -> Scene:
         """Copy of the scene without contacts by impacts, which act at ends of steps only.
@@ -369,6 +415,16 @@ class Scene(Summarised):
         for body in bodies:
             if body is not None and body not in self._known:
                 raise ValueError(f"{what}: {body.label} is not in the scene; add it first")
+
+    def _check_scaled(self, what: str, *items: object) -> None:
+        for item in items:
+            if not (isinstance(item, Load) or (isinstance(item, Connection) and item.spring)):
+                raise TypeError(
+                    f"{what}: expected a load, spring or force law to scale, got {shown(item)}"
+                )
+            if item not in (*self.loads, *self.connections):
+                name = item.label if isinstance(item, Connection) else type(item).__name__
+                raise ValueError(f"{what} scales {name}, which is not in the scene; add it first")
 
     def _check_frames(self, what: str, *bodies: Body | None) -> None:
         for body in bodies:

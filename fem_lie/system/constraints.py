@@ -255,6 +255,11 @@ class Connections:
         for each in self.sets:
             each.check_laws()
 
+    def scale_spring(self, item: Connection, factor: float) -> None:
+        """Multiply the stiffness and damping of the scene, or the law, of an item by a factor."""
+        for each in self.sets:
+            each.scale_spring(item, factor)
+
     def target_rates(self, time: float, step: float) -> tuple[Array, Array]:
         """Rates of targets, see :meth:`~.constraint_sets.constraint_set.Targets.rates`."""
         first, second = self._targets.rates(time, step)

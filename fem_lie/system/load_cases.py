@@ -11,7 +11,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.forms.term import Term
 from fem_lie.scene import Scene
-from fem_lie.scene.load import History, amplitudes, histories
+from fem_lie.scene.load import History, Load, amplitudes, histories
 from fem_lie.system.nodes.masses import Loads
 from fem_lie.system.nodes.numbering import Numbering
 
@@ -101,7 +101,8 @@ class LoadCases:
     """Loads as functions of time.
 
     Attributes:
-        time_dependent: Whether any load has a history.
+        time_dependent: Whether any load has a history or a factor.
+        factors: Factor of each load case, shape (k,).
         terms: Loads with a load stiffness, on all nodes.
         turning: Whether there are moments or follower loads.
     """
@@ -121,15 +122,21 @@ class LoadCases:
             distinct.setdefault(history, number)
         self._histories = {number: history for history, number in distinct.items()}
         case = {None: 0} | {history: 1 + k for k, history in enumerate(distinct)}
-        self._cases = [_Case(numbering) for _ in range(1 + len(distinct))]
+        scaled = {load: start for load, start in scene.scaled.items() if load in scene.loads}
+        # each load with a factor is a case of its own, with the amplitude of another one
+        plain = 1 + len(distinct)
+        self._scaled = {load: plain + k for k, load in enumerate(scaled)}
+        self._amplitude_of = [*range(plain), *(case[load.history] for load in self._scaled)]
+        self.factors = np.array([*np.ones(plain), *scaled.values()])
+        self._cases = [_Case(numbering) for _ in self._amplitude_of]
         self._cases[0].dead += weight
         for load in scene.loads:
-            load.contribute(self._cases[case[load.history]])
+            load.contribute(self._cases[self._scaled.get(load, case[load.history])])
         self._strains = [(k, *s) for k, part in enumerate(self._cases) for s in part.strains]
         of_cases = [(k, term) for k, part in enumerate(self._cases) for term in part.terms]
         self._case_of_term = [k for k, _ in of_cases]
         self.terms = [term for _, term in of_cases]
-        self.time_dependent = bool(distinct)
+        self.time_dependent = len(self._cases) > 1
         nodal = any(case.moment.any() or case.following.any() for case in self._cases)
         self.turning = nodal or any(term.turning for term in self.terms)
         self._last: Array | None = None
@@ -141,6 +148,7 @@ class LoadCases:
             ValueError: A history is not finite.
         """
         amplitude = np.concatenate([[factor], amplitudes(self._histories, time)[0]])
+        amplitude = self.factors * amplitude[self._amplitude_of]
         if self._last is None or (amplitude != self._last).any():
             self._set_strains(amplitude)
             for case, term in zip(self._case_of_term, self.terms, strict=True):
@@ -152,6 +160,15 @@ class LoadCases:
         for a, part in zip(amplitude, self._cases, strict=True):
             total += a * part.all
         return Loads(*_views(total))
+
+    def scale(self, load: Load, factor: float) -> None:
+        """Set the factor of a load.
+
+        Args:
+            load: A load that the scene names as scaled.
+            factor: The factor.
+        """
+        self.factors[self._scaled[load]] = factor
 
     @property
     def any_nodal(self) -> bool:

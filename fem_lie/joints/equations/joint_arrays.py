@@ -35,8 +35,8 @@ class JointArrays(NamedTuple):
         curved: 1 for pairs that have terms with functions, else 0, shape (j,).
         turned: Angle at the last accepted state, rad, shape (j,).
         targets: Prescribed values of the constraints, shape (m,).
-        springs: Stiffness, damping and rest value, shape (k, 3). With a force law: factors of its
-            derivatives in the coordinate and in its rate, and the shift of the coordinate.
+        springs: Stiffness, damping and rest value, shape (k, 3). With a force law: factors of the
+            force and of its derivative in the rate, and the shift of the coordinate.
         laws: Address of the force law of each spring, 0: none; first of its data and the end, shape
             (k, 3). See :mod:`fem_lie.joints.equations.laws`.
         data: Data of all force laws.

@@ -40,7 +40,7 @@ def force(arrays: JointArrays, k: int, q: float, rate: float) -> float:
     """Force of the law of spring ``k`` at coordinate ``q`` and its rate."""
     out = vector_at(stack(SIZE), SIZE)
     _call(arrays, k, q, rate, OF_FORCE, out)
-    return float(out[FORCE])
+    return float(arrays.springs[k, 0] * out[FORCE])
 
 
 @uncounted
@@ -56,7 +56,7 @@ def potential(arrays: JointArrays, k: int, q: float) -> float:
     """Potential of the law of spring ``k``; 0 if it has none."""
     out = vector_at(stack(SIZE), SIZE)
     _call(arrays, k, q, 0.0, OF_POTENTIAL, out)
-    return float(out[POTENTIAL])
+    return float(arrays.springs[k, 0] * out[POTENTIAL])
 
 
 _SMALL = 1e-4

@@ -13,6 +13,7 @@ from fem_lie._state import Stateful, attributes
 from fem_lie.bodies.body import Point
 from fem_lie.events.actions import Action
 from fem_lie.events.event import Event
+from fem_lie.events.sensor import Sensor
 from fem_lie.joints.connection import Connection
 from fem_lie.lie.node_types import retract_all
 from fem_lie.solve.motion.limits import Limits
@@ -268,6 +269,10 @@ class Events(Stateful):
         """Deactivate the constraints of a connection."""
         self._equations.history_variables.switch(connection, self._H, active=False)
 
+    def scale(self, item: Any, factor: float) -> None:
+        """Set the factor of a load, spring or force law."""
+        self._equations.history_variables.scale(item, factor)
+
     def stop(self) -> None:
         """End the run."""
         self.stopped = 1
@@ -275,6 +280,19 @@ class Events(Stateful):
 
 def _failed(what: str, event: Event, time: float, error: Exception) -> str:
     return f"the {what} of {event.label} failed at time {time:.9g}: {type(error).__name__}: {error}"
+
+
+def sensed(sensor: Sensor, state: RunningState) -> float:
+    """Value of a sensor.
+
+    Raises:
+        EventError: Its function failed or did not return a number.
+    """
+    try:
+        return number(sensor.quantity(state), "value of the sensor")
+    except Exception as error:
+        what = f"{type(error).__name__}: {error}"
+        raise EventError(f"sensor {sensor.name} failed at time {state.time:.9g}: {what}") from error
 
 
 class Root:

@@ -168,6 +168,12 @@ class Integrator(ABC):
                 f"{type(self).__name__} does not support events and inactive joints ({found[0]}): "
                 "use GeneralisedAlpha"
             )
+        others = [each.name for each in scene.sensors] + [each.label for each in scene.controllers]
+        if others and not self._has_events:
+            raise ValueError(
+                f"{type(self).__name__} does not support sensors and controllers ({others[0]}): "
+                "use GeneralisedAlpha"
+            )
 
     def _divided_equations(
         self, scene: Scene, plan: Plan, file: str | os.PathLike[str] | None

@@ -103,6 +103,12 @@ class StepLog:
     measured: list[tuple[float, float]] = field(default_factory=list)
     rejected: list[float] = field(default_factory=list)
     events: list[tuple[float, int, float]] = field(default_factory=list)
+    sensed: list[tuple[float, ...]] = field(default_factory=list)
+
+    @property
+    def _sensors(self) -> int:
+        """Number of sensors of the scene."""
+        return len(self.equations.scene.sensors)
 
     def add(
         self, time: float, size: float, error: StepError, measured: tuple[float, float]
@@ -122,6 +128,7 @@ class StepLog:
             "measured": np.array(self.measured, dtype=np.float64).reshape(-1, 2),
             "rejected": np.array(self.rejected),
             "events": np.array(self.events, dtype=np.float64).reshape(-1, 3),
+            "sensed": np.array(self.sensed, dtype=np.float64).reshape(-1, 1 + self._sensors),
         }
 
     def restore(self, kept: Mapping[str, Array]) -> None:
@@ -132,6 +139,7 @@ class StepLog:
             StepError(float(t), float(r), int(i), int(k)) for t, r, i, k in kept["errors"]
         )
         self.events[:] = ((float(t), int(k), float(lost)) for t, k, lost in kept["events"])
+        self.sensed[:] = (tuple(map(float, row)) for row in kept["sensed"])
         self.measured[:] = ((float(t), float(r)) for t, r in kept["measured"])
 
     def history(self) -> StepHistory:
@@ -151,6 +159,11 @@ class StepLog:
             event_times=known["events"][:, 0],
             event_numbers=known["events"][:, 1].astype(np.int64),
             event_losses=known["events"][:, 2],
+            sensor_names=np.array(
+                [each.name.encode() for each in self.equations.scene.sensors], "S"
+            ),
+            sensor_times=known["sensed"][:, 0],
+            sensor_values=known["sensed"][:, 1:],
         )
 
     def body(self, node: int) -> str:

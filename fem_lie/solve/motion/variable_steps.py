@@ -20,7 +20,8 @@ from fem_lie.joints.histories import declared
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results import Result
 from fem_lie.scene import Scene
-from fem_lie.solve.motion.events import EventError, Events, Root, RunningState
+from fem_lie.solve.motion.controllers import Controllers, sample_times
+from fem_lie.solve.motion.events import EventError, Events, Root, RunningState, sensed
 from fem_lie.solve.motion.growing import Growing
 from fem_lie.solve.motion.integration import Driver
 from fem_lie.solve.motion.step_log import StepError, StepLog, largest_gaps
@@ -139,13 +140,14 @@ class Stepper(Protocol[HistoryT]):
 
 
 def events(scene: Scene, duration: float) -> tuple[float, ...]:
-    """Times at which loads, drives or motions declare discontinuities."""
+    """Times at which loads, drives or motions declare discontinuities, and samples."""
     moves: list[object] = [item.history for item in (*scene.joints, *scene.connections)]
     moves += [motion.motion for motion in scene.motions]
     times = declared((load.history for load in scene.loads), kinks=False)
     times += declared(moves, kinks=True)
     slack, began = SAME * duration, scene.began.time
-    return tuple(t - began for t in sorted(set(times)) if slack < t - began < duration - slack)
+    found = [*(t - began for t in times), *sample_times(scene.controllers, duration)]
+    return tuple(t for t in sorted(set(found)) if slack < t < duration - slack)
 
 
 def side(time: float, h: float) -> float:
@@ -165,7 +167,15 @@ class VariableSteps(Driver[Growing]):
     """
 
     STATE = attributes(
-        "_events", "_index", "_time", "_rejections", "_control", "steps", "_stepper", "_finer"
+        "_events",
+        "_controllers",
+        "_index",
+        "_time",
+        "_rejections",
+        "_control",
+        "steps",
+        "_stepper",
+        "_finer",
     )
 
     def __init__(
@@ -186,6 +196,7 @@ class VariableSteps(Driver[Growing]):
         self._last: tuple[float, StepError | None, float] = control.size, None, np.inf
         self._events = Events(self.equations)
         self._fired: Array = np.zeros(len(self._events))
+        self._controllers = Controllers(self.equations)
 
     def history(
         self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None
@@ -198,9 +209,15 @@ class VariableSteps(Driver[Growing]):
 
     def start(self) -> None:
         """Make the state consistent at time 0."""
+        equations = self.equations
+        if equations.scene.controllers:
+            frames, velocities, _ = equations.start
+            none = np.zeros(equations.unknowns.m)
+            self._controllers.sample(RunningState(equations, 0.0, frames, velocities, none))
         self._stepper.begin(self._control.size)
         if self._events:
             self._events.begin(self._state(0.0))
+        self._sense()
 
     def _state(self, time: float) -> RunningState:
         """The current state, for events."""
@@ -240,6 +257,8 @@ class VariableSteps(Driver[Growing]):
         kept = self._fill_row(history, self._iterations, event=lands or happens or not self._index)
         if lands:
             control.pass_event()
+        if lands and not control.finished and self.equations.scene.controllers:
+            self._controllers.sample(self._state(time))
         if (lands or happens) and not control.finished:
             if happens:
                 self._happen(rebound=True)
@@ -348,7 +367,15 @@ class VariableSteps(Driver[Growing]):
         self.steps.add(end, h, error, self._measure(before, time, end, index, lands))
         control.accept(e)
         self._index, self._time, self._iterations = index + 1, end, iterations
+        self._sense()
         return True
+
+    def _sense(self) -> None:
+        """Sample the sensors."""
+        sensors = self.equations.scene.sensors
+        if sensors:
+            state = self._state(self._time)
+            self.steps.sensed.append((self._time, *(sensed(each, state) for each in sensors)))
 
     def _rest_at_stops(self, entered: Flags, before: Any, history: Growing) -> None:
         """Let coordinates rest on stops at which the tried step started; it is taken back.

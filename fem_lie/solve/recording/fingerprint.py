@@ -88,8 +88,14 @@ class Fingerprint:
                 self._add(f"{name} of connection {k}", value, f"{name} of {item.label}")
         for k, event in enumerate(scene.events, start=1):
             own = [type(action) for action in event.actions if isinstance(action, Action)]
-            given = event.direction, event.repeated, own, [c.label for c in event.switched]
+            scaled = [factor for _, factor in event.scaled]
+            labels = [c.label for c in event.switched]
+            given = event.direction, event.repeated, own, labels, scaled
             self._add(f"event {k}", given, f"event {k} ({event.label})")
+        for k, each in enumerate(scene.controllers, start=1):
+            sampled = each.period, each.start, [type(actuator) for actuator in each.actuators]
+            self._add(f"controller {k}", sampled, f"controller {k} ({each.label})")
+        self._add("sensors", [each.name for each in scene.sensors])
         for kind in ("links", "loads", "clamps", "motions"):
             for k, item in enumerate(getattr(scene, kind), start=1):
                 for name, value in attributes(item):

@@ -295,6 +295,7 @@ class MuntheKaasSteps(MuntheKaasRun):
 
     def pass_event(self, time: float, restitution: Array | None = None) -> None:
         """Evaluate the first stage with loads of ``time``."""
+        assert restitution is None, "explicit steps have no limits"
         self._begin(time)
 
     def record(self, recorder: GrowingRecorder, index: int, iterations: int) -> None:

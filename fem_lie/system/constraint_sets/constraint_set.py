@@ -352,6 +352,15 @@ class ConstraintSet(ABC):
         """Stiffness, damping and rest value of each spring, shape (k, 3)."""
         return np.empty((0, 3))
 
+    def scale_spring(self, item: Connection, factor: float) -> None:
+        """Multiply the stiffness and damping of the scene, or the law, of an item by a factor.
+
+        Args:
+            item: An item of any set.
+            factor: The factor.
+        """
+        return  # most sets have none
+
     @property
     def sprung(self) -> Flags:
         """Whether springs couple each of :attr:`pairs`; of the same shape."""

@@ -17,6 +17,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
 from fem_lie.forms.term import add_at
+from fem_lie.joints.connection import Connection
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.averages import AveragedPairs
 from fem_lie.system.constraint_sets.constraint_set import (
@@ -321,6 +322,10 @@ class OnAttachments(ConstraintSet):
     def springs(self) -> Array:
         """Stiffness, damping and rest value of each spring, shape (k, 3)."""
         return self.inner.springs
+
+    def scale_spring(self, item: Connection, factor: float) -> None:
+        """Multiply the stiffness and damping of the scene, or the law, of an item by a factor."""
+        self.inner.scale_spring(item, factor)
 
     def stiffen(
         self, H: Array, v: Array, index: Indices, stiff: float, damp: float, K: Array

@@ -176,6 +176,7 @@ class RelativeMotions(ConstraintSet):
         sprung = [item for item, _, _ in items if item.spring is not None]
         self._preloaded = np.array([item.preloaded for item in sprung], dtype=bool)
         self._rest, self._start = self.arrays.springs[:, 2].copy(), np.empty(0)
+        self._spring_of = {item: k for k, item in enumerate(sprung)}
 
     def _probe(self, items: Sequence[Numbered], constrained: ConstrainedFrames) -> None:
         definitions = [
@@ -259,6 +260,12 @@ class RelativeMotions(ConstraintSet):
     def springs(self) -> Array:
         """Stiffness, damping and rest value of each spring, shape (k, 3)."""
         return self.arrays.springs
+
+    def scale_spring(self, item: Connection, factor: float) -> None:
+        """Multiply the stiffness and damping of the scene, or the law, of an item by a factor."""
+        if item in self._spring_of:
+            assert item.spring is not None
+            self.arrays.springs[self._spring_of[item], :2] = factor * np.array(item.spring[:2])
 
     @property
     def sprung(self) -> Flags:

@@ -14,6 +14,7 @@ from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.connection import Connection, LostBranchError
 from fem_lie.lie.node_types import Written
 from fem_lie.linear.low_rank import LowRank
+from fem_lie.scene.load import Load
 from fem_lie.system.constraint_sets.constraint_set import HistoryKey
 from fem_lie.system.system import System
 from fem_lie.system.terms.all_terms import Terms
@@ -32,6 +33,10 @@ class HistoryVariables:
             terms: Terms with history variables.
         """
         self._system, self._terms, self._connections = system, terms, system.connections
+        scaled = system.scene.scaled
+        self._scaled, self._factors = list(scaled), np.array(list(scaled.values()))
+        for item, factor in scaled.items():
+            self.scale(item, factor)
 
     def update_stress(self, H: Array, h: Array | None = None) -> None:
         """Update the independent stress along the increment ``h`` (6 n,) made from frames ``H``.
@@ -123,12 +128,27 @@ class HistoryVariables:
         """
         self._connections.switch(item, H, active=active)
 
+    def scale(self, item: Load | Connection, factor: float) -> None:
+        """Set the factor of a load, spring or force law.
+
+        Args:
+            item: An item that the scene names as scaled.
+            factor: The factor.
+        """
+        self._factors[self._scaled.index(item)] = factor
+        if isinstance(item, Connection):
+            self._connections.scale_spring(item, factor)
+        else:
+            self._system.load_cases.scale(item, factor)
+
     def saved_state(self) -> dict[str, Array]:
         """State of the history variables."""
         kept = {f"stress.{k}": part for k, part in enumerate(self._terms.linearised_values())}
         kept["joints"] = self._connections.history_variables
         if self._system.scene.switched:
             kept |= self._connections.activity
+        if self._scaled:
+            kept["factors"] = self._factors.copy()
         return kept | {f"watched.{k}": part for k, part in enumerate(self._terms.watched())}
 
     @property
@@ -150,6 +170,8 @@ class HistoryVariables:
         self._connections.history_variables = kept["joints"]
         if self._system.scene.switched:
             self._connections.activity = {name: kept[name] for name in ("inactive", "base")}
+        for item, factor in zip(self._scaled, kept.get("factors", ()), strict=True):
+            self.scale(item, float(factor))
         count = sum(name.startswith("stress.") for name in kept)
         self._terms.restore([kept[f"stress.{k}"] for k in range(count)])
         watched = sum(name.startswith("watched.") for name in kept)
