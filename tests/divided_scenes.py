@@ -310,6 +310,28 @@ def panel():
     return scene, [shell.point("11")]
 
 
+def arch():
+    """A flat arch, whose load has bifurcations on the way to its maximum."""
+    points = [(x, 0, 0.05 * np.sin(np.pi * x)) for x in np.linspace(0, 1, 5)]
+    beam = fl.Beam.polyline(points, fl.Section.rectangle(0.01, 0.01, STEEL), cells=3)
+    scene = fl.Scene()
+    scene.add(beam)
+    for end in "start", "end":
+        scene.add(fl.Clamp(beam.point(end)))
+    scene.add(fl.LineLoad(beam, force=(0, 0, -1e4)))
+    return scene, [beam.point(6), beam.point(3)]
+
+
+def strut():
+    """A clamped strut, which buckles before load factor 1."""
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.rectangle(0.02, 0.03, STEEL), cells=12)
+    scene = fl.Scene()
+    scene.add(beam)
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(-1.2e4, 0, 0)))
+    return scene, [beam.point("end")]
+
+
 VIBRATIONS = {
     "sheet": (sheet, 5, {}),
     "channel": (channel, 5, {}),
@@ -325,6 +347,17 @@ VIBRATIONS = {
 
 BUCKLING = {"column": column, "panel": panel}
 """Scenes that buckle."""
+
+PATHS = {
+    "arch": (arch, fl.stability.PathEnds(factor=1.0, critical_points=2), None),
+    "strut": (strut, fl.stability.PathEnds(factor=1.0, critical_points=1), None),
+    "sheet on hinges": (
+        hinged,
+        None,
+        lambda point: fl.stability.DisplacementControl(point, (0, 0, -1), 2e-3),
+    ),
+}
+"""Scenes, ends and control of paths."""
 
 REFUSED = {
     "loose block": (loose_block, "nothing resists"),
@@ -420,6 +453,37 @@ def buckling(build):
     return {"factors": modes.factors, "amplitudes": amplitudes(modes, 0, points)}
 
 
+def path(build, ends, control):
+    """States, observations and critical points of a path, and the branch at the first of them."""
+    scene, points = build()
+    observe = {"height": lambda state: float(state.position(points[0])[2])}
+    given = {"until": ends, "observe": observe, "control": control and control(points[0])}
+    if control:
+        del given["until"]
+    run = fl.follow_path(scene, **given)
+    found = {
+        "factors": run.factors,
+        "positions": run.position(points[0]),
+        "reactions": run.reactions.sum(axis=1),
+        "heights": run.observed["height"],
+        "critical factors": np.array([point.factor for point in run.critical]),
+    }
+    if run.bifurcations:
+        first = run.bifurcations[0]
+        found |= branch(scene, points, fl.stability.switch_branch(scene, first), first.factor)
+    return found
+
+
+def branch(scene, points, start, factor):
+    """Some states of a branch, and a path that starts in one of them."""
+    ends = fl.stability.PathEnds(steps=6)
+    run = fl.follow_path(scene, until=ends, start=start)
+    again = fl.follow_path(scene, until=ends, start=run.stations[3])
+    places = [np.abs(each.position(points[0])) for each in (run, again)]
+    factors = [each.factors / factor for each in (run, again)]
+    return {"branch positions": np.array(places), "branch factors": np.array(factors)}
+
+
 def amplitudes(modes, mode, points):
     """Lengths of the displacements of points in a mode."""
     return np.array([np.linalg.norm(modes.displacement(point)[mode]) for point in points])
@@ -471,6 +535,9 @@ def results():
     for name, build in BUCKLING.items():
         values = buckling(build)
         found |= {f"{name}, buckling, {what}": value for what, value in values.items()}
+    for name, given in PATHS.items():
+        values = path(*given)
+        found |= {f"{name}, path, {what}": value for what, value in values.items()}
     for name, build in EXPLICIT.items():
         values = explicit(build)
         found |= {f"{name} in explicit motion, {what}": value for what, value in values.items()}
@@ -482,5 +549,7 @@ if __name__ == "__main__":
     faulthandler.dump_traceback_later(500, exit=True)
     divide()
     found = results()
+    followed = fl.follow_path(strut()[0], until=PATHS["strut"][1])
+    followed.save(f"{sys.argv[1]}.path")
     if MPI.COMM_WORLD.rank == 0:
         np.savez(sys.argv[1], **found)

@@ -112,7 +112,7 @@ MAY_IMPORT = {
     "results.vibrations": {"results"},
     "solve": {"system.equations", "results.stresses"},
     "solve.statics": {"solve"},
-    "solve.stability": {"solve.statics", "results.vibrations"},
+    "solve.stability": {"solve.statics", "solve.recording", "results.vibrations"},
     "solve.small_motions": {"solve.stability"},
     "solve.recording": {"solve"},
     "adaptivity.estimates": {"results.stresses"},

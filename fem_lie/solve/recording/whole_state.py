@@ -73,7 +73,7 @@ def whole(gathering: Gathering, equations: Equations, state: MovingState) -> dic
     return found | {
         _OWNERS: owners[order],
         _MULTIPLIERS: values[order],
-        _TURNS: np.array(known),
+        _TURNS: np.frombuffer(known.encode(), dtype=np.uint8),
     }
 
 
@@ -90,7 +90,7 @@ def own(gathering: Gathering, equations: Equations, kept: Mapping[str, Array]) -
     masters = gathering.nodes[equations.unknowns.masters]
     joints = gathering.part.connections[equations.arrays.owner]
     rows = np.searchsorted(kept[_OWNERS], joints) + _occurrences(joints)
-    turns = {(name, angle): turn for (name, angle), turn in json.loads(str(kept[_TURNS]))}
+    turns = {(name, angle): turn for (name, angle), turn in json.loads(bytes(kept[_TURNS]))}
     equations.history_variables.turns = turns
     balance = kept[_BALANCE][0]
     return MovingState(

@@ -8,12 +8,15 @@ import numpy as np
 
 from fem_lie._arrays import Array, instance, number
 from fem_lie.linear.direct import ConvergenceError
+from fem_lie.parts.part_scene import divided
+from fem_lie.results.gathering import of_part
 from fem_lie.results.path import CriticalPoint, Station
 from fem_lie.scene import Scene
 from fem_lie.solve.stability.equilibrium import StableEquilibrium
 from fem_lie.solve.stability.path_options import Along, Arc
 from fem_lie.solve.stability.path_step import LostError, Walker
-from fem_lie.solve.statics.arc_length import ArcLength
+from fem_lie.solve.stability.stations import own_station, whole_station
+from fem_lie.solve.statics.arc_length import ArcLength, Dot
 from fem_lie.solve.statics.follow import check_proportion
 
 _AMPLITUDE = 0.005  # over the size of the body that moves most
@@ -67,39 +70,41 @@ def switch_branch(
             f"expected side 1 or −1 and an amplitude > 0, got {side!r} and {amplitude!r}"
         )
     shape = critical.displacing_shape(mode)
-    model = StableEquilibrium(scene, petsc_options_prefix)
-    station, unknowns = critical.station, model.equations.unknowns
-    masters = unknowns.masters
-    if len(critical.frames) != unknowns.total:
+    nodes = sum(len(body.frames) for body in scene.bodies)
+    if len(critical.frames) != nodes:
         raise ValueError(
             f"the bifurcation is one of a scene with {len(critical.frames)} nodes, this one has "
-            f"{unknowns.total}"
+            f"{nodes}"
         )
+    part = divided(scene, petsc_options_prefix)
+    model = StableEquilibrium(scene, petsc_options_prefix, part)
+    walker = Walker(model, ArcLength(), abs(critical.station.factor) or 1.0)
+    station, unknowns = own_station(walker, critical.station), model.equations.unknowns
+    own = of_part(shape[np.newaxis], critical.info, part, unknowns.bodies)[0]
     model.restore(station.state)
     h: Array = np.zeros(unknowns.size)
-    h[: 6 * len(masters)] = shape[masters].ravel()
-    size = _first_amplitude(model, shape)
+    h[: 6 * unknowns.moving] = own[unknowns.masters].ravel()
+    size = _first_amplitude(scene, critical, shape)
     if critical.crossed:
         h, size = _step_off_the_path(model, station, h)
     u = model.translations(h)
-    if not np.abs(u).max() > _NIL:
+    if not model.maximum(u) > _NIL:
         raise ValueError(f"mode {mode} moves only nodes that are attached rigidly to others")
-    pattern: Array = np.asarray(u / float(np.sum(u * u)))
-    walker = Walker(model, ArcLength(), abs(station.factor) or 1.0)
+    pattern: Array = np.asarray(u / model.dot(u, u))
     size = side * (size if amplitude is None else amplitude)
     returned = False
     for _ in range(1 if amplitude is not None else _HALVINGS):
         model.restore(station.state)
         model.move(size * h)
         displaced, unit = replace(station, state=model.state()), _REACH * abs(size)
-        arc, control = Arc(unit, walker.load), Along(pattern, unit)
+        arc, control = Arc(unit, walker.load, model.dot), Along(pattern, unit, model)
         try:
             found = walker.step(station, control, size / unit, arc, begin=displaced)
         except LostError:
             size /= 2
             continue
-        if not _on_path(station, found):
-            return found
+        if not _on_path(station, found, model.dot):
+            return whole_station(model, found)
         returned, size = True, size / 2
     if returned:
         raise ConvergenceError(
@@ -112,18 +117,18 @@ def switch_branch(
     )
 
 
-def _on_path(station: Station, found: Station) -> bool:
+def _on_path(station: Station, found: Station, dot: Dot) -> bool:
     """Whether a state lies on the path through another one, as far as its tangent shows."""
     moved = found.positions - station.positions
-    along = (found.factor - station.factor) * station.velocity
-    return bool(np.linalg.norm(moved - along) < _BESIDE * np.linalg.norm(moved))
+    beside = moved - (found.factor - station.factor) * station.velocity
+    return dot(beside, beside) < _BESIDE**2 * dot(moved, moved)
 
 
-def _first_amplitude(model: StableEquilibrium, shape: Array) -> float:
+def _first_amplitude(scene: Scene, critical: CriticalPoint, shape: Array) -> float:
     """Initial largest displacement of a mode."""
     node = int(np.linalg.norm(shape[:, :3], axis=1).argmax())
-    bodies = model.equations.unknowns.bodies.items()
-    size = next(body.model.size for body, nodes in bodies if node in nodes)
+    label = next(body.name for body in critical.info.bodies if node in body.nodes)
+    size = next(body.model.size for body in scene.bodies if body.name == label)
     turn = float(np.linalg.norm(shape[:, 3:], axis=1).max())
     return min(_AMPLITUDE * size, _TURN / turn if turn > 0 else np.inf)
 
@@ -133,8 +138,8 @@ def _step_off_the_path(model: StableEquilibrium, station: Station, h: Array) -> 
 
     Its largest displacement is 1.
     """
-    weight = np.zeros(len(h))
-    weight[: len(model.weight)] = 1.0 / model.weight**2
-    rest = station.response - h * float((h * weight) @ station.response) / float((h * weight) @ h)
-    largest = float(np.linalg.norm(model.translations(rest), axis=1).max())
+    mode = model.twists(h)
+    along = model.dot(mode, model.twists(station.response)) / model.dot(mode, mode)
+    rest = station.response - along * h
+    largest = model.maximum(np.linalg.norm(model.translations(rest), axis=1))
     return np.asarray(rest / largest), _CHANGE * largest

@@ -14,6 +14,8 @@ import numpy as np
 
 from fem_lie._arrays import instance, number
 from fem_lie.linear.direct import ConvergenceError
+from fem_lie.parts.part_scene import divided
+from fem_lie.results.gathering import gathered
 from fem_lie.results.path import CriticalPoint, CriticalPointType, EquilibriumPath, Station
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
@@ -29,6 +31,7 @@ from fem_lie.solve.stability.path_options import (
 )
 from fem_lie.solve.stability.path_run import Pursuit
 from fem_lie.solve.stability.path_step import Walker
+from fem_lie.solve.stability.stations import whole_station
 from fem_lie.solve.statics.follow import check_proportion
 
 _MODES = 2
@@ -78,7 +81,8 @@ def follow_path(
         ends = replace(ends, factor=1.0)
     _check_options(ends, resolution, options, start, control)
     prefix, linearised = options.petsc_options_prefix, options.linearised_stress
-    model = StableEquilibrium(scene, prefix, linearised_stress=linearised)
+    part = divided(scene, prefix)
+    model = StableEquilibrium(scene, prefix, part, linearised_stress=linearised)
     walker = Walker(model, options.arc_length, abs(ends.factor) if ends.factor else 1.0)
     watch = Stopwatch()
     run = Pursuit(walker, ends, resolution, options.locate, control)
@@ -117,14 +121,16 @@ def _result(run: Pursuit, observe: Mapping[str, Observer], seconds: float) -> Eq
         name: np.array([function(state) for state in states], dtype=np.float64)
         for name, function in observe.items()
     }
-    return EquilibriumPath(
+    equations = model.equations
+    frames = [equations.report(station.state.frames).frames.copy() for station in found.stations]
+    result = EquilibriumPath(
         factors=np.array([state.factor for state in states]),
-        frames=np.array([state.frames for state in states]),
+        frames=np.array(frames),
         joint_forces=np.array(forces),
         reactions=np.array([model.reactions(s.state, s.factor) for s in found.stations]),
         iterations=np.cumsum([s.iterations for s in found.stations], dtype=np.int64),
         failed_iterations=found.failed_iterations,
-        info=run.info,
+        info=equations.info,
         steady_rotation=Rotation.of((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
         seconds=seconds,
         factorisations=model.factorisations,
@@ -136,8 +142,9 @@ def _result(run: Pursuit, observe: Mapping[str, Observer], seconds: float) -> Eq
         load_steps=found.load_steps,
         failed_steps=found.failed_steps,
         locating_iterations=found.locating,
-        stations=tuple(found.stations),
+        stations=tuple(whole_station(model, station) for station in found.stations),
     )
+    return gathered(result, equations.part)
 
 
 def _critical(run: Pursuit, bracket: Bracket, index: int) -> CriticalPoint:
@@ -163,7 +170,7 @@ def _critical(run: Pursuit, bracket: Bracket, index: int) -> CriticalPoint:
         eigenvalues=values,
         shapes=moved,
         rotation_only=rotation_only,
-        station=first,
+        station=whole_station(model, first),
         index=index,
         frames=run.all_frames(first.state.frames).copy(),
         info=run.info,

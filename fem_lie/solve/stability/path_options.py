@@ -20,7 +20,7 @@ from fem_lie._arrays import Array, direction, flag, instance, number, positive, 
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_point
 from fem_lie.results.path import PathState, Station
-from fem_lie.solve.statics.arc_length import ArcLength
+from fem_lie.solve.statics.arc_length import ArcLength, Dot, Equilibrium
 
 _ACROSS = 1e-10  # component of a displacement over the largest one: less is round-off
 
@@ -51,14 +51,18 @@ class Arc:
     Attributes:
         length: Scale of displacements ``U``.
         load: Scale of the load factor ``Λ``.
+        dot: Inner product of two arrays with a row for each node, over all ranks.
     """
 
     length: float
     load: float
+    dot: Dot
 
     def inner(self, u: Array, d: float, v: Array, e: float) -> float:
         """Inner product of two directions."""
-        return float(np.sum(u * v)) / (len(u) * self.length**2) + d * e / self.load**2
+        one = np.ones(len(u))
+        mean = self.dot(u, v) / self.dot(one, one)
+        return mean / self.length**2 + d * e / self.load**2
 
     def norm(self, u: Array, d: float) -> float:
         """Length of a direction."""
@@ -85,24 +89,26 @@ class Along:
     Attributes:
         pattern: The pattern, shape (n, 3).
         unit: Displacement of distance one.
+        of: Structure with these nodes, for sums over all ranks.
     """
 
     pattern: Array
     unit: float
+    of: Equilibrium
 
     def rate(self, u: Array, sign: float) -> float:
         """Change of the load factor per displacement along the pattern.
 
         Infinite perpendicular to it.
         """
-        along = float(np.sum(self.pattern * u))
-        if abs(along) <= _ACROSS * float(np.abs(u).max(initial=0.0)):
+        along = self.of.dot(self.pattern, u)
+        if abs(along) <= _ACROSS * self.of.maximum(u):
             return inf
         return self.unit / along
 
     def distance(self, moved: Array, change: float) -> float:
         """Displacement along the pattern, independent of the load."""
-        return float(np.sum(self.pattern * moved)) / self.unit
+        return self.of.dot(self.pattern, moved) / self.unit
 
     def slope(self, moved: Array, change: float, u: Array, d: float) -> float:
         """Derivative of that displacement along ``u``."""
@@ -158,16 +164,18 @@ class DisplacementControl:
         direction(self.direction, f"direction of control at {self.point.label}")
         positive(self.to, "displacement to go to under displacement control")
 
-    def along(self, count: int, node: int) -> Along:
+    def along(self, of: Equilibrium, count: int, node: int | None) -> Along:
         """Control of the node of the point.
 
         Args:
-            count: Number of nodes.
-            node: Index of the node of the point.
+            of: The structure.
+            count: Number of its nodes, of those that this rank owns.
+            node: Index of the node of the point among them; ``None``: another rank owns it.
         """
         pattern = np.zeros((count, 3))
-        pattern[node] = direction(self.direction, f"direction of control at {self.point.label}")
-        return Along(pattern, self.to)
+        if node is not None:
+            pattern[node] = direction(self.direction, f"direction of control at {self.point.label}")
+        return Along(pattern, self.to, of)
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.forms.abilities import PassedThroughError
+from fem_lie.results.gathering import at_nodes
 from fem_lie.results.path import PathState, Station
 from fem_lie.solve.progress_bars import Advance, step_bar
 from fem_lie.solve.stability.locate import Bracket, bisect, critical
@@ -26,6 +27,8 @@ from fem_lie.solve.stability.path_options import (
     PathEnds,
 )
 from fem_lie.solve.stability.path_step import FoldedStepError, LostError, Walker
+from fem_lie.solve.stability.stations import own_station
+from fem_lie.solve.statics.arc_length import rms
 
 _SCALE = 0.1  # over the diameter: smaller displacements are small, whatever the path so far
 _BEGIN = 0.25  # over the resolution: first step
@@ -72,35 +75,29 @@ class Pursuit:
         self._walker, self.model, self._ends = walker, walker.model, ends
         self._resolution, self._locate = resolution, locate
         equations, unknowns = self.model.equations, self.model.equations.unknowns
-        self.info = equations.info
-        placed = self.model.placed
-        self._positions = equations.start.unloaded[: unknowns.moving, 0][placed]
+        unloaded, placed = equations.start.unloaded, self.model.placed
+        self.info, _ = at_nodes(equations.info, equations.part, ())
+        self._positions = unloaded[: unknowns.moving, 0][placed]
         self._scale = _SCALE * self.model.diameter
         self._fixed: Control | None = None
         self._to, self._passed = inf, ""
         if isinstance(control, DisplacementControl):
-            assert control.point.body is not None
-            of_all = unknowns.bodies[control.point.body][control.point.node]
-            node = int(np.count_nonzero(placed[: equations.arrays.master[of_all]]))
-            gap = np.abs(self._positions[node] - control.point.position).max()
+            node = self.model.placed_node(control.point)
+            away = 0.0 if node is None else self._positions[node] - control.point.position
+            gap = self.model.maximum(np.asarray(away))
             if gap > 1e-9 * unknowns.length:
                 raise ValueError(
                     f"displacement control at {control.point.label}, which is attached to another "
                     f"node rigidly {gap:g} away: control that one"
                 )
             self._control_label = f"displacement control at {control.point.label}"
-            self._fixed, self._to = control.along(len(self._positions), node), 1.0
+            self._fixed, self._to = control.along(self.model, len(self._positions), node), 1.0
         elif isinstance(control, LoadControl):
             self._fixed = Load(walker.load)
         self.found = Record()
 
     def follow(self, start: Station | None, backwards: bool) -> None:
         """Make steps until an end condition is met."""
-        if start is not None and start.positions.shape != self._positions.shape:
-            raise ValueError(
-                f"start=... must be a state of this scene with {len(self._positions)} nodes, got "
-                f"{len(start.positions)}"
-            )
         here = self._begin(start, backwards)
         self.found.stations.append(here)
         with step_bar("path", "step") as show:
@@ -143,9 +140,9 @@ class Pursuit:
             model.check_start(factor)
             first = self._walker.start(factor, -1.0 if (ends.factor or 1.0) < factor else 1.0)
         else:
-            model.restore(start.state)
-            model.check_start(start.factor)
-            first = start
+            first = own_station(self._walker, start)
+            model.restore(first.state)
+            model.check_start(first.factor)
         if self._fixed is not None and not isinstance(self._fixed, Load):
             rate = self._fixed.rate(first.velocity, 1.0)
             if not np.isfinite(rate):
@@ -170,8 +167,8 @@ class Pursuit:
     def _arc(self, here: Station) -> Arc:
         """Metric of a step: displacements over the largest ones so far."""
         moved = here.positions - self._positions
-        self._scale = max(self._scale, sqrt(float(np.sum(moved * moved)) / len(moved)))
-        return Arc(self._scale, self._walker.load)
+        self._scale = max(self._scale, rms(moved, self.model.dot))
+        return Arc(self._scale, self._walker.load, self.model.dot)
 
     def _control(self, arc: Arc) -> Control:
         return arc if self._fixed is None else self._fixed
@@ -312,8 +309,11 @@ class Pursuit:
         return PathState(station.factor, frames, station.negative, self.info)
 
     def all_frames(self, H: Array) -> Array:
-        """A copy of the frames of all nodes, from those of the equations."""
-        return self.model.equations.report(H).frames.copy()
+        """A copy of the frames of all nodes of the scene, from those of the equations."""
+        equations = self.model.equations
+        own = equations.report(H).frames[np.newaxis]
+        _, (frames,) = at_nodes(equations.info, equations.part, (own,))
+        return np.array(frames[0])
 
 
 def _flattest(rates: tuple[float, float], mean: float) -> float:

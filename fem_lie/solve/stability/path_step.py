@@ -96,8 +96,8 @@ class _Step(Iterated):
         self._moved = model.positions() - origin.positions
         self._changed = self.factor - origin.factor
         self._rest = self._length - self._control.distance(self._moved, self._changed)
-        bound = max(abs(self.factor), self._least) * float(np.abs(load).max())
-        balanced = float(np.abs(self._residual).max()) <= tolerance * bound
+        bound = max(abs(self.factor), self._least) * model.maximum(load)
+        balanced = model.maximum(self._residual) <= tolerance * bound
         return balanced and abs(self._rest) <= tolerance
 
     def refactorise(self, update: Refactorisation) -> None:

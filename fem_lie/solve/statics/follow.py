@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import takewhile
 
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.bodies.body import Point
 from fem_lie.bodies.model import FoldedElementError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.lie.node_types import all_to_global_components, has_position
@@ -293,6 +295,25 @@ class SceneEquilibrium(Equilibrium):
         """Force and moment of each joint on its point ``a``, in its axes, shape (j, 6)."""
         return self.equations.report(state.frames, multipliers=state.multipliers).joints.forces
 
+    def placed_node(self, point: Point) -> int | None:
+        """Row of the node of a point in :meth:`positions`; ``None``: on another rank."""
+        assert point.body is not None
+        unknowns, part, node = self.equations.unknowns, self.equations.part, point.node
+        bodies = {body.name: (body, nodes) for body, nodes in unknowns.bodies.items()}
+        if point.body.name not in bodies:
+            return None
+        body, nodes = bodies[point.body.name]
+        if part is not None:
+            before = takewhile(lambda each: each.name != body.name, part.whole.bodies)
+            first = sum(len(each.frames) for each in before)
+            own = np.flatnonzero(part.nodes[body] == first + node)
+            if not len(own):
+                return None
+            node = int(own[0])
+        master = self.equations.arrays.master[nodes[node]]
+        owned = bool(self._shared.owned[master])
+        return int(np.count_nonzero(self.placed[:master])) if owned else None
+
     def positions(self) -> Array:
         """Positions of the nodes that have one, shape (n, 3)."""
         return self._H[: self._moving, 0][self.placed]
@@ -349,6 +370,12 @@ class SceneEquilibrium(Equilibrium):
         return EquilibriumState(
             self._H.copy(), self._multipliers.copy(), self.equations.history_variables.saved_state()
         )
+
+    def place(self, frames: Array, multipliers: Array) -> None:
+        """Take an equilibrium of which only frames (n, 4, 3) and multipliers (m,) are known."""
+        self._forces_known = False
+        self._H[: self._moving], self._multipliers[:] = frames, multipliers
+        self.equations.history_variables.update_stress(self._H)
 
     def restore(self, state: EquilibriumState) -> None:
         """Restore a copied state."""
