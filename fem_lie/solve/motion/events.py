@@ -170,6 +170,8 @@ class Events(Stateful):
         Args:
             values: Values at the end of the step.
         """
+        if ((self.values < 0.0) == (values < 0.0)).all() and (values != 0.0).all():
+            return np.zeros(len(values))
         rises = (self.values < 0.0) & (values >= 0.0)
         falls = (self.values > 0.0) & (values <= 0.0)
         signs = rises.astype(np.float64) - falls
@@ -188,6 +190,8 @@ class Events(Stateful):
         """
         found: Flags = np.zeros(len(self), dtype=bool)
         own = slice(len(self._events), None)
+        if not values[own].max(initial=-1.0) > 0.0:
+            return found
         found[own] = self.limits.entered(self.values[own], values[own])
         return found
 

@@ -9,10 +9,34 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._jit import compiled
 from fem_lie._state import Stateful, attributes
 from fem_lie.joints.connection import Bounds, Connection
 from fem_lie.system.equations import Equations
+
+
+@compiled
+def _watch(
+    coordinates: Array,
+    index: Indices,
+    stops: Array,
+    multipliers: Array,
+    rows: Indices,
+    closed: Indices,
+    out: Array,
+) -> None:
+    """Watched numbers of the upper and lower stop of each limit, shape (2 l,)."""
+    for k in range(index.shape[0]):
+        for side in range(2):
+            sign = 1 - 2 * side
+            if closed[k] == 0:
+                out[2 * k + side] = sign * (coordinates[index[k]] - stops[k, side])
+            elif closed[k] == sign:
+                out[2 * k + side] = -sign * multipliers[rows[k]]
+            else:
+                out[2 * k + side] = -np.inf
+
 
 _BEYOND = 1e-9
 """Distance beyond a stop, rad or over the size of the bodies, above which an open limit closes."""
@@ -62,15 +86,11 @@ class Limits(Stateful):
             coordinates: Coordinates of all connections.
             multipliers: Lagrange multipliers, shape (m,).
         """
-        q, force = coordinates[self._coordinates], multipliers[self.rows]
-        gaps = self._signs * (q[:, np.newaxis] - self._stops)
-        pulls = np.where(self._sides, -self._signs * force[:, np.newaxis], -np.inf)
-        return np.where(self.closed[:, np.newaxis] != 0, pulls, gaps).ravel()
-
-    @property
-    def _sides(self) -> Flags:
-        """Whether each limit is closed at its upper and lower stop, shape (l, 2)."""
-        return np.asarray(self.closed[:, np.newaxis] == self._signs)
+        found = np.empty(len(self))
+        _watch(
+            coordinates, self._coordinates, self._stops, multipliers, self.rows, self.closed, found
+        )
+        return found
 
     def entered(self, start: Array, end: Array) -> Flags:
         """Stops of open limits that a step leaves behind although it starts at them, (2 l,).

@@ -87,11 +87,13 @@ class Supports:
 
     def rotate(self, H: Array, r: Array) -> None:
         """Transform translations of ``r`` (n, 6) from local components to those along the axes."""
-        r[self.nodes, :3] = np.einsum("kij,kj->ki", self._matrices(H), r[self.nodes, :3])
+        if self:
+            r[self.nodes, :3] = np.einsum("kij,kj->ki", self._matrices(H), r[self.nodes, :3])
 
     def rotate_back(self, H: Array, d: Array) -> None:
         """Transform translations of ``d`` (n, 6) from components along the axes to local ones."""
-        d[self.nodes, :3] = np.einsum("kji,kj->ki", self._matrices(H), d[self.nodes, :3])
+        if self:
+            d[self.nodes, :3] = np.einsum("kji,kj->ki", self._matrices(H), d[self.nodes, :3])
 
     def rotate_blocks(self, H: Array, blocks: Array) -> None:
         """Transform rows and columns of the matrix, blocks (nnz, 6, 6)."""
