@@ -7,7 +7,10 @@ from fem_lie._public_names import public_names
 if TYPE_CHECKING:
     from fem_lie.results.mode_shapes import BucklingModes
     from fem_lie.results.path import CriticalPoint, CriticalPointType, EquilibriumPath, PathState
+    from fem_lie.results.vibrations.campbell import CampbellDiagram
     from fem_lie.results.vibrations.modes import Modes
+    from fem_lie.solve.small_motions.campbell import campbell
+    from fem_lie.solve.small_motions.unbalance import Unbalance, unbalance_response
     from fem_lie.solve.stability.branches import switch_branch
     from fem_lie.solve.stability.imperfections import (
         FieldImperfection,
@@ -30,6 +33,7 @@ else:
 __all__ = [
     "ArcLength",
     "BucklingModes",
+    "CampbellDiagram",
     "CriticalPoint",
     "CriticalPointType",
     "DisplacementControl",
@@ -44,7 +48,10 @@ __all__ = [
     "PathOptions",
     "PathState",
     "RandomImperfection",
+    "Unbalance",
     "UnstableEquilibriumWarning",
     "apply_imperfections",
+    "campbell",
     "switch_branch",
+    "unbalance_response",
 ]

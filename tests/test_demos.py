@@ -297,6 +297,15 @@ def test_frequency_response():
     assert max(record["errors_in_time"].values()) <= 5e-4
 
 
+def test_whirl():
+    """Transfer matrix of the shaft with its mass; four cells resolve the second mode to 1e-5."""
+    record = main("whirl", cells="4,16,64")
+    for rotor in ("overhung", "jeffcott"):
+        for cells, bound in ((4, 1e-5), (16, 1e-7), (64, 1e-9)):
+            assert max(record[rotor][cells].values()) <= bound
+    assert record["unbalance_error"] <= 1e-6
+
+
 def test_speed_against_error(tmp_path):
     """Orders are those of the theory; docs/measured/speed_against_error.csv has more meshes."""
     record = study("speed_against_error", coarsest=8, finest=64, smallest_step=1.25e-4, repeats=1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -155,6 +155,36 @@ def responses(
     above.set_ylabel(f"{label} [{units.length}]")
     _legend(above)
     below.set(xlabel=f"angular frequency [rad/{units.time}]", ylabel="phase [°]")
+    return saved(figure, path)
+
+
+def campbell(
+    speeds: Array,
+    lines: Mapping[str, Array],
+    critical: Array,
+    path: str | os.PathLike[str] | None = None,
+    *,
+    units: Units = SI,
+) -> Figure:
+    """Whirl frequencies over the speed of a rotor, and where they are synchronous.
+
+    Args:
+        speeds: Shape (k,).
+        lines: Frequencies of the lines of each direction by its name, shape (k, p).
+        critical: Critical speeds.
+        path: Name of the file if it is to be saved.
+        units: Units of the axes.
+    """
+    figure, (axes,) = figure_of_rows(1, "Campbell diagram", units)
+    figure.set_size_inches(6.5, 4.5)
+    for colour, (name, values) in zip(COLOURS, lines.items(), strict=False):
+        drawn = axes.plot(speeds, values, color=colour)
+        drawn[0].set_label(name)
+    axes.plot(speeds, speeds, ":", color="#777777", label="synchronous")
+    if len(critical):
+        axes.plot(critical, critical, "o", color="black", markersize=4, label="critical")
+    axes.set(xlabel=f"speed [rad/{units.time}]", ylabel=f"frequency [rad/{units.time}]")
+    _legend(axes)
     return saved(figure, path)
 
 

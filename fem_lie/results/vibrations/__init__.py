@@ -1,1 +1,1 @@
-"""Results of linear analyses about an equilibrium: modes of vibration, frequency responses."""
+"""Results of linear analyses about an equilibrium: modes, responses, Campbell diagrams."""

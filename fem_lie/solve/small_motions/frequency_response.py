@@ -116,6 +116,8 @@ def frequency_response(
     if modes is not None and modes > free:
         raise ValueError(f"modes must be 1 … {free}, the degrees of freedom, got {modes}")
     pencil = state.pencil()
+    for part in parts:
+        state.rotation.check(scene.with_loads(*_of_bodies(part), gravity=_gravity(part)))
     in_phase, leading = (amplitudes(scene, state, part) for part in parts)
     force = in_phase + 1j * leading
     if not force.any():
@@ -145,16 +147,8 @@ def response(
 
 
 def amplitudes(scene: Scene, state: SmallMotions, loads: Sequence[Excitation]) -> Array:
-    """Forces of loads on the free unknowns of a state of the scene, shape (n,).
-
-    Raises:
-        ValueError: A load is invalid, or fixed in space in a steady rotation.
-    """
-    gravity = -sum(
-        (np.asarray(each.acceleration, dtype=np.float64) for each in _of_base(loads)), np.zeros(3)
-    )
-    loaded = scene.with_loads(*_of_bodies(loads), gravity=gravity)
-    state.rotation.check(loaded)
+    """Forces of loads on the free unknowns of a state of the scene, shape (n,)."""
+    loaded = scene.with_loads(*_of_bodies(loads), gravity=_gravity(loads))
     return state.forces(Equations(loaded, dynamics=True).prescribed(1.0).loads(state.H))
 
 
@@ -191,8 +185,10 @@ def _of_bodies(loads: Sequence[Excitation]) -> list[Load]:
     return [each for each in loads if isinstance(each, Load)]
 
 
-def _of_base(loads: Sequence[Excitation]) -> list[BaseExcitation]:
-    return [each for each in loads if isinstance(each, BaseExcitation)]
+def _gravity(loads: Sequence[Excitation]) -> Array:
+    """Gravity that acts as base excitations do, in the frame of the base."""
+    of_base = (each.acceleration for each in loads if isinstance(each, BaseExcitation))
+    return -sum((np.asarray(each, dtype=np.float64) for each in of_base), np.zeros(3))
 
 
 def _with_inactive(scene: Scene, parts: tuple[list[Excitation], ...]) -> Scene:
