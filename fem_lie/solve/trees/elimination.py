@@ -21,10 +21,9 @@ inertia is constant; uniform gravity is an acceleration of the ground.
 
 from __future__ import annotations
 
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
-from fem_lie._arrays import Array
-from fem_lie._jit import inlined, inlined_uncounted, uncounted
+from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie._jit.packed_arrays import Frames, Integers1, Numbers1, Numbers2, Sixes
 from fem_lie.lie.tuples import (
     Matrix,
@@ -33,6 +32,7 @@ from fem_lie.lie.tuples import (
     cross,
     dot,
     load,
+    load_frame,
     load_row,
     minus,
     plus,
@@ -41,16 +41,29 @@ from fem_lie.lie.tuples import (
     scaled,
     store,
 )
+from fem_lie.solve.trees.blocks import (
+    INERTIA,
+    Symmetric,
+    add_inertia,
+    add_three,
+    columns_crossed,
+    first_half,
+    inverse_of,
+    load_blocks,
+    load_symmetric,
+    rotated,
+    rotated_full,
+    rows_crossed,
+    second_half,
+    store_halves,
+    times,
+    times_symmetric,
+    transposed_times,
+)
 
 BALL, FREE, COMMUTING, GROUP = range(4)
 """Motions of a joint: rotations about its centre, all (of a link without one before), columns that
 commute, any other subgroup."""
-
-Symmetric: TypeAlias = tuple[float, float, float, float, float, float]
-"""Symmetric 3×3 matrix: xx, xy, xz, yy, yz, zz."""
-
-INERTIA = 21
-"""Numbers of an inertia: symmetric block of translations (6), coupling (9), rotations (6)."""
 
 
 class Links(NamedTuple):
@@ -103,119 +116,6 @@ class Motion(NamedTuple):
     rate: Numbers1
 
 
-@inlined
-def _first(M: Array, i: int) -> Vector:
-    return M[i, 0], M[i, 1], M[i, 2]
-
-
-@inlined
-def _last(M: Array, i: int) -> Vector:
-    return M[i, 3], M[i, 4], M[i, 5]
-
-
-@inlined
-def _store(M: Array, i: int, u: Vector, ω: Vector) -> None:
-    M[i, 0], M[i, 1], M[i, 2] = u
-    M[i, 3], M[i, 4], M[i, 5] = ω
-
-
-@inlined
-def _add(M: Array, i: int, at: int, values: Vector) -> None:
-    M[i, at] += values[0]
-    M[i, at + 1] += values[1]
-    M[i, at + 2] += values[2]
-
-
-@inlined
-def _symmetric(M: Array, i: int, at: int) -> Symmetric:
-    return M[i, at], M[i, at + 1], M[i, at + 2], M[i, at + 3], M[i, at + 4], M[i, at + 5]
-
-
-@inlined
-def _blocks(M: Array, i: int) -> tuple[Symmetric, Matrix, Symmetric]:
-    """Blocks of an inertia: translations, coupling, rotations."""
-    B = M[i, 6], M[i, 7], M[i, 8], M[i, 9], M[i, 10], M[i, 11], M[i, 12], M[i, 13], M[i, 14]
-    return _symmetric(M, i, 0), B, _symmetric(M, i, 15)
-
-
-@inlined
-def _times_symmetric(S: Symmetric, v: Vector) -> Vector:
-    return (
-        S[0] * v[0] + S[1] * v[1] + S[2] * v[2],
-        S[1] * v[0] + S[3] * v[1] + S[4] * v[2],
-        S[2] * v[0] + S[4] * v[1] + S[5] * v[2],
-    )
-
-
-@inlined
-def _times(M: Matrix, v: Vector) -> Vector:
-    return (
-        M[0] * v[0] + M[1] * v[1] + M[2] * v[2],
-        M[3] * v[0] + M[4] * v[1] + M[5] * v[2],
-        M[6] * v[0] + M[7] * v[1] + M[8] * v[2],
-    )
-
-
-@inlined
-def _transposed_times(M: Matrix, v: Vector) -> Vector:
-    return (
-        M[0] * v[0] + M[3] * v[1] + M[6] * v[2],
-        M[1] * v[0] + M[4] * v[1] + M[7] * v[2],
-        M[2] * v[0] + M[5] * v[1] + M[8] * v[2],
-    )
-
-
-@inlined
-def _inverse(S: Symmetric) -> Symmetric:
-    a, b, c, d, e, f = S
-    xx, xy, xz = d * f - e * e, c * e - b * f, b * e - c * d
-    r = 1.0 / (a * xx + b * xy + c * xz)
-    return r * xx, r * xy, r * xz, r * (a * f - c * c), r * (b * c - a * e), r * (a * d - b * b)
-
-
-@inlined
-def _rotated(d1: Vector, d2: Vector, d3: Vector, S: Symmetric) -> Symmetric:
-    """``R S Rᵀ``."""
-    t1 = rotate(d1, d2, d3, (S[0], S[1], S[2]))
-    t2 = rotate(d1, d2, d3, (S[1], S[3], S[4]))
-    t3 = rotate(d1, d2, d3, (S[2], S[4], S[5]))
-    return (
-        t1[0] * d1[0] + t2[0] * d2[0] + t3[0] * d3[0],
-        t1[0] * d1[1] + t2[0] * d2[1] + t3[0] * d3[1],
-        t1[0] * d1[2] + t2[0] * d2[2] + t3[0] * d3[2],
-        t1[1] * d1[1] + t2[1] * d2[1] + t3[1] * d3[1],
-        t1[1] * d1[2] + t2[1] * d2[2] + t3[1] * d3[2],
-        t1[2] * d1[2] + t2[2] * d2[2] + t3[2] * d3[2],
-    )
-
-
-@inlined
-def _rotated_full(d1: Vector, d2: Vector, d3: Vector, M: Matrix) -> tuple[Vector, Vector, Vector]:
-    """Rows of ``R M Rᵀ``."""
-    t1 = rotate(d1, d2, d3, (M[0], M[3], M[6]))
-    t2 = rotate(d1, d2, d3, (M[1], M[4], M[7]))
-    t3 = rotate(d1, d2, d3, (M[2], M[5], M[8]))
-    return (
-        plus(scaled(t1[0], d1), combined(t2[0], d2, t3[0], d3)),
-        plus(scaled(t1[1], d1), combined(t2[1], d2, t3[1], d3)),
-        plus(scaled(t1[2], d1), combined(t2[2], d2, t3[2], d3)),
-    )
-
-
-@inlined
-def _add_inertia(
-    M: Array, i: int, A: Symmetric, b: tuple[Vector, Vector, Vector], D: Symmetric
-) -> None:
-    """Add blocks ``A``, the rows of ``B``, and ``D``."""
-    for k in range(6):
-        M[i, k] += A[k]
-        M[i, 15 + k] += D[k]
-    for k in range(3):
-        M[i, 6 + k] += b[0][k]
-        M[i, 9 + k] += b[1][k]
-        M[i, 12 + k] += b[2][k]
-
-
 @inlined_uncounted
 def outward(links: Links, now: Motion, bias: bool) -> None:
     """Velocities of all links, and their own inertia; with ``bias`` the forces of inertia at rest.
@@ -235,17 +135,17 @@ def outward(links: Links, now: Motion, bias: bool) -> None:
             su, sω = load(now.w, start), load(now.w, start + 3)
         else:
             for k in range(start, end):
-                su = combined(1.0, su, now.w[k], _first(links.columns, k))
-                sω = combined(1.0, sω, now.w[k], _last(links.columns, k))
+                su = combined(1.0, su, now.w[k], first_half(links.columns, k))
+                sω = combined(1.0, sω, now.w[k], second_half(links.columns, k))
         if p >= 0:
             d1, d2, d3 = load_row(now.X[i], 1), load_row(now.X[i], 2), load_row(now.X[i], 3)
-            ω = _last(now.v, p)
-            u = plus(_first(now.v, p), cross(ω, load_row(now.X[i], 0)))
+            ω = second_half(now.v, p)
+            u = plus(first_half(now.v, p), cross(ω, load_row(now.X[i], 0)))
             u, ω = rotate_back(d1, d2, d3, u), rotate_back(d1, d2, d3, ω)
         u, ω = plus(u, su), plus(ω, sω)
-        _store(now.v, i, u, ω)
-        _store(now.bent, i, plus(cross(ω, su), cross(u, sω)), cross(ω, sω))
-        m, J = links.body[i, 0], _symmetric(links.body, i, 4)
+        store_halves(now.v, i, u, ω)
+        store_halves(now.bent, i, plus(cross(ω, su), cross(u, sω)), cross(ω, sω))
+        m, J = links.body[i, 0], load_symmetric(links.body, i, 4)
         s = links.body[i, 1], links.body[i, 2], links.body[i, 3]
         for k in range(INERTIA):
             now.inertia[i, k] = 0.0
@@ -256,102 +156,129 @@ def outward(links: Links, now: Motion, bias: bool) -> None:
             now.inertia[i, 15 + k] = J[k]
         if bias:
             n = plus(scaled(m, u), cross(ω, s))
-            moment = plus(cross(s, u), _times_symmetric(J, ω))
-            _store(now.p, i, cross(ω, n), plus(cross(ω, moment), cross(u, n)))
+            moment = plus(cross(s, u), times_symmetric(J, ω))
+            store_halves(now.p, i, cross(ω, n), plus(cross(ω, moment), cross(u, n)))
         else:
-            _store(now.p, i, zero, zero)
+            store_halves(now.p, i, zero, zero)
+
+
+@inlined_uncounted
+def _without_rotations(now: Motion, i: int, start: int) -> tuple[Symmetric, Vector]:
+    """Eliminate all rotations of link ``i``: the mass of its origin, and the force there."""
+    A, B, D = load_blocks(now.inertia, i)
+    inverse = inverse_of(D)
+    e = times_symmetric(inverse, second_half(now.p, i))
+    b1, b2, b3 = (B[0], B[1], B[2]), (B[3], B[4], B[5]), (B[6], B[7], B[8])
+    w1, w2 = times_symmetric(inverse, b1), times_symmetric(inverse, b2)
+    w3 = times_symmetric(inverse, b3)
+    for k in range(3):
+        now.u[start + k, 0], now.u[start + k, 1] = w1[k], w2[k]
+        now.u[start + k, 2], now.e[start + k, 0] = w3[k], e[k]
+    A = (
+        A[0] - dot(w1, b1), A[1] - dot(w1, b2), A[2] - dot(w1, b3),
+        A[3] - dot(w2, b2), A[4] - dot(w2, b3), A[5] - dot(w3, b3),
+    )  # fmt: skip
+    return A, minus(first_half(now.p, i), times(B, e))
+
+
+@inlined_uncounted
+def _without_columns(
+    links: Links, now: Motion, i: int
+) -> tuple[tuple[Symmetric, Matrix, Symmetric], Vector, Vector]:
+    """Eliminate the columns of link ``i`` one by one: what is left of its inertia and force."""
+    A, B, D = load_blocks(now.inertia, i)
+    pu, pω = first_half(now.p, i), second_half(now.p, i)
+    for k in range(links.first[i], links.first[i + 1]):
+        su, sω = first_half(links.columns, k), second_half(links.columns, k)
+        uu = plus(times_symmetric(A, su), times(B, sω))
+        uω = plus(transposed_times(B, su), times_symmetric(D, sω))
+        inverse = 1.0 / (dot(su, uu) + dot(sω, uω))
+        e = dot(su, pu) + dot(sω, pω)
+        store_halves(now.u, k, uu, uω)
+        now.e[k, 0], now.e[k, 1] = e, inverse
+        x, y, z = scaled(inverse, uu)
+        a, b, c = scaled(inverse, uω)
+        A = (
+            A[0] - x * uu[0], A[1] - x * uu[1], A[2] - x * uu[2],
+            A[3] - y * uu[1], A[4] - y * uu[2], A[5] - z * uu[2],
+        )  # fmt: skip
+        B = (
+            B[0] - x * uω[0], B[1] - x * uω[1], B[2] - x * uω[2],
+            B[3] - y * uω[0], B[4] - y * uω[1], B[5] - y * uω[2],
+            B[6] - z * uω[0], B[7] - z * uω[1], B[8] - z * uω[2],
+        )  # fmt: skip
+        D = (
+            D[0] - a * uω[0], D[1] - a * uω[1], D[2] - a * uω[2],
+            D[3] - b * uω[1], D[4] - b * uω[2], D[5] - c * uω[2],
+        )  # fmt: skip
+        pu, pω = combined(1.0, pu, -e, (x, y, z)), combined(1.0, pω, -e, (a, b, c))
+    return (A, B, D), pu, pω
+
+
+@inlined_uncounted
+def _add_mass(now: Motion, i: int, parent: int, A: Symmetric, f: Vector) -> None:
+    """Add the mass and the force at the origin of link ``i`` to the link before."""
+    r, d1, d2, d3 = load_frame(now.X[i])
+    f = rotate(d1, d2, d3, plus(f, times_symmetric(A, first_half(now.bent, i))))
+    A = rotated(d1, d2, d3, A)
+    add_three(now.p, parent, 0, f)
+    add_three(now.p, parent, 3, cross(r, f))
+    rows = rows_crossed(r, A)
+    add_inertia(now.inertia, parent, A, rows, columns_crossed(r, rows))
+
+
+@inlined_uncounted
+def _add_all(
+    now: Motion,
+    i: int,
+    parent: int,
+    inertia: tuple[Symmetric, Matrix, Symmetric],
+    pu: Vector,
+    pω: Vector,
+) -> None:
+    """Add the inertia and the force of link ``i`` to the link before."""
+    A, B, D = inertia
+    r, d1, d2, d3 = load_frame(now.X[i])
+    cu, cω = first_half(now.bent, i), second_half(now.bent, i)
+    pu = plus(pu, plus(times_symmetric(A, cu), times(B, cω)))
+    pω = plus(pω, plus(transposed_times(B, cu), times_symmetric(D, cω)))
+    f = rotate(d1, d2, d3, pu)
+    add_three(now.p, parent, 0, f)
+    add_three(now.p, parent, 3, plus(rotate(d1, d2, d3, pω), cross(r, f)))
+    A, D = rotated(d1, d2, d3, A), rotated(d1, d2, d3, D)
+    b1, b2, b3 = rotated_full(d1, d2, d3, B)
+    c1, c2, c3 = rows_crossed(r, A)
+    rows = plus(b1, c1), plus(b2, c2), plus(b3, c3)
+    S = columns_crossed(r, rows)
+    # of −Bᵀ r̂, which alone is not symmetric
+    k1 = cross(r, (b1[0], b2[0], b3[0]))
+    k2 = cross(r, (b1[1], b2[1], b3[1]))
+    k3 = cross(r, (b1[2], b2[2], b3[2]))
+    D = (
+        D[0] + S[0] + k1[0], D[1] + S[1] + k1[1], D[2] + S[2] + k1[2],
+        D[3] + S[3] + k2[1], D[4] + S[4] + k2[2], D[5] + S[5] + k3[2],
+    )  # fmt: skip
+    add_inertia(now.inertia, parent, A, rows, D)
 
 
 @inlined_uncounted
 def inward(links: Links, now: Motion) -> None:
     """Eliminate all columns, from the last link to the first."""
     for i in range(links.parent.shape[0] - 1, -1, -1):
-        parent, start, end = links.parent[i], links.first[i], links.first[i + 1]
-        A, B, D = _blocks(now.inertia, i)
-        pu, pω = _first(now.p, i), _last(now.p, i)
-        d1, d2, d3 = load_row(now.X[i], 1), load_row(now.X[i], 2), load_row(now.X[i], 3)
-        r, cu, cω = load_row(now.X[i], 0), _first(now.bent, i), _last(now.bent, i)
-        if links.motion[i] <= FREE:
-            inverse = _inverse(D)
-            e = _times_symmetric(inverse, pω)
-            w1 = _times_symmetric(inverse, (B[0], B[1], B[2]))
-            w2 = _times_symmetric(inverse, (B[3], B[4], B[5]))
-            w3 = _times_symmetric(inverse, (B[6], B[7], B[8]))
+        parent, start = links.parent[i], links.first[i]
+        if links.motion[i] == BALL:
+            A, f = _without_rotations(now, i, start)
+            if parent >= 0:
+                _add_mass(now, i, parent, A, f)
+        elif links.motion[i] == FREE:
+            A, f = _without_rotations(now, i, start)
+            a = times_symmetric(inverse_of(A), f)
             for k in range(3):
-                now.u[start + k, 0], now.u[start + k, 1] = w1[k], w2[k]
-                now.u[start + k, 2], now.e[start + k, 0] = w3[k], e[k]
-            ball = links.motion[i] == BALL
-            if ball and parent < 0:
-                continue
-            b1, b2, b3 = (B[0], B[1], B[2]), (B[3], B[4], B[5]), (B[6], B[7], B[8])
-            A = (
-                A[0] - dot(w1, b1), A[1] - dot(w1, b2), A[2] - dot(w1, b3),
-                A[3] - dot(w2, b2), A[4] - dot(w2, b3), A[5] - dot(w3, b3),
-            )  # fmt: skip
-            f = minus(pu, _times(B, e))
-            if not ball:
-                f = _times_symmetric(_inverse(A), f)
-                for k in range(3):
-                    now.e[start + 3 + k, 0] = -f[k]
-                continue
-            f = plus(f, _times_symmetric(A, cu))
-            f, A = rotate(d1, d2, d3, f), _rotated(d1, d2, d3, A)
-            _add(now.p, parent, 0, f)
-            _add(now.p, parent, 3, cross(r, f))
-            c1 = cross(r, (A[0], A[1], A[2]))
-            c2 = cross(r, (A[1], A[3], A[4]))
-            c3 = cross(r, (A[2], A[4], A[5]))
-            g1, g2, g3 = (c1[0], c2[0], c3[0]), (c1[1], c2[1], c3[1]), (c1[2], c2[2], c3[2])
-            h1, h2, h3 = cross(r, g1), cross(r, g2), cross(r, g3)
-            S = h1[0], h2[0], h3[0], h2[1], h3[1], h3[2]
-            _add_inertia(now.inertia, parent, A, (c1, c2, c3), S)
-            continue
-        for k in range(start, end):
-            su, sω = _first(links.columns, k), _last(links.columns, k)
-            uu = plus(_times_symmetric(A, su), _times(B, sω))
-            uω = plus(_transposed_times(B, su), _times_symmetric(D, sω))
-            inverse_d = 1.0 / (dot(su, uu) + dot(sω, uω))
-            e_k = dot(su, pu) + dot(sω, pω)
-            _store(now.u, k, uu, uω)
-            now.e[k, 0], now.e[k, 1] = e_k, inverse_d
-            x, y, z = scaled(inverse_d, uu)
-            a, b, c = scaled(inverse_d, uω)
-            A = (
-                A[0] - x * uu[0], A[1] - x * uu[1], A[2] - x * uu[2],
-                A[3] - y * uu[1], A[4] - y * uu[2], A[5] - z * uu[2],
-            )  # fmt: skip
-            B = (
-                B[0] - x * uω[0], B[1] - x * uω[1], B[2] - x * uω[2],
-                B[3] - y * uω[0], B[4] - y * uω[1], B[5] - y * uω[2],
-                B[6] - z * uω[0], B[7] - z * uω[1], B[8] - z * uω[2],
-            )  # fmt: skip
-            D = (
-                D[0] - a * uω[0], D[1] - a * uω[1], D[2] - a * uω[2],
-                D[3] - b * uω[1], D[4] - b * uω[2], D[5] - c * uω[2],
-            )  # fmt: skip
-            pu, pω = combined(1.0, pu, -e_k, (x, y, z)), combined(1.0, pω, -e_k, (a, b, c))
-        if parent < 0:
-            continue
-        pu = plus(pu, plus(_times_symmetric(A, cu), _times(B, cω)))
-        pω = plus(pω, plus(_transposed_times(B, cu), _times_symmetric(D, cω)))
-        f, A = rotate(d1, d2, d3, pu), _rotated(d1, d2, d3, A)
-        _add(now.p, parent, 0, f)
-        _add(now.p, parent, 3, plus(rotate(d1, d2, d3, pω), cross(r, f)))
-        b1, b2, b3 = _rotated_full(d1, d2, d3, B)
-        D = _rotated(d1, d2, d3, D)
-        c1 = plus(b1, cross(r, (A[0], A[1], A[2])))
-        c2 = plus(b2, cross(r, (A[1], A[3], A[4])))
-        c3 = plus(b3, cross(r, (A[2], A[4], A[5])))
-        g1, g2, g3 = (c1[0], c2[0], c3[0]), (c1[1], c2[1], c3[1]), (c1[2], c2[2], c3[2])
-        h1, h2, h3 = cross(r, g1), cross(r, g2), cross(r, g3)
-        k1 = cross(r, (b1[0], b2[0], b3[0]))
-        k2 = cross(r, (b1[1], b2[1], b3[1]))
-        k3 = cross(r, (b1[2], b2[2], b3[2]))
-        S = (
-            D[0] + h1[0] + k1[0], D[1] + h2[0] + k1[1], D[2] + h3[0] + k1[2],
-            D[3] + h2[1] + k2[1], D[4] + h3[1] + k2[2], D[5] + h3[2] + k3[2],
-        )  # fmt: skip
-        _add_inertia(now.inertia, parent, A, (c1, c2, c3), S)
+                now.e[start + 3 + k, 0] = -a[k]
+        else:
+            left, pu, pω = _without_columns(links, now, i)
+            if parent >= 0:
+                _add_all(now, i, parent, left, pu, pω)
 
 
 @inlined_uncounted
@@ -363,10 +290,10 @@ def accelerations(links: Links, now: Motion) -> None:
         d1, d2, d3 = load_row(now.X[i], 1), load_row(now.X[i], 2), load_row(now.X[i], 3)
         u, ω = g, (0.0, 0.0, 0.0)
         if parent >= 0:
-            ω = _last(now.a, parent)
-            u = plus(_first(now.a, parent), cross(ω, load_row(now.X[i], 0)))
-        u = plus(rotate_back(d1, d2, d3, u), _first(now.bent, i))
-        ω = plus(rotate_back(d1, d2, d3, ω), _last(now.bent, i))
+            ω = second_half(now.a, parent)
+            u = plus(first_half(now.a, parent), cross(ω, load_row(now.X[i], 0)))
+        u = plus(rotate_back(d1, d2, d3, u), first_half(now.bent, i))
+        ω = plus(rotate_back(d1, d2, d3, ω), second_half(now.bent, i))
         if links.motion[i] <= FREE:
             at = start
             if links.motion[i] == FREE:
@@ -374,27 +301,27 @@ def accelerations(links: Links, now: Motion) -> None:
                 store(now.rate, start, minus(found, u))
                 u, at = found, start + 3
             turned = (
-                -now.e[start, 0] - dot(_first(now.u, start), u),
-                -now.e[start + 1, 0] - dot(_first(now.u, start + 1), u),
-                -now.e[start + 2, 0] - dot(_first(now.u, start + 2), u),
+                -now.e[start, 0] - dot(first_half(now.u, start), u),
+                -now.e[start + 1, 0] - dot(first_half(now.u, start + 1), u),
+                -now.e[start + 2, 0] - dot(first_half(now.u, start + 2), u),
             )
             store(now.rate, at, minus(turned, ω))
             ω = turned
         else:
             for k in range(end - 1, start - 1, -1):
-                pulled = now.e[k, 0] + dot(_first(now.u, k), u) + dot(_last(now.u, k), ω)
+                pulled = now.e[k, 0] + dot(first_half(now.u, k), u) + dot(second_half(now.u, k), ω)
                 q = -pulled * now.e[k, 1]
-                u = combined(1.0, u, q, _first(links.columns, k))
-                ω = combined(1.0, ω, q, _last(links.columns, k))
+                u = combined(1.0, u, q, first_half(links.columns, k))
+                ω = combined(1.0, ω, q, second_half(links.columns, k))
                 now.rate[k] = q
-        _store(now.a, i, u, ω)
+        store_halves(now.a, i, u, ω)
 
 
 @uncounted
 def wrench(now: Motion, i: int) -> tuple[Vector, Vector]:
     """Force and moment of the joint on link ``i`` at its origin, in its axes."""
-    u, ω = _first(now.a, i), _last(now.a, i)
-    A, B, D = _blocks(now.inertia, i)
-    force = plus(_times_symmetric(A, u), _times(B, ω))
-    moment = plus(_transposed_times(B, u), _times_symmetric(D, ω))
-    return plus(force, _first(now.p, i)), plus(moment, _last(now.p, i))
+    u, ω = first_half(now.a, i), second_half(now.a, i)
+    A, B, D = load_blocks(now.inertia, i)
+    force = plus(times_symmetric(A, u), times(B, ω))
+    moment = plus(transposed_times(B, u), times_symmetric(D, ω))
+    return plus(force, first_half(now.p, i)), plus(moment, second_half(now.p, i))

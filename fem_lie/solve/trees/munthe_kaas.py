@@ -37,7 +37,8 @@ from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.step_control import Control
 from fem_lie.solve.trees import reported, steps
-from fem_lie.solve.trees.elimination import INERTIA, Motion
+from fem_lie.solve.trees.blocks import INERTIA
+from fem_lie.solve.trees.elimination import Motion
 from fem_lie.solve.trees.graph import Tree, tree_of
 from fem_lie.system.equations import Equations, TimeState
 
