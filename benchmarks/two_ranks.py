@@ -3,8 +3,9 @@
     python3 -m benchmarks.two_ranks --scene shell
     tools/run mpirun -n 2 python3 -m benchmarks.two_ranks --scene shell
 
-Seconds of the search for equilibrium (shell: the pinched hemisphere of 128×128 cells) or of a step
-(net of 5e5 unknowns, truss of 32 cells), by the clock, on the first rank; --size for others. Then
+Seconds of the search for equilibrium (shell: the pinched hemisphere of 128×128 cells), of a step
+(net of 5e5 unknowns, truss of 32 cells), or of an analysis of stability with set-up (vibrations,
+buckling, path of a plate), by the clock, on the first rank; --size for others. Then
 processor seconds of that rank, with set-up, and what they went into: factors, solutions that Python
 asks for, matrices, forces that it asks for, updates of the stress, and steps, which are forces,
 corrections and the other solutions in compiled loops. What is left is set-up, most of it.
@@ -37,6 +38,40 @@ def shell(size: int) -> float:
 
     fl.follow_loads(pinched(0.04, quarter(4)))
     return fl.follow_loads(pinched(0.04, quarter(size))).seconds
+
+
+def vibrations(size: int) -> float:
+    """Ten modes of a clamped plate of ``size`` by ``size`` cells."""
+    return _modes(lambda scene: fl.vibrations(scene, 10), size)
+
+
+def buckling(size: int) -> float:
+    """Four load factors of that plate, pressed in its plane."""
+    return _modes(lambda scene: fl.buckling(scene, 4), size)
+
+
+def path(size: int) -> float:
+    """Ten steps of its path, pressed and pushed aside."""
+    ends = fl.stability.PathEnds(steps=10)
+    return _modes(lambda scene: fl.follow_path(scene, ends), size)
+
+
+def _modes(solve: Callable[[fl.Scene], object], size: int) -> float:
+    solve(_plate(4))
+    began = time.perf_counter()
+    solve(_plate(size))
+    return time.perf_counter() - began
+
+
+def _plate(size: int) -> fl.Scene:
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (size, size))
+    steel = fl.Material(E=2.1e11, nu=0.3, density=7850.0)
+    shell = fl.Shell(mesh, fl.ShellSection.layer(0.01, steel))
+    shell.clamp("a=0")
+    scene = fl.Scene()
+    scene.add(shell)
+    scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(-1e5, 0, 1e3)))
+    return scene
 
 
 def net(size: int) -> float:
@@ -112,6 +147,9 @@ SCENES: dict[str, tuple[Callable[[int], float], int]] = {
     "shell": (shell, 128),
     "net": (net, 32),
     "truss": (truss, 32),
+    "vibrations": (vibrations, 128),
+    "buckling": (buckling, 128),
+    "path": (path, 64),
 }
 
 

@@ -315,12 +315,13 @@ class Pencil:
 
     def terms(self, vectors: Complex) -> tuple[Complex, Complex, Complex]:
         """``M φ``, ``C φ`` and ``K φ`` of rows, see :meth:`stiffness`."""
-        both = np.concatenate([vectors.real, vectors.imag])
-        stiff = self.stiffness(both)
-        zero = np.zeros_like(stiff)
-        damped = zero if self.C is None else product(self.C, both)
-        halves = (np.split(x, 2) for x in (product(self.M, both), damped, stiff))
-        M, C, K = (real + 1j * imaginary for real, imaginary in halves)
+        imaginary = self.unknowns.largest(float(np.abs(vectors.imag).max(initial=0.0))) > 0.0
+        parts = [vectors.real, vectors.imag] if imaginary else [vectors.real]
+        rows = np.concatenate(parts)
+        stiff = self.stiffness(rows)
+        damped = np.zeros_like(stiff) if self.C is None else product(self.C, rows)
+        found: list[Any] = [np.split(x, len(parts)) for x in (product(self.M, rows), damped, stiff)]
+        M, C, K = (each[0] + (1j * each[1] if imaginary else 0j) for each in found)
         return M, C, K
 
     def round_off(self, vectors: Complex, mass: Array) -> Array:
