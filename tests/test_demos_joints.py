@@ -108,6 +108,14 @@ def test_rolling_disc():
     assert fine["violation"] < 1e-8
 
 
+def test_slider_crank_friction():
+    """Friction changes its sign at three reversals; the error is of second order in the step."""
+    coarse, fine = (main("slider_crank_friction", step=step) for step in (2e-3, 1e-3))
+    assert fine["error"] < 1e-5
+    assert 3.5 < coarse["error"] / fine["error"] < 4.8
+    np.testing.assert_allclose(fine["reversals"], [0.404419, 0.927290, 1.519305], atol=2e-6)
+
+
 def test_inverted_pendulum():
     """Angles at samples against linear theory, with an error of second order in the step."""
     coarse, fine = (main("inverted_pendulum", step=step, samples=50) for step in (4e-3, 2e-3))

@@ -138,6 +138,29 @@ def test_release_of_a_held_pendulum():
     assert abs(angle[-1] - free.coordinate("hinge")[-1]) < 1e-7
 
 
+@pytest.mark.parametrize("after", [1e-13, 1e-10, 1e-7])
+def test_events_just_after_the_start_of_a_step(after):
+    """What depends on the square of the size of such a short step must not be divided by it."""
+
+    def pendulum(*events):
+        scene = fl.Scene(gravity=(0.0, -9.81, 0.0))
+        before = fl.ground()
+        for k in range(2):
+            body = scene.add(fl.RigidBody(1.0, (0.01, 0.08, 0.08), position=(0.5 + k, 0.0, 0.0)))
+            scene.add(fl.joints.Revolute(before, body.point("centre"), at=(k, 0, 0)))
+            before = body.point("centre")
+        for event in events:
+            scene.add(event)
+        return scene
+
+    plan = {"duration": 1.0, "step": 0.002}
+    plain = SCHEME.run(pendulum(Event(lambda state: state.time - 9.0, Stop())), **plan)
+    event = Event(lambda state: state.time - 0.5 - after, lambda state: None)
+    result = SCHEME.run(pendulum(event), **plan)
+    assert abs(result.steps.event_losses[0]) < 1e-8
+    np.testing.assert_allclose(result.frames[-1], plain.frames[-1], atol=3e-5)
+
+
 def test_locking_a_flexible_body_keeps_momentum():
     material = fl.Material(E=1e7, nu=0.3, density=1e3)
     scene = fl.Scene()

@@ -243,6 +243,9 @@ class AlphaSteps(Run):
     def pass_event(self, time: float, restitution: Array | None = None) -> None:
         """Make accelerations and velocities at ``time`` consistent."""
         s = self.s
+        # with the size of the next step: the last one may be so small that what depends on its
+        # square is round-off
+        self._set_size(self.control.size)
         self._make_consistent(time, restitution)
         self.balance.jump(time, s.H, s.twist1, s.rate1, self.multipliers)
 

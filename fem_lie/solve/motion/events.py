@@ -22,6 +22,10 @@ from fem_lie.system.equations import Equations
 _DIFFERENCE = 1e-6
 """Rotation, or displacement over the length of the model, of differences for rates."""
 
+_SHORTEST = 1e-6
+"""Size of a cut step, over that of the whole step, below which the event is at its start: a
+velocity has the round-off of positions over the size of the step."""
+
 MOST_AT_ONCE = 20
 """Number of successive steps that may end at one event without a whole step in between."""
 
@@ -158,9 +162,29 @@ class Events(Stateful):
                 raise EventError(_failed("condition", event, state.time, error)) from error
         return found
 
-    def begin(self, state: RunningState) -> None:
-        """Take a state as the start of the next step."""
+    def begin(self, state: RunningState, passed: Array | None = None) -> None:
+        """Take a state as the start of the next step.
+
+        Args:
+            state: The state.
+            passed: See :meth:`passed`: these conditions must not change their sign once more
+                because velocities were made consistent; default: none.
+        """
         self.values[:] = self.evaluate(state)
+        if passed is not None:
+            own = self.values[: len(passed)]
+            own[passed * own < 0.0] = 0.0
+
+    def passed(self, fired: Array, state: RunningState) -> Array:
+        """Signs by which events of the scene happened whose conditions no action changed, (e,).
+
+        Args:
+            fired: As for :meth:`act`.
+            state: The state in which they happened, after the actions.
+        """
+        signs = fired[: len(self._events)]
+        unchanged = self.evaluate(state)[: len(signs)] == self.values[: len(signs)]
+        return np.where(unchanged, signs, 0.0)
 
     def crossed(self, values: Array) -> Array:
         """Signs by which conditions changed theirs from negative to positive, shape (e + 2 l,).
@@ -319,6 +343,7 @@ class Root:
         self._low, self._high = 0.0, size
         self._below, self._above = self._largest(start), self._largest(end)
         self._tolerance, self._last = 1e-10 * size, 0
+        self._shortest = _SHORTEST * size
 
     def _largest(self, values: Array) -> float:
         chosen = self._signs != 0.0
@@ -330,6 +355,11 @@ class Root:
         return self._last > 0 and self._high - self._low <= 2.0 * self._tolerance
 
     @property
+    def at_start(self) -> bool:
+        """Whether the zero is so near to the start that it counts as there."""
+        return self._last > 0 and self._high <= self._shortest
+
+    @property
     def size(self) -> float:
         """Size of the next step to try: last of all, the end of the interval."""
         width = self._high - self._low
@@ -338,7 +368,8 @@ class Root:
         at = self._low - self._below * width / (self._above - self._below)
         # a step near an end also bounds the zero from its other side
         at = at + (self._tolerance if self._last < 0 else -self._tolerance)
-        return float(np.clip(at, self._low + self._tolerance, self._high - self._tolerance))
+        found = np.clip(at, self._low + self._tolerance, self._high - self._tolerance)
+        return float(max(found, self._shortest))
 
     def take(self, size: float, values: Array) -> None:
         """Take the values at the end of a step of this size.

@@ -12,7 +12,7 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags
+from fem_lie._arrays import Array
 from fem_lie._state import attributes
 from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
@@ -276,6 +276,7 @@ class VariableSteps(Driver[Growing]):
         time, before = self._time, self._state(self._time)
         kinetic, fired = before.kinetic, self._fired.copy()
         self._events.act(fired, before, self.frames)
+        passed = self._events.passed(fired, self._state(time))
         self._fired[:] = 0.0
 
         def change(restitution: Array) -> Array:
@@ -294,7 +295,7 @@ class VariableSteps(Driver[Growing]):
         lost = kinetic - after.kinetic
         numbers = [self._events.number(int(k)) for k in np.flatnonzero(fired)]
         self.steps.events += [(time, k, lost / len(numbers)) for k in numbers]
-        self._events.begin(after)
+        self._events.begin(after, passed)
 
     def _fill_row(self, history: Growing, iterations: int, *, event: bool) -> bool:
         time, control = self._time, self._control
@@ -341,12 +342,15 @@ class VariableSteps(Driver[Growing]):
             signs = self._events.crossed(values := self._events.evaluate(self._state(end)))
             entered = self._events.entered(values)
             if entered.any():
-                self._rest_at_stops(entered, before, history)
+                self._happen_at_start(entered.astype(np.float64), before, history, rebound=False)
                 return False
             if signs.any():
-                before, h, iterations, values = self._cut(
-                    before, index, Root(signs, self._events.values, values, h)
-                )
+                root = Root(signs, self._events.values, values, h)
+                before, h, iterations, values = self._cut(before, index, root)
+                if root.at_start:
+                    signs = self._events.crossed(values)
+                    self._happen_at_start(signs, before, history, rebound=True)
+                    return False
                 lands, end = False, time + h
                 signs = self._events.crossed(values)
         error = stepper.estimate(before, time, end) if iterations else None
@@ -377,18 +381,23 @@ class VariableSteps(Driver[Growing]):
             state = self._state(self._time)
             self.steps.sensed.append((self._time, *(sensed(each, state) for each in sensors)))
 
-    def _rest_at_stops(self, entered: Flags, before: Any, history: Growing) -> None:
-        """Let coordinates rest on stops at which the tried step started; it is taken back.
+    def _happen_at_start(
+        self, signs: Array, before: Any, history: Growing, *, rebound: bool
+    ) -> None:
+        """Take the actions of events at the start of the tried step, which is taken back.
 
         Args:
-            entered: Mask of the stops, see :meth:`.Events.entered`.
+            signs: Signs of the events, see :meth:`.Events.crossed`.
             before: State at the start of the step.
-            history: The history of results, which gets a row.
+            history: The history of results, which gets a row for each side of the events.
+            rebound: Whether there is restitution.
         """
         self._stepper.take_back(before)
         self._events.pass_step(whole=False)
-        self._fired[entered] = 1.0
-        self._happen(rebound=False)
+        self._fired[:] = signs
+        if not history.row or history.times[history.row - 1] != self._time:
+            self._fill_row(history, 0, event=True)
+        self._happen(rebound=rebound)
         self._fill_row(history, 0, event=True)
 
     def _cut(self, before: Any, index: int, root: Root) -> tuple[Any, float, int, Array]:
@@ -404,7 +413,7 @@ class VariableSteps(Driver[Growing]):
             that were tried, and the values of the conditions; no iterations if one failed.
         """
         stepper, time, total = self._stepper, self._time, 0
-        while not root.found:
+        while not (root.found or root.at_start):
             h = root.size
             stepper.take_back(before)
             stepper.set_step(time, h)
