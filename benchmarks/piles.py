@@ -3,12 +3,13 @@
     tools/run python3 -m benchmarks.piles --balls 100 1000 10000 --steps 150
 
 Balls of 0.05 m are dropped with a jitter into a box, or in a drum of 24 flat staves that turns by
-3 rad/s and is half full (``--drum``), friction 0.3, without restitution, steps of 2e-3 s. Printed
-are the most contacts in a step, the largest residual of the cones and overlap in any step, sweeps,
-and microseconds of the processor per contact and step, of the last third of the steps. MuJoCo
-(elliptic cones, its own softness, the same steps) has a process of its own in turn with ours, where
-pip can have it; it has Newton's method up to 300 balls and conjugate gradients beyond, and says by
-how much balls overlap.
+3 rad/s and is half full (``--drum``), friction 0.3, without restitution, steps of 2e-3 s. With
+``--rest`` half of the balls have 0.035 m, gravity is tilted by 10°, and they come to rest (500
+steps). Printed are, of the first and the last fifth of the steps, the most contacts in a step, the
+largest residual of the cones and overlap, sweeps, milliseconds of the processor per step, and
+microseconds per contact and step. MuJoCo (elliptic cones, contacts as stiff as the step allows, the
+same steps) has a process of its own in turn with ours, where pip can have it; it has Newton's
+method up to 300 balls and conjugate gradients beyond, and at rest.
 """
 
 from __future__ import annotations
@@ -16,21 +17,46 @@ from __future__ import annotations
 import argparse
 import json
 import subprocess
+from itertools import combinations_with_replacement
 from time import process_time
+from typing import NamedTuple
 
 import numpy as np
 
 import fem_lie as fl
 from benchmarks.peer_scenes import environment
 
-RADIUS, FRICTION, STEP, DENSITY, GRAVITY, STAVES = 0.05, 0.3, 2e-3, 1000.0, 9.81, 24
+RADIUS, SMALL, FRICTION, STEP, DENSITY, GRAVITY, STAVES = 0.05, 0.035, 0.3, 2e-3, 1000.0, 9.81, 24
 SPIN, HEAVY = 3.0, 1e6
-MASS = DENSITY * 4 / 3 * np.pi * RADIUS**3
 PACKAGE, MODULE = "mujoco==3.3.7", "mujoco"
 LIMIT = 240.0  # seconds for MuJoCo's answer
 MOST_NEWTON = 300  # balls, of more of which MuJoCo's Newton gives no answer in that time
 
 Wall = tuple[np.ndarray, np.ndarray]
+
+
+class Pile(NamedTuple):
+    """Balls and what holds them.
+
+    Attributes:
+        positions: Centres, shape (n, 3).
+        radii: Radii, shape (n,).
+        walls: Positions and normals of walls and floor.
+        tilt: Angle between gravity and the vertical.
+        spin: Angular velocity of the walls, about y.
+    """
+
+    positions: np.ndarray
+    radii: np.ndarray
+    walls: list[Wall]
+    tilt: float = 0.0
+    spin: float = 0.0
+
+    @property
+    def gravity(self) -> np.ndarray:
+        """Gravity, shape (3,)."""
+        return GRAVITY * np.array([np.sin(self.tilt), 0.0, -np.cos(self.tilt)])
+
 
 PEER = """
 import json, sys, time
@@ -38,14 +64,14 @@ import mujoco, numpy as np
 given = json.load(sys.stdin)
 z = lambda v: " ".join(repr(float(x)) for x in v)
 balls = "".join(
-    f'<body pos="{z(p)}"><freejoint/><geom type="sphere" size="{given["radius"]}"'
-    f' mass="{given["mass"]}"/></body>' for p in given["places"])
+    f'<body pos="{z(p)}"><freejoint/><geom type="sphere" size="{r}" mass="{m}"/></body>'
+    for p, r, m in zip(given["places"], given["radii"], given["masses"]))
 walls = "".join(
     f'<geom type="plane" size="0 0 1" pos="{z(p)}" zaxis="{z(n)}"/>' for p, n in given["walls"])
 xml = (f'<mujoco><option timestep="{given["step"]}" cone="elliptic" jacobian="sparse"'
-       f' solver="{given["solver"]}"'
-       f' gravity="0 0 -{given["gravity"]}"/><size memory="2G"/>'
-       f'<default><geom friction="{given["friction"]} 0 0" condim="3"/></default>'
+       f' solver="{given["solver"]}" gravity="{z(given["gravity"])}"/><size memory="2G"/>'
+       f'<default><geom friction="{given["friction"]} 0 0" condim="3"'
+       f' solref="{2 * given["step"]} 1" solimp="0.99 0.999 1e-4"/></default>'
        f'<worldbody>{walls}{balls}</worldbody></mujoco>')
 model = mujoco.MjModel.from_xml_string(xml)
 data, seconds, contacts, deep = mujoco.MjData(model), [], [], []
@@ -63,23 +89,38 @@ def jittered(positions: np.ndarray) -> np.ndarray:
     return positions + 0.02 * RADIUS * np.random.default_rng(1).standard_normal(positions.shape)
 
 
-def in_box(count: int, layers: int = 0) -> tuple[np.ndarray, list[Wall]]:
-    """Centres, shape (count, 3), and positions and normals of walls and floor.
-
-    So many ``layers``, or as many as there are across.
-    """
-    gap = 2.1 * RADIUS
-    across = max(4, round((count / layers) ** (1 / 2) if layers else count ** (1 / 3)))
-    half = 0.5 * across * gap
-    grid = np.array(list(np.ndindex(count // across**2 + 1, across, across)))[:count, ::-1]
+def box_of(across: int, gap: float) -> list[Wall]:
+    """Floor and walls of a square box, given by balls across."""
     angles = 2 * np.pi * np.arange(4) / 4
     out = np.stack([np.cos(angles), np.sin(angles), np.zeros(4)], axis=1)
-    walls = [(np.zeros(3), np.array([0, 0, 1.0])), *((half * n, -n) for n in out)]
-    return jittered(gap * (grid + 0.5) - [half, half, 0.0]), walls
+    return [(np.zeros(3), np.array([0, 0, 1.0])), *((0.5 * across * gap * n, -n) for n in out)]
 
 
-def in_drum(count: int) -> tuple[np.ndarray, list[Wall]]:
-    """Likewise: half full, its axis along y, with flat staves and ends."""
+def lattice(count: int, across: int, gap: float) -> np.ndarray:
+    """Layers of so many balls across, from the floor on, shape (count, 3)."""
+    grid = np.array(list(np.ndindex(count // across**2 + 1, across, across)))[:count, ::-1]
+    half = 0.5 * across * gap
+    return np.asarray(gap * (grid + 0.5) - [half, half, 0.0])
+
+
+def in_box(count: int, layers: int = 0) -> Pile:
+    """Balls above the floor: so many ``layers``, or as many as there are across."""
+    gap = 2.1 * RADIUS
+    across = max(4, round((count / layers) ** (1 / 2) if layers else count ** (1 / 3)))
+    positions = jittered(lattice(count, across, gap))
+    return Pile(positions, np.full(count, RADIUS), box_of(across, gap))
+
+
+def at_rest(count: int) -> Pile:
+    """Balls of two sizes, one and a half times as many layers as balls across."""
+    gap, across, random = 2.1 * RADIUS, round((count / 1.5) ** (1 / 3)), np.random.default_rng(1)
+    positions = lattice(count, across, gap) + 1e-3 * random.uniform(-1, 1, (count, 3))
+    radii = np.where(random.random(count) < 0.5, RADIUS, SMALL)
+    return Pile(positions, radii, box_of(across, gap), np.deg2rad(10))
+
+
+def in_drum(count: int) -> Pile:
+    """Half a drum of balls, its axis along y, with flat staves and ends."""
     gap, long = 2.1 * RADIUS, max(4, round(0.8 * count ** (1 / 3)))
     radius = gap * np.sqrt(2 * count / long / np.pi) + 2 * gap
     side = range(-int(radius / gap), int(radius / gap) + 1)
@@ -90,73 +131,93 @@ def in_drum(count: int) -> tuple[np.ndarray, list[Wall]]:
     out = np.stack([np.cos(angles), np.zeros(STAVES), np.sin(angles)], axis=1)
     ends = [np.array([0, sign, 0.0]) for sign in (-1, 1)]
     walls = [*((radius * n, -n) for n in out), *((0.5 * long * gap * n, -n) for n in ends)]
-    return jittered(positions[inside][:count]), walls
+    positions = jittered(positions[inside][:count])
+    return Pile(positions, np.full(len(positions), RADIUS), walls, spin=SPIN)
 
 
-def pile(positions: np.ndarray, walls: list[Wall], spin: float = 0.0) -> fl.Scene:
+def masses_of(radii: np.ndarray) -> np.ndarray:
+    """Masses of balls, shape (n,)."""
+    return np.asarray(DENSITY * 4 / 3 * np.pi * radii**3)
+
+
+def scene_of(pile: Pile) -> fl.Scene:
     """All of them, which touch each other and the walls: ground, or a drum that turns.
 
     The drum is free, so heavy that it goes on as if it were driven, and its weight is carried.
     """
-    scene, moment = fl.Scene(gravity=(0, 0, -GRAVITY)), np.full(3, 0.4 * MASS * RADIUS**2)
-    centres = [
-        scene.add(fl.RigidBody(MASS, moment, position)).point("centre") for position in positions
-    ]
-    balls, law, held_by = (
-        fl.contact.Vertices(centres, RADIUS),
-        fl.contact.Impact(FRICTION),
-        fl.ground(),
-    )
-    if spin:
+    scene, law, held_by = fl.Scene(gravity=pile.gravity), fl.contact.Impact(FRICTION), fl.ground()
+    surfaces = []
+    for radius in np.unique(pile.radii):
+        mass = float(masses_of(radius))
+        moment = np.full(3, 0.4 * mass * radius**2)
+        balls = [
+            scene.add(fl.RigidBody(mass, moment, position))
+            for position in pile.positions[pile.radii == radius]
+        ]
+        surfaces.append(fl.contact.Vertices([ball.point("centre") for ball in balls], radius))
+    if pile.spin:
         drum = scene.add(fl.RigidBody(HEAVY, np.full(3, HEAVY), (0, 0, 0), name="drum"))
-        drum.add_velocity(omega=(0, spin, 0), about=drum.point("centre"))
+        drum.add_velocity(omega=(0, pile.spin, 0), about=drum.point("centre"))
         scene.add(fl.PointLoad(drum.point("centre"), (0, 0, HEAVY * GRAVITY)))
         held_by = drum.point("centre")
-    scene.add(fl.contact.Contact(balls, balls, law))
-    for at, normal in walls:
-        scene.add(fl.contact.Contact(balls, fl.contact.Plane(held_by, normal, at), law))
+    for one, other in combinations_with_replacement(surfaces, 2):
+        scene.add(fl.contact.Contact(one, other, law))
+    for at, normal in pile.walls:
+        plane = fl.contact.Plane(held_by, normal, at)
+        for balls in surfaces:
+            scene.add(fl.contact.Contact(balls, plane, law))
     return scene
 
 
-def ours(positions: np.ndarray, walls: list[Wall], steps: int, spin: float = 0.0) -> str:
-    """A row of the table."""
-    scene, scheme, seconds = pile(positions, walls, spin), fl.GeneralisedAlpha(radius=0.8), []
-    last = steps - steps // 3
-    for count in (last, steps):  # the last third is what the longer run takes more
+def fifth(contacts: np.ndarray, seconds: float, steps: int) -> str:
+    """Cost of some steps."""
+    cost = 1e6 * seconds / max(contacts.sum(), 1.0)
+    return f"{1e3 * seconds / steps:.1f} ms per step, {cost:.0f} µs per contact and step"
+
+
+def ours(pile: Pile, steps: int) -> list[str]:
+    """Rows of the first and the last fifth of the steps."""
+    scene, scheme, part = scene_of(pile), fl.GeneralisedAlpha(radius=0.8), steps // 5
+    seconds = {0: 0.0}
+    for count in (part, steps - part, steps):  # the last fifth is what the longer run takes more
         before = process_time()
         result = scheme.run(
-            scene, duration=count * STEP, step=STEP, save_every=steps, progress=False
+            scene, duration=count * STEP, step=STEP, save_every=count, progress=False
         )
-        seconds.append(process_time() - before)
-    solved = result.contacts
+        seconds[count] = process_time() - before
+    solved, rows = result.contacts, []
     assert solved is not None
-    cost = (seconds[1] - seconds[0]) / max(solved.contacts[last:].sum(), 1.0)
-    return (
-        f"{solved.contacts.max():.0f} contacts, residual {solved.cone_residual.max():.1e}, "
-        f"overlap {solved.penetration.max():.1e} m, sweeps {solved.sweeps[last:].mean():.0f} on "
-        f"average, {1e6 * cost:.0f} µs per contact and step"
-    )
+    for first, last in ((0, part), (steps - part, steps)):
+        these = slice(first, last)
+        rows.append(
+            f"{solved.contacts[these].max():.0f} contacts, "
+            f"residual {solved.cone_residual[these].max():.1e}, "
+            f"overlap {solved.penetration[these].max():.1e} m, "
+            f"sweeps {solved.sweeps[these].mean():.0f} on average, "
+            + fifth(solved.contacts[these], seconds[last] - seconds[first], part)
+        )
+    return rows
 
 
-def peer(positions: np.ndarray, walls: list[Wall], steps: int) -> str:
-    """A row of MuJoCo's."""
+def peer(pile: Pile, steps: int) -> list[str]:
+    """Rows of MuJoCo's."""
     environment.PACKAGES["mujoco"], environment.IMPORTS["mujoco"] = [PACKAGE], MODULE
     for python in environment.candidates():
         inside = environment.folder(python, "mujoco") / "bin" / "python"
         if environment.has(inside, "mujoco") or environment.install(python, "mujoco"):
             break
     else:
-        return f"MuJoCo is skipped: no Python here can have {PACKAGE} by pip"
+        return [f"MuJoCo is skipped: no Python here can have {PACKAGE} by pip"]
     given = {
-        "places": positions.tolist(),
-        "walls": [(at.tolist(), normal.tolist()) for at, normal in walls],
-        "radius": RADIUS,
-        "mass": MASS,
+        "places": pile.positions.tolist(),
+        "walls": [(at.tolist(), normal.tolist()) for at, normal in pile.walls],
+        "radii": pile.radii.tolist(),
+        "masses": masses_of(pile.radii).tolist(),
         "friction": FRICTION,
-        "gravity": GRAVITY,
+        "gravity": pile.gravity.tolist(),
         "step": STEP,
         "steps": steps,
-        "solver": "Newton" if len(positions) <= MOST_NEWTON else "CG",
+        "solver": "CG" if pile.tilt or len(pile.positions) > MOST_NEWTON else "Newton",
     }
     try:
         done = subprocess.run(
@@ -168,34 +229,38 @@ def peer(positions: np.ndarray, walls: list[Wall], steps: int) -> str:
             check=True,
         )
     except subprocess.TimeoutExpired:
-        return f"MuJoCo: no answer in {LIMIT:.0f} s"
+        return [f"MuJoCo: no answer in {LIMIT:.0f} s"]
     seconds, contacts, deep = (np.array(each) for each in json.loads(done.stdout))
-    last = steps - steps // 3
-    cost = seconds[last:].sum() / max(contacts[last:].sum(), 1.0)
-    return (
-        f"{contacts.max()} contacts, overlap {deep.max():.1e} m, "
-        f"{1e6 * cost:.0f} µs per contact and step"
-    )
+    part, rows = steps // 5, []
+    for these in (slice(0, part), slice(steps - part, steps)):
+        rows.append(
+            f"{contacts[these].max()} contacts, overlap {deep[these].max():.1e} m, "
+            + fifth(contacts[these], seconds[these].sum(), part)
+        )
+    return rows
 
 
 def main() -> None:
     """Print the rows of each number of balls."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--balls", type=int, nargs="+", default=[100, 1000], metavar="N")
-    parser.add_argument("--steps", type=int, default=150)
+    parser.add_argument("--steps", type=int, default=0, help="default: 150, at rest 500")
     parser.add_argument("--layers", type=int, default=0, help="0: as many as balls across")
     parser.add_argument("--drum", action="store_true", help="a drum that turns, without MuJoCo")
+    parser.add_argument("--rest", action="store_true", help="two sizes, until they are at rest")
     given = parser.parse_args()
-    ours(*in_box(30), 30)  # what is compiled is there then
+    steps = given.steps or (500 if given.rest else 150)
+    ours(in_box(30), 30)  # what is compiled is there then
     for count in given.balls:
         if given.drum:
-            found = ours(*in_drum(count), given.steps, SPIN)
-            print(f"{count} balls, drum, fem_lie: {found}", flush=True)
-            continue
-        positions, walls = in_box(count, given.layers)
+            pile = in_drum(count)
+        else:
+            pile = at_rest(count) if given.rest else in_box(count, given.layers)
         for name, run in (("fem_lie", ours), ("MuJoCo", peer)):
-            found = run(positions, walls, given.steps)
-            print(f"{count} balls, box, {name}: {found}", flush=True)
+            if name == "MuJoCo" and given.drum:
+                continue
+            for when, row in zip(("first fifth", "last fifth"), run(pile, steps), strict=False):
+                print(f"{count} balls, {name}, {when}: {row}", flush=True)
 
 
 if __name__ == "__main__":

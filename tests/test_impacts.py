@@ -5,9 +5,17 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 import fem_lie as fl
-from fem_lie.contact.impact import cones
-from fem_lie.contact.impact.jacobian import empty_rows
-from fem_lie.contact.impact.sweeps import Cones, cones_of
+from fem_lie.contact.cones import solver
+from fem_lie.contact.cones.factors import (
+    add_block,
+    empty_factors,
+    factorise,
+    pattern_of,
+    set_identity,
+    solve_nodes,
+)
+from fem_lie.contact.cones.jacobian import empty_rows
+from fem_lie.contact.cones.sweeps import Cones, cones_of
 from fem_lie.contact.impact.velocities import time_of
 
 GRAVITY, RADIUS = 9.81, 0.1
@@ -302,7 +310,7 @@ def test_solutions_satisfy_coulombs_law(seed):
     # a motion that opens all contacts exists
     rows[::3, 2] = 3.0 + np.abs(rows[::3, 2])
     problem = problem_of(rows, rng.normal(size=(k, 3)) - [1.0, 0, 0], friction)
-    _, _, left = cones.solve(problem, k, 1e-12)
+    _, _, left = solver.solve(problem, k, 1e-12)
     assert left < 1e-10
     r, u = problem.r, problem.q + (rows @ problem.W[0]).reshape(k, 3)
     size, fast = np.abs(r).max(), np.abs(problem.q).max()
@@ -330,7 +338,7 @@ def test_many_contacts_without_friction_are_solved_as_exactly_as_few():
             rows.nodes[block + 1], rows.values[block + 1] = c - 1, -axes
     problem = cones_of(rows, rows, k)
     problem.q[0, 0] = -weight  # the others fall together
-    _, _, left = cones.solve(problem, k, 1e-9)
+    _, _, left = solver.solve(problem, k, 1e-9)
     assert left <= 1e-9
     np.testing.assert_allclose(problem.r[:, 0], weight * np.arange(k, 0, -1), rtol=1e-4)
 
@@ -481,3 +489,27 @@ def test_a_restart_agrees_to_the_last_bit(tmp_path, every):
         np.testing.assert_array_equal(getattr(loaded.contacts, name), values)
     with pytest.raises(ValueError, match="belongs to another scene"):
         scheme.resume(rolling_pile(0.5), file, progress=False)
+
+
+@pytest.mark.parametrize("n", [1, 7, 40])
+def test_sparse_factors_solve_what_dense_ones_do(n):
+    """Of a matrix of blocks of nodes in a random graph, with one node coupled to all others."""
+    random = np.random.default_rng(n)
+    pairs = [(i, j) for i in range(n) for j in range(n) if j == 0 or random.random() < 0.1]
+    pairs += [(j, i) for i, j in pairs]
+    nodes = [[j for k, j in pairs if k == i] for i in range(n)]
+    first = np.cumsum([0, *(len(each) for each in nodes)])
+    pattern = pattern_of(first, np.concatenate(nodes).astype(np.int64))
+    factors, dense = empty_factors(n, len(pattern.later)), np.eye(6 * n)
+    set_identity(factors)
+    for i, j in pairs:
+        left, right = 0.3 * random.standard_normal((2, 3, 6))
+        add_block(pattern, factors, pattern.position[i], pattern.position[j], left, right)
+        dense[6 * i : 6 * i + 6, 6 * j : 6 * j + 6] += left.T @ right
+    dense += 50 * np.eye(6 * n)
+    factors.diagonal[:] += 50 * np.eye(6)
+    factorise(pattern, factors, np.zeros(n, dtype=np.int64), np.zeros((6, 12)))
+    x = random.standard_normal((n, 6))
+    expected = np.linalg.solve(dense, x.ravel())
+    solve_nodes(pattern, factors, x, np.zeros((n, 6)), np.zeros((6, 12)))
+    np.testing.assert_allclose(x.ravel(), expected, rtol=1e-11, atol=1e-13)

@@ -86,7 +86,8 @@ MAY_IMPORT = {
     "contact.rings": {"contact.laws"},
     "contact.pairs": {"contact.rings", "contact.convex", "bodies.shells", "bodies.thin_shells"},
     "contact": {"contact.pairs"},
-    "contact.impact": {"contact"},
+    "contact.cones": {"lie"},
+    "contact.impact": {"contact", "contact.cones"},
     "pictures": {"bodies.beams"},
     "pictures.page": {"pictures"},
     "scene": {

@@ -6,14 +6,19 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
-from fem_lie.contact.impact.jacobian import add_response, along
+from fem_lie.contact.cones.gaps import Gaps, separate
+from fem_lie.contact.cones.jacobian import add_response, along
+from fem_lie.contact.cones.sweeps import MOST_NEWTON
 from fem_lie.contact.impact.records import CLOSED, Masses, Touch, Work
 from fem_lie.contact.impact.rows import axis_of, point_of, set_response, set_rows
-from fem_lie.contact.impact.sweeps import MOST_NEWTON
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import move
 
 _GROUP = int(Group.R3xSO3)
+
+PLACES, SWEEPS, _NEWTON = 20, 200, 40
+"""Largest number of iterations; of sweeps in each; and of Newton's method where sweeps over many
+contacts are too slow, because more contacts bear a body than are needed."""
 
 _SLOW = 3
 """Iteration from which sweeps over few contacts are accelerated like those over many: two nearly
@@ -130,7 +135,7 @@ def _separate(
             set_response(masses, rows.nodes[block], rows.values[block], responses.values[block])
             for j in range(6):
                 w.own[i] += rows.values[block, 0, j] * responses.values[block, 0, j]
-    weight = 1.0
+    weight, worst = 1.0, np.inf
     if ahead:
         _go_on(w, k, 0.0)
     for left in range(sweeps - 1, -1, -1):
@@ -142,6 +147,9 @@ def _separate(
             later = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * weight * weight))
             _go_on(w, k, (weight - 1.0) / later)
             weight = later
+    if k > MOST_NEWTON and sweeps == SWEEPS and not worst < enough:
+        gaps = Gaps(rows, responses, w.own, w.near, w.separation, w.nu, touch.closed, w.moved)
+        separate(gaps, k, enough, _NEWTON)
     moved(H, w.moved, 1.0, H)
 
 

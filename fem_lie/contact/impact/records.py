@@ -8,8 +8,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit.records import Records, record_type
-from fem_lie.contact.impact.jacobian import BlockRows, empty_rows
-from fem_lie.contact.impact.sweeps import Cones, cones_of
+from fem_lie.contact.cones.jacobian import BlockRows, empty_rows
+from fem_lie.contact.cones.sweeps import Cones, cones_of
 from fem_lie.contact.sides.table import Side
 
 CLOSED = 1e-9

@@ -21,16 +21,16 @@ from __future__ import annotations
 from fem_lie._arrays import Array
 from fem_lie._jit import uncounted
 from fem_lie._jit.records import Record
-from fem_lie.contact.impact import cones
-from fem_lie.contact.impact.jacobian import along
-from fem_lie.contact.impact.positions import aim, moved, resolve_positions
+from fem_lie.contact.cones import solver
+from fem_lie.contact.cones.jacobian import along
+from fem_lie.contact.cones.sweeps import MOST_NEWTON
+from fem_lie.contact.impact.positions import PLACES, SWEEPS, aim, moved, resolve_positions
 from fem_lie.contact.impact.records import (
     Masses,
     Touch,
     Work,
 )
 from fem_lie.contact.impact.rows import point_of
-from fem_lie.contact.impact.sweeps import MOST_NEWTON
 from fem_lie.contact.impact.touching import energy, note_ground, note_works
 from fem_lie.contact.impact.velocities import choose, join, set_cones
 
@@ -38,11 +38,9 @@ _PASSES, _MOST, _GROWING, _GUARDS = 2, 40, 6, 6
 """Passes; most of them; passes in which contacts may become active; reductions of restitution."""
 
 _ROUGH, _ROUGHER = 1e-4, 1e-3
-"""Residual of the cones in the first pass, which only provides rows, and, for many contacts, in all
-passes until no contact becomes active; positions have a low accuracy there, too."""
-
-_PLACES, _SWEEPS = 20, 200
-"""Largest number of position iterations, and of sweeps in each."""
+"""Residual of the cones in the first pass, which only provides rows, with few and many contacts;
+positions have a low accuracy there, too. With many contacts a second pass, to the first of these
+residuals, separates bodies: otherwise contacts would become active after cones have been solved."""
 
 
 @uncounted
@@ -68,7 +66,7 @@ def _pass(
 ) -> bool:
     """One pass from the end without contacts to ``H``, ``v``; whether a contact became active."""
     k = set_cones(h, touch, masses, w, factor)
-    sweeps, _, report.residual = cones.solve(w.cones, k, tolerance)
+    sweeps, _, report.residual = solver.solve(w.cones, k, tolerance)
     report.contacts, report.sweeps = k, report.sweeps + sweeps
     for body in range(v.shape[0]):
         for j in range(6):
@@ -123,7 +121,7 @@ def resolve(
         H: Frames at the end without contacts, shape (n, 4, 3), updated.
         v: Velocities at the end without contacts, shape (n, 6), updated.
         w: Workspace; gaps and impulses are kept from step to step.
-        tolerance: Tolerance of :func:`~fem_lie.contact.impact.sweeps.residual`.
+        tolerance: Tolerance of :func:`~fem_lie.contact.cones.sweeps.residual`.
         report: Of type :data:`~fem_lie.contact.impact.records.STEP_REPORT`, zero, overwritten.
     """
     overlaps, m = False, touch.pairs.shape[0]
@@ -168,22 +166,24 @@ def _guarded(
     factor, least, most, below, above = 1.0, -1.0, 1.0, 0.0, 0.0
     passes, tries, last = 0, 0, False
     many = w.many[0] > MOST_NEWTON
-    few = 30 if many else 3
+    few, needed = (30, _PASSES + 1) if many else (3, _PASSES)
     for attempt in range(_MOST):
         grows = attempt < _GROWING
         rough = (
             passes == 0 if many else attempt == 0
         )  # the contacts of a pile become active one pass after the other
-        limits = (1, few, grows) if rough else (_PLACES, _SWEEPS, grows)
+        limits = (1, few, grows) if rough else (PLACES, SWEEPS, grows)
         wanted = tolerance
         if rough:
             wanted = _ROUGHER if many else _ROUGH
+        elif passes + 1 < needed:
+            wanted = _ROUGH
         grew = _pass(h, touch, masses, H, v, w, factor, wanted, report, limits)
         _copy_frames(H, w.H[1])
         if grew:
             continue
         passes += 1
-        if passes < _PASSES:
+        if passes < needed:
             continue
         if last or _kick(touch, w) <= 1e-2 * _fall(w, int(report.contacts)):
             return

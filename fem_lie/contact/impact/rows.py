@@ -6,10 +6,10 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined_uncounted, uncounted
+from fem_lie.contact.cones.jacobian import BlockRows
 from fem_lie.contact.convex.manifold import set_manifolds
 from fem_lie.contact.convex.passage import first_passed
 from fem_lie.contact.convex.table import Polyhedra
-from fem_lie.contact.impact.jacobian import BlockRows
 from fem_lie.contact.impact.records import Masses, Touch
 from fem_lie.contact.sides.kinematics import (
     SLOTS,

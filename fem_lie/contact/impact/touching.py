@@ -10,9 +10,10 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
 from fem_lie._jit.records import Record
 from fem_lie.bodies.body import Body
+from fem_lie.contact.cones.jacobian import along
+from fem_lie.contact.cones.sweeps import Dense, Past
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.convex.table import polyhedra_of
-from fem_lie.contact.impact.jacobian import along
 from fem_lie.contact.impact.records import (
     CLOSED,
     Masses,
@@ -27,7 +28,6 @@ from fem_lie.contact.impact.rows import (
     set_centres,
     set_gaps,
 )
-from fem_lie.contact.impact.sweeps import Dense, Past
 from fem_lie.contact.sides.kinematics import touched
 from fem_lie.contact.sides.pairs import NearPairs, SlotPairs
 from fem_lie.contact.sides.passage import Passage

@@ -6,10 +6,10 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags
 from fem_lie._jit import inlined_uncounted, uncounted
-from fem_lie.contact.impact.jacobian import along
+from fem_lie.contact.cones.jacobian import along
+from fem_lie.contact.cones.sweeps import MOST_NEWTON
 from fem_lie.contact.impact.records import Masses, Touch, Work
 from fem_lie.contact.impact.rows import axis_of, set_response, set_rows
-from fem_lie.contact.impact.sweeps import MOST_NEWTON
 from fem_lie.lie.tuples import dot, load
 
 _TINY = 1e-6

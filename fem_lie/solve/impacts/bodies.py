@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie.contact.cones.jacobian import BlockRows, empty_rows, twist_rates
 from fem_lie.contact.contact import Contact
-from fem_lie.contact.impact.jacobian import BlockRows, empty_rows, twist_rates
 from fem_lie.contact.impact.rows import append_rows, set_gaps
 from fem_lie.contact.impact.touching import Touching
 from fem_lie.contact.sides.table import on_masters

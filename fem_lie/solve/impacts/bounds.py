@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.contact.impact.jacobian import BlockRows
+from fem_lie.contact.cones.jacobian import BlockRows
 from fem_lie.contact.impact.velocities import set_bounds
 from fem_lie.solve.impacts.delassus import Delassus
 

@@ -28,8 +28,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._state import Stateful, attributes
+from fem_lie.contact.cones.jacobian import BlockRows
 from fem_lie.contact.contact import Contact
-from fem_lie.contact.impact.jacobian import BlockRows
 from fem_lie.contact.impact.records import (
     LARGEST,
     STEP_REPORT,

@@ -16,12 +16,12 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from fem_lie._arrays import Array, Flags, Indices
-from fem_lie.contact.impact.jacobian import (
+from fem_lie.contact.cones.jacobian import (
     BlockRows,
     add_local_forces,
     take_local_velocities,
 )
-from fem_lie.contact.impact.sweeps import Cones, begin, cones_of, workspaces_of
+from fem_lie.contact.cones.sweeps import Cones, begin, cones_of, workspaces_of
 from fem_lie.linear.saddle_point import KKT
 
 _YIELD = 1e-10

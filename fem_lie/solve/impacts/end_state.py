@@ -9,11 +9,11 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit.records import Record
+from fem_lie.contact.cones import solver
+from fem_lie.contact.cones.jacobian import BlockRows, slides
+from fem_lie.contact.cones.sweeps import MOST_NEWTON, products
 from fem_lie.contact.contact import Contact
-from fem_lie.contact.impact import cones
-from fem_lie.contact.impact.jacobian import BlockRows, slides
 from fem_lie.contact.impact.records import STEP_REPORT
-from fem_lie.contact.impact.sweeps import MOST_NEWTON, products
 from fem_lie.lie.node_types import all_from_local, all_to_group
 from fem_lie.solve.impacts.bodies import CoupledBodies, to_twists
 from fem_lie.solve.impacts.bounds import Chosen, bounds_of
@@ -136,7 +136,7 @@ class CoupledPositions(CoupledBodies):
                 problem.q[:] += self._rates_of(B, end, more)
             problem.r[:], problem.least[0] = r, _SMALL * self._length
             tolerance = TOLERANCE if iteration else _ROUGH
-            more_sweeps, _, residual = cones.solve(problem, k, tolerance)
+            more_sweeps, _, residual = solver.solve(problem, k, tolerance)
             left = residual if not many or iteration < _WITH_FRICTION else left
             sweeps, r, here = sweeps + more_sweeps, problem.r, d
             last, d = r.copy(), responses.moved(r + held) + joints
@@ -238,7 +238,7 @@ class CoupledVelocities(CoupledPositions):
         problem.q[opens, 0] = np.maximum(problem.q[opens, 0], 0.0) + 1e3 * np.abs(u).max()
         problem.r[:], problem.least[0] = impulses, _TINY * float(np.abs(V).max())
         workspace = np.empty((k, 3)), np.empty((k, 3))
-        sweeps, residual = cones.solve_exactly(problem, k, TOLERANCE, workspace)
+        sweeps, residual = solver.solve_exactly(problem, k, TOLERANCE, workspace)
         self.statistics.sweeps += sweeps
         self.statistics.residual = max(self.statistics.residual, residual)
         P, change = problem.r, problem.r - given

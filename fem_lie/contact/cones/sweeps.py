@@ -8,7 +8,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined_uncounted, uncounted
-from fem_lie.contact.impact.jacobian import BlockRows, add_responses, along_all, rates
+from fem_lie.contact.cones.jacobian import BlockRows, add_responses, along_all, rates
 from fem_lie.lie.tuples import Vector
 
 

@@ -3,11 +3,13 @@
 This is De Saxcé's form of the exact law: a sliding contact does not separate. For few contacts,
 nonlinear Gauss-Seidel sweeps solve one contact after the other exactly (Jean & Moreau 1992), and
 alternate with Newton's method on the function of Alart & Curnier, CMAME 92 (1991) 353. For many
-contacts, which need not be solved as accurately, the sweeps project impulses on the cones. Every
-fifth sweep is followed by Anderson mixing: a least-squares extrapolation from the last ten sweeps
-(in alternation as by Pratapa, Suryanarayana & Pask, J. Comput. Phys. 306 (2016) 43). Where that
-does not converge, the sweeps use Nesterov's acceleration with restarts (O'Donoghue & Candès, Found.
-Comput. Math. 15 (2015) 715). Components are along the normal, then along two tangents.
+contacts, the sweeps project impulses on the cones. Every fifth sweep is followed by Anderson
+mixing: a least-squares extrapolation from the last ten sweeps (in alternation as by Pratapa,
+Suryanarayana & Pask, J. Comput. Phys. 306 (2016) 43). Where that does not converge, the sweeps use
+Nesterov's acceleration with restarts (O'Donoghue & Candès, Found. Comput. Math. 15 (2015) 715).
+Contacts that neither slide nor open are then solved to round-off by Newton's method with sparse
+factors; others need not be solved as accurately. Components are along the normal, then along two
+tangents.
 
 Velocities of nodes change by ``W = M⁻¹ B̄ᵀ r``. Only ``W`` is summed, so the cost of a sweep per
 contact is proportional to the number of blocks in its rows and in those of ``M⁻¹ B̄ᵀ``, independent
@@ -20,9 +22,10 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined_uncounted, uncounted
-from fem_lie.contact.impact.jacobian import add_responses
-from fem_lie.contact.impact.newton import eliminate, newton, proximal
-from fem_lie.contact.impact.sweeps import (
+from fem_lie.contact.cones.jacobian import add_responses
+from fem_lie.contact.cones.newton import eliminate, newton, proximal
+from fem_lie.contact.cones.sparse_newton import newton as sparse_newton
+from fem_lie.contact.cones.sweeps import (
     MOST_NEWTON,
     PAST,
     Cones,
@@ -43,14 +46,22 @@ friction."""
 _ENOUGH = 1e-9
 """Residual that is sufficient if it did not decrease in the first sweeps."""
 
-_LONGEST, _TURN, _LOOK, _EVERY, _WORSE, _LESS = 9_000, 200, 5, 5, 4.0, 0.9
+_LONGEST, _TURN, _LOOK, _EVERY, _WORSE = 30_000, 100, 5, 5, 4.0
 """Approximate largest number of sweeps for many contacts; sweeps in the first round; sweeps between
 evaluations of the residual; sweeps between extrapolations; ratio of the squared change of a sweep
-to the least one above which stored sweeps are discarded; largest extrapolation factor in the last
-method."""
+to the least one above which stored sweeps are discarded."""
+
+_MOMENTA = 0.93, 0.9
+"""Largest factors of Nesterov's extrapolation: with friction, changes of impulses may oscillate,
+and larger factors amplify that."""
 
 _RIDGE = 1e-12
 """Regularisation of the least-squares problem, relative to the largest diagonal entry."""
+
+_AT_REST, _EXACT, _ROUNDS, _PATIENCE = 1e-2, 1e-12, 50, 25
+"""Velocity below which contacts are at rest, relative to that due to the largest impulse; residual
+that suffices for them; largest number of iterations of Newton's method to reach it, and of those
+without success."""
 
 _PROXIMAL = 5
 """Largest number of proximal steps."""
@@ -228,19 +239,44 @@ def _nesterov(
 @uncounted
 def _alternate(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
     """Alternate between all methods: with friction, each of them cycles in some problems."""
-    sweeps, most = 0, _TURN
-    while True:
-        more, reached = _anderson(problem, k, tolerance, most)
-        sweeps += more
+    sweeps, most, reached = 0, _TURN, np.inf
+    while reached > tolerance and sweeps < _LONGEST:
+        for momentum in _MOMENTA:
+            if reached > tolerance:
+                more, reached = _nesterov(problem, k, tolerance, 4 * most, momentum)
+                sweeps += more
         if reached > tolerance:
-            more, reached = _nesterov(problem, k, tolerance, 2 * most, 1.0)
-            sweeps += more
-        if reached > tolerance:
-            more, reached = _nesterov(problem, k, tolerance, 4 * most, _LESS)
+            more, reached = _anderson(problem, k, tolerance, most)
             sweeps += more
         most *= 2
-        if reached <= tolerance or sweeps >= _LONGEST:
-            return sweeps, reached
+    return sweeps, reached
+
+
+@uncounted
+def _rests(problem: Cones, k: int) -> bool:
+    """Whether no contact slides or opens."""
+    fastest, largest = 0.0, 0.0
+    for c in range(k):
+        u, own = velocity(problem, c), problem.own[c]
+        response = (own[0, 0] + own[1, 1] + own[2, 2]) / 3.0
+        size = abs(u[0]) + abs(u[1]) + abs(u[2])
+        fastest = max(fastest, size / response)
+        largest = max(largest, problem.r[c, 0])
+    return fastest <= _AT_REST * largest
+
+
+@uncounted
+def _many(problem: Cones, k: int, tolerance: float) -> tuple[int, int, float]:
+    """Sweeps over many contacts, and Newton's method for those at rest; see :func:`solve`."""
+    enough, iterations = max(tolerance, _MANY if _has_friction(problem, k) else _ENOUGH), 0
+    sweeps, reached = _anderson(problem, k, enough, _TURN)
+    if _rests(problem, k):
+        exact = max(tolerance, _EXACT)
+        iterations, reached = sparse_newton(problem, k, exact, _ROUNDS, _PATIENCE)
+    if reached > enough:
+        more, reached = _alternate(problem, k, enough)
+        sweeps += more
+    return sweeps, iterations, reached
 
 
 @inlined_uncounted
@@ -266,9 +302,7 @@ def solve(problem: Cones, k: int, tolerance: float) -> tuple[int, int, float]:
     """
     begin(problem, k)
     if k > MOST_NEWTON:
-        enough = max(tolerance, _MANY if _has_friction(problem, k) else _ENOUGH)
-        sweeps, reached = _alternate(problem, k, enough)
-        return sweeps, 0, reached
+        return _many(problem, k, tolerance)
     sweeps, iterations, reached = 0, 0, np.inf
     enough = max(tolerance, _ENOUGH)
     for first in (True, False):

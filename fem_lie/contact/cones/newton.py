@@ -6,8 +6,8 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import uncounted
-from fem_lie.contact.impact.jacobian import add_response, along_all
-from fem_lie.contact.impact.sweeps import Cones, change, residual
+from fem_lie.contact.cones.jacobian import add_response, along_all
+from fem_lie.contact.cones.sweeps import Cones, change, residual
 
 _ITERATIONS, _HALVES = 10, 12
 """Largest number of iterations, and of halvings of the step in one of them."""
@@ -164,7 +164,7 @@ def newton(problem: Cones, k: int, tolerance: float) -> int:
     Args:
         problem: Impulses and velocities are updated; the initial impulses are ``kept`` in the
             workspace.
-        k: Number of contacts, at most :data:`~fem_lie.contact.impact.sweeps.MOST_NEWTON`.
+        k: Number of contacts, at most :data:`~fem_lie.contact.cones.sweeps.MOST_NEWTON`.
         tolerance: Tolerance of the residual.
     """
     _begin(problem, k)
@@ -202,7 +202,7 @@ def proximal(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
 
     Args:
         problem: Impulses and velocities are updated to those of the least residual.
-        k: Number of contacts, at most :data:`~fem_lie.contact.impact.sweeps.MOST_NEWTON`.
+        k: Number of contacts, at most :data:`~fem_lie.contact.cones.sweeps.MOST_NEWTON`.
         tolerance: Tolerance of the residual.
 
     Returns:

@@ -1,0 +1,1 @@
+"""Coulomb cones of contacts: Jacobian, sweeps, Newton's methods, compiled."""
