@@ -108,6 +108,14 @@ def test_rolling_disc():
     assert fine["violation"] < 1e-8
 
 
+def test_squeezer():
+    """Reference of the test set for initial value problem solvers, to a billionth."""
+    record = main("squeezer")
+    first, second, third, best = record["errors"]
+    assert 3.95 < first / second < 4.05 and 3.95 < second / third < 4.05
+    assert best < 1e-9
+
+
 def test_slider_crank_friction():
     """Friction changes its sign at three reversals; the error is of second order in the step."""
     coarse, fine = (main("slider_crank_friction", step=step) for step in (2e-3, 1e-3))
