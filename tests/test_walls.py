@@ -28,7 +28,7 @@ def test_a_struck_wall_gains_no_energy():
     assert result.contacts.penetration.max() < 1e-9
 
 
-def test_a_pile_reaches_its_residual_in_all_steps():
+def test_a_small_pile_reaches_its_residual_in_all_steps():
     result = fl.GeneralisedAlpha(radius=0.8).run(
         scene_of(at_rest(80)), duration=0.6, step=2e-3, save_every=300, progress=False
     )
