@@ -8,8 +8,10 @@ if TYPE_CHECKING:
     from fem_lie.results.mode_shapes import BucklingModes
     from fem_lie.results.path import CriticalPoint, CriticalPointType, EquilibriumPath, PathState
     from fem_lie.results.vibrations.campbell import CampbellDiagram
+    from fem_lie.results.vibrations.flutter import Instability, StabilityLimit
     from fem_lie.results.vibrations.modes import Modes
     from fem_lie.solve.small_motions.campbell import campbell
+    from fem_lie.solve.small_motions.flutter import flutter
     from fem_lie.solve.small_motions.unbalance import Unbalance, unbalance_response
     from fem_lie.solve.stability.branches import switch_branch
     from fem_lie.solve.stability.imperfections import (
@@ -41,6 +43,7 @@ __all__ = [
     "EquilibriumPath",
     "FieldImperfection",
     "Imperfection",
+    "Instability",
     "LoadControl",
     "ModeImperfection",
     "Modes",
@@ -48,10 +51,12 @@ __all__ = [
     "PathOptions",
     "PathState",
     "RandomImperfection",
+    "StabilityLimit",
     "Unbalance",
     "UnstableEquilibriumWarning",
     "apply_imperfections",
     "campbell",
+    "flutter",
     "switch_branch",
     "unbalance_response",
 ]

@@ -297,6 +297,15 @@ def test_frequency_response():
     assert max(record["errors_in_time"].values()) <= 5e-4
 
 
+def test_flutter():
+    """Literature, a transfer matrix, and Greenhill's column by linear buckling."""
+    record = main("flutter", cells=8)
+    for name in ("beck", "leipholz", "torque"):
+        assert record[name]["kind"] == "flutter"
+        assert record[name]["error"] <= 1e-3
+    assert record["greenhill_error"] <= 1e-4
+
+
 def test_whirl():
     """Transfer matrix of the shaft with its mass; four cells resolve the second mode to 1e-5."""
     record = main("whirl", cells="4,16,64")

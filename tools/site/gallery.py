@@ -36,7 +36,7 @@ GROUPS = {
     "Solids": "cooks_membrane solid_hub",
     "Buckling and snapping": (
         "euler_column deep_arch hinged_roof lateral_torsional spherical_cap bistable_strip "
-        "thin_cylinder compressed_cylinder folding_sheet"
+        "thin_cylinder compressed_cylinder folding_sheet flutter"
     ),
     "Mechanisms": (
         "four_bar double_four_bar bricard governor slider_crank truss_deployment "

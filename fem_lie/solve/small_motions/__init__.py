@@ -1,1 +1,1 @@
-"""Analyses by the linearised equations of motion: frequency response, whirl of rotors."""
+"""Analyses by the linearised equations of motion: frequency response, whirl of rotors, flutter."""

@@ -250,8 +250,8 @@ def check_potential(
             "linear buckling expects loads that have a potential among the free motions, got an "
             f"unsymmetric load stiffness, {max(of_all, *parts):.1e} of the symmetric one (follower "
             "forces, or moments about fixed axes): its load factors would be wrong. Follow "
-            "the path by fl.follow_path, which finds divergence by the determinant, and look for "
-            "flutter by fl.vibrations(scene, at=fl.statics(scene)) at increasing loads"
+            "the path by fl.follow_path, which finds divergence by the determinant, or find "
+            "the load of flutter or divergence by fl.stability.flutter"
         )
 
 
