@@ -37,9 +37,9 @@ def mechanism() -> tuple[fl.Scene, fl.joints.Revolute]:
     rail = scene.add(fl.joints.Prismatic(ground, centre, axis=(1, 0, 0)))
     rod = scene.add(fl.joints.Distance(crank.point(CRANK_END), centre))
     scene.add(fl.joints.Drive(rod.length))
-    rub = scene.add(fl.PointLoad(centre, force=(-FRICTION, 0, 0)))
+    friction = scene.add(fl.PointLoad(centre, force=(-FRICTION, 0, 0)))
     for sign in (1, -1):
-        turned = fl.schemes.Scale(rub, sign)
+        turned = fl.schemes.Scale(friction, sign)
         scene.add(fl.schemes.Event(lambda s: s.rate(rail), turned, direction=sign, repeated=True))
     return scene, hinge
 
