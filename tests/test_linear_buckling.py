@@ -333,7 +333,7 @@ WITHOUT = {
 @pytest.mark.parametrize("name", WITHOUT)
 def test_loads_without_a_potential_are_refused(name):
     """The symmetric part of their stiffness is critical where nothing happens."""
-    what = r"potential.*follow_path.*vibrations\(scene, at="
+    what = r"potential.*follow_path.*fl\.stability\.flutter"
     with pytest.raises(ValueError, match=what) as caught:
         fl.buckling(WITHOUT[name](), 1)
     assert "unsymmetric load stiffness" in str(caught.value)

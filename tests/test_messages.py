@@ -16,8 +16,10 @@ NAMES = re.compile(
     r"|\b([a-z]+(?:_[a-z]+)+)\b"  # like a function or an argument
     r"|\b([A-Z][a-z]+[A-Z]\w+)\b"  # like a class
 )
-OF_OTHERS = {"Constant", "DefineConstant", "Measure", "SuperLU", "as_vector", "function_space"}
-"""Names of DOLFINx, gmsh, UFL and SciPy."""
+OF_OTHERS = {"Constant", "DefineConstant", "Measure", "SuperLU", "as_vector", "function_space"} | {
+    "divided_from"
+}
+"""Names of DOLFINx, gmsh, UFL and SciPy; an option for PETSc's database."""
 
 
 def messages(tree):
