@@ -5,6 +5,8 @@ import logging
 import sys
 import warnings
 from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -345,7 +347,21 @@ VIBRATIONS = {
 }
 """Scenes, numbers of modes and arguments of vibrations."""
 
-BUCKLING = {"column": column, "panel": panel}
+
+def loaded_head():
+    """A strut that carries a rigid head, whose stiffness matrix has no diagonal."""
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.rectangle(0.02, 0.03, STEEL), cells=8)
+    head = fl.RigidBody(1.0, np.eye(3), (1, 0, 0))
+    scene = fl.Scene()
+    scene.add(beam)
+    scene.add(head)
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.joints.Fixed(beam.point("end"), head.point("centre")))
+    scene.add(fl.PointLoad(head.point("centre"), force=(-1e4, 0, 0)))
+    return scene, [beam.point("end"), head.point("centre")]
+
+
+BUCKLING = {"column": column, "panel": panel, "loaded head": loaded_head}
 """Scenes that buckle."""
 
 PATHS = {
@@ -514,6 +530,26 @@ def is_refused(solve, build, reason):
     return np.array(False)
 
 
+def fails_on_all():
+    """Whether all ranks get an error of a load that one of them has, and end their run."""
+    scene, points = cantilever()
+
+    def push(t):
+        if t > 5e-3:
+            raise ArithmeticError("no push is known here")
+        return t
+
+    scene.add(fl.PointLoad(points[0], force=(0, 0, 1.0), history=push))
+    with TemporaryDirectory() as folder:
+        file = Path(MPI.COMM_WORLD.bcast(folder)) / "run.h5"
+        try:
+            fl.GeneralisedAlpha().run(scene, duration=1e-2, step=1e-3, file=file, progress=False)
+        except ArithmeticError as error:
+            MPI.COMM_WORLD.barrier()
+            return np.array("no push is known here" in str(error))
+    return np.array(False)
+
+
 def fast(scene):
     """Steps that are too large for surfaces to stay on their sides."""
     return fl.GeneralisedAlpha().run(scene, duration=0.02, step=2e-3, progress=False)
@@ -524,6 +560,7 @@ def results():
     found = {}
     for name, (build, reason) in REFUSED.items():
         found[f"{name} is refused"] = is_refused(fl.statics, build, reason)
+    found["a load fails on all ranks"] = fails_on_all()
     found["fast balls are refused"] = is_refused(fast, passing_balls, "passed through the other")
     for name, build in REST.items():
         found |= {f"{name} at rest, {what}": value for what, value in statics(build).items()}

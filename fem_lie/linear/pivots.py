@@ -20,7 +20,7 @@ import scipy.sparse as sp
 
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.packages import NEGATIVE, lacks_memory
-from fem_lie.ranks.divided_matrix import DividedMatrix
+from fem_lie.ranks.divided_matrix import DividedMatrix, with_diagonal
 from fem_lie.ranks.shared_nodes import SharedNodes
 
 _NULL, _DETERMINANT = 24, 33  # MUMPS: ICNTL to look for null pivots, and for the determinant
@@ -55,7 +55,7 @@ def negative_determinant(A: sp.csr_matrix, shared: SharedNodes | None = None) ->
 
 def _factors(A: sp.csr_matrix, kind: str, option: int, shared: SharedNodes | None) -> PETSc.Mat:
     """MUMPS' factors with an option switched on."""
-    A.sort_indices()
+    A = with_diagonal(A)
     csr = A.indptr.astype(PETSc.IntType), A.indices.astype(PETSc.IntType), A.data
     shared = SharedNodes.alone(0) if shared is None else shared
     matrix = DividedMatrix((A.data, csr[1], csr[0]), shared).matrix

@@ -8,9 +8,24 @@ from petsc4py import PETSc
 
 import numpy as np
 import numpy.typing as npt
+import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.ranks.shared_nodes import SharedNodes
+
+
+def with_diagonal(A: sp.csr_matrix) -> sp.csr_matrix:
+    """A copy of a square matrix in which each row has an entry on the diagonal, even if it is zero.
+
+    PETSc passes symmetric matrices of several ranks to MUMPS from the diagonal of each row on, and
+    loses rows that have none.
+    """
+    entries, every = A.tocoo(), np.arange(A.shape[0])
+    rows, columns = np.append(entries.row, every), np.append(entries.col, every)
+    values = np.append(entries.data, np.zeros(len(every)))
+    found = sp.csr_matrix((values, (rows, columns)), shape=A.shape)
+    found.sort_indices()
+    return found
 
 
 class DividedMatrix:

@@ -63,6 +63,20 @@ def meet(place: str, numbers: Array | None = None) -> None:
         )
 
 
+ARRIVAL = 10.0
+"""Seconds that a rank with an error waits for others, which may wait for it elsewhere."""
+
+
+def all_arrive(comm: MPI.Intracomm) -> bool:
+    """Whether all ranks come here, soon; without an answer from a rank that waits elsewhere."""
+    request, until = comm.Ibarrier(), time.monotonic() + ARRIVAL
+    while not request.Test():
+        if time.monotonic() > until:
+            return False
+        time.sleep(1e-3)
+    return True
+
+
 def from_first(work: str, error: OSError | None) -> None:
     """Raise an error of the first rank on all ranks.
 

@@ -68,6 +68,7 @@ class System:
             2); others have no dimension.
         length: Largest distance of two nodes, or size of a body: the length scale of tolerances.
         shared: Nodes that other ranks have, too.
+        prescribes: Whether loads, motions or drives of any rank depend on time.
     """
 
     def __init__(
@@ -132,6 +133,7 @@ class System:
         self.load_cases = LoadCases(scene, self.numbering, weight)
         moves = bool(scene.motions) or self.connections.driven
         self.time_dependent = self.load_cases.time_dependent or moves
+        self.prescribes = self.shared.any(self.time_dependent)
         numbering, loads = self.numbering, self.load_cases.terms
         between = scene.contacts, self.connections.sets
         self.terms = terms_of(numbering, loads, *between, damping, self.kinds, moving=dynamics)

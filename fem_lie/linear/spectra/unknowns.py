@@ -17,7 +17,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.ranks.divided_matrix import DividedMatrix
+from fem_lie.ranks.divided_matrix import DividedMatrix, with_diagonal
 from fem_lie.ranks.shared_nodes import SharedNodes
 
 Numbers = TypeVar("Numbers", bound=npt.NDArray[Any])
@@ -159,9 +159,7 @@ class OnRanks:
             rows: Numbers of its rows among six of each node and the multipliers.
             unknowns: Those without multipliers, shape (n,).
         """
-        # a direct solver needs a diagonal, even if it is zero
-        A = (A + sp.diags(np.full(A.shape[0], 0.0), format="csr")).tocsr()
-        A.sort_indices()
+        A = with_diagonal(A)
         csr = A.data, A.indices.astype(PETSc.IntType), A.indptr.astype(PETSc.IntType)
         self._sum = DividedMatrix(csr, shared, rows)
         self._unknowns = unknowns

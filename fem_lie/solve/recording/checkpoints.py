@@ -130,6 +130,10 @@ class Checkpoints:
         self.row, self.seconds = int(kept["row"]), float(kept["seconds"])
         self.state, self._at = kept, float(ends[-1])
 
+    def reachable(self) -> bool:
+        """Whether rows can be written after an error."""
+        return True
+
     def open(self, info: SceneInfo, shapes: Mapping[str, tuple[int, ...]], rows: int) -> None:
         """Create the file, with space for rows of these shapes, if it is a new run.
 

@@ -20,7 +20,7 @@ from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.parts.part_scene import undivided
 from fem_lie.ranks.files import read_together, write_once
-from fem_lie.ranks.together import several
+from fem_lie.ranks.together import all_arrive, several
 from fem_lie.results.files.storage import ResultRows
 from fem_lie.results.gathering import Gathering
 from fem_lie.results.record import ContactSteps, StepHistory, row_shapes
@@ -102,6 +102,10 @@ class PartsFile(Checkpoints):
         self.info = whole_info
         size = 8 * sum(prod(shape) for shape in shapes.values())
         self._at_once = max(1, _BYTES // size)
+
+    def reachable(self) -> bool:
+        """Whether all ranks have the error, and write their rows together."""
+        return all_arrive(self._gathering.part.comm)
 
     def rows_at_once(self, rows: int) -> int:
         """The smallest number of rows that any rank has memory for."""

@@ -71,7 +71,7 @@ class History(Window):
     ) -> None:
         """Close the bar and leave it visible."""
         self._bar.close()
-        self.close()
+        self.close(kind is not None)
 
     def wants(self, index: int) -> bool:
         """Whether the state after step ``index`` is to be recorded; if so, a row is reserved.

@@ -186,9 +186,14 @@ class Window:
             self._broken = False
         self._gone += count
 
-    def close(self) -> None:
-        """Pass on the remaining rows, if that is still possible."""
-        if self._passes and not self._broken:
+    def close(self, error: bool) -> None:
+        """Pass on the remaining rows, if that is still possible.
+
+        Args:
+            error: Whether an error ended the run, which not all ranks may have.
+        """
+        reachable = self._store is None or not error or self._store.reachable()
+        if self._passes and not self._broken and reachable:
             self._pass_on(last=False)
 
     def collected(self) -> dict[str, Array]:

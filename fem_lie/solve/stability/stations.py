@@ -59,8 +59,7 @@ def own_station(walker: Walker, station: Station) -> Station:
         if part is not None:
             raise ValueError(
                 "expected a state of a path of the scene on several ranks, got one of one rank: "
-                f"start there on one rank, or with PETSc's option divided_from above "
-                f"{equations.unknowns.total} nodes"
+                "start there on one rank, or leave the scene undivided by PETSc's options"
             )
         nodes = len(model.positions())
         if len(station.positions) != nodes:

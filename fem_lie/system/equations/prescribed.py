@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from functools import cached_property
 from math import ceil
 from typing import TypeAlias
@@ -118,8 +119,11 @@ class Prescribed:
         Raises:
             ValueError: A history, motion or drive is not finite.
         """
-        self._system.connections.preload(self._system.nodal_data.start_frames, preload)
-        self._system.set_time(self._time, factor)
+        system = self._system
+        system.connections.preload(system.nodal_data.start_frames, preload)
+        # a function of the user may fail on the rank that has its load
+        with system.shared.errors(Exception) if system.prescribes else nullcontext():
+            system.set_time(self._time, factor)
 
     def loads(self, H: Array) -> Array:
         """Loads at frames ``H`` in the unknowns of the nodes, (6 n,); they act from now on.

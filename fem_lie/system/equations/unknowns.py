@@ -136,7 +136,7 @@ class Unknowns(NamedTuple):
             rigid=shared.all(not numbering.assemblies),
             time_dependent=shared.any(system.time_dependent or connections.laws_depend_on_time),
             has_laws=shared.any(connections.has_laws),
-            prescribes=shared.any(system.time_dependent),
+            prescribes=system.prescribes,
             laws_without_potential=shared.any(connections.laws_depend_on_time),
             driven=shared.any(connections.driven),
             strains_change=shared.any(system.load_cases.strains_change),
