@@ -23,7 +23,7 @@ History = Callable[[float], float]
 
 
 class LostBranchError(ArithmeticError):
-    """A joint rotates so far in one step that its angle or its axes are ambiguous."""
+    """A joint moves so far in one step that its angle or axes are ambiguous, or off its beam."""
 
 
 NO_ANGLE = np.zeros((2, 12))

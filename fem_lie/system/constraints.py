@@ -336,7 +336,8 @@ class Connections:
         """Update history variables at an accepted state: angles, arc lengths on beams.
 
         Raises:
-            ValueError: Something slid off its beam.
+            LostBranchError: A bushing is rotated by almost half a turn, or something slid off its
+                beam.
         """
         for each in self.sets:
             each.accept(H)

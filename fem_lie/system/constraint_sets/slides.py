@@ -8,7 +8,7 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie.joints.connection import SlidingConstraintDefinition
+from fem_lie.joints.connection import LostBranchError, SlidingConstraintDefinition
 from fem_lie.joints.equations import sliding
 from fem_lie.joints.equations.sliding import SlidingArrays
 from fem_lie.linear.saddle_point import Incidences
@@ -112,7 +112,7 @@ class Slides(ConstraintSet):
         off = (arrays.arclength < 0.0) | (arrays.arclength > ends)
         if off.any():
             k = int(np.flatnonzero(off)[0])
-            raise ValueError(
+            raise LostBranchError(
                 f"{self._labels[k]} slid off its beam: arclength {arrays.arclength[k]:g} of "
                 f"{ends[k]:g}"
             )

@@ -62,12 +62,12 @@ class HistoryVariables:
 
         Raises:
             PassedThroughError: They did; no history variable has changed.
-            LostBranchError: A bushing is rotated by almost half a turn.
-            ValueError: Something slid off its beam.
+            LostBranchError: A bushing is rotated by almost half a turn, or something slid off its
+                beam.
         """
         if start is not None:
             self.check_passage(start, H)
-        with self._system.shared.errors(LostBranchError, ValueError):
+        with self._system.shared.errors(LostBranchError):
             self._connections.accept(H)
             self._terms.accept(H)
 
