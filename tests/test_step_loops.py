@@ -548,10 +548,10 @@ def test_rejected_steps_leave_the_turns_of_joints(monkeypatch, scheme):
     """Angles are counted on from the last step that was accepted, whatever was tried since."""
     attempt, turned = VariableSteps._attempt, []
 
-    def watched(self) -> bool:
+    def watched(self, history) -> bool:
         connections = self._stepper.equations.system.connections
         before = connections.history_variables.copy()
-        made = attempt(self)
+        made = attempt(self, history)
         turned.append((made, np.abs(connections.history_variables - before).max()))
         if made:
             connections.accept(self._stepper.frames)
