@@ -15,6 +15,7 @@ import numpy as np
 import scipy.sparse as sp
 from slepc4py import SLEPc
 
+from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.spectra.pencil import SHIFT, Complex, Pencil, padded, pairs_of, set_up
 from fem_lie.linear.spectra.unknowns import OnRanks, Unknowns
 
@@ -80,7 +81,8 @@ class Krylov:
         types = SLEPc.EPS.ProblemType
         solver.setProblemType(types.GHEP if pencil.symmetric else types.GNHEP)
         solver.setTarget(-shift)
-        set_up(solver, min(count + self.spare, K.size), SLEPc.EPS, self.prefix)
+        with pencil.unknowns.errors(ConvergenceError, MemoryError):
+            set_up(solver, min(count + self.spare, K.size), SLEPc.EPS, self.prefix)
         squares, vectors = pairs_of(solver, K, pencil.unknowns)
         s = np.sqrt((-squares).astype(np.complex128))
         return Approximation(
@@ -104,7 +106,8 @@ class Krylov:
         solver = SLEPc.PEP().create(K.matrix.comm)
         solver.setOperators([each.matrix for each in matrices])
         solver.setTarget(_TARGET * self.nearer)
-        set_up(solver, min(2 * count + self.spare, K.size), SLEPc.PEP, self.prefix)
+        with pencil.unknowns.errors(ConvergenceError, MemoryError):
+            set_up(solver, min(2 * count + self.spare, K.size), SLEPc.PEP, self.prefix)
         s, vectors = pairs_of(solver, K, pencil.unknowns)
         return Approximation(
             rate * s, vectors, _Factors(solver, matrices[0], pencil.unknowns, unit)

@@ -77,6 +77,8 @@ def solve_factorised(solver: Any, prefix: str) -> None:
     linear.setType(PETSc.KSP.Type.PREONLY)
     linear.getPC().setType(PETSc.PC.Type.LU)
     linear.getPC().setFactorSolverType("mumps")
+    # each rank solves the projected problem: with other round-off it may decide otherwise
+    solver.getDS().setParallel(SLEPc.DS.ParallelType.SYNCHRONIZED)
     solver.setFromOptions()
     try:
         with slepc_errors():

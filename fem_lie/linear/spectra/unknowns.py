@@ -8,6 +8,7 @@ two vectors are sums over the unknowns that ranks own.
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any, TypeVar
 
 from petsc4py import PETSc
@@ -48,6 +49,10 @@ class Unknowns:
     def of_first(self, values: Numbers) -> Numbers:
         """Values of the first rank."""
         return values
+
+    def errors(self, *kinds: type[Exception]) -> AbstractContextManager[None]:
+        """Context whose error of these classes on one rank is raised on all at its end."""
+        return nullcontext()
 
     def owned(self, vectors: Numbers) -> Numbers:
         """Vectors (k, n) with zeros at unknowns that other ranks own."""
@@ -104,6 +109,10 @@ class SharedUnknowns(Unknowns):
     def of_first(self, values: Numbers) -> Numbers:
         """Values of the first rank."""
         return self._shared.comm.bcast(values)
+
+    def errors(self, *kinds: type[Exception]) -> AbstractContextManager[None]:
+        """Context whose error of these classes on one rank is raised on all at its end."""
+        return self._shared.errors(*kinds)
 
     def owned(self, vectors: Numbers) -> Numbers:
         """Vectors (k, n) with zeros at unknowns that other ranks own."""
