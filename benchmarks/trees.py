@@ -1,4 +1,4 @@
-"""Chains of rigid links and a free body: explicit steps of order four, beside other codes.
+"""Chains of rigid links and a free body: explicit steps of order four, compared with other codes.
 
     python3 -m benchmarks.trees [--links 30 100 300] [--repeat 3] [--peers]
 

@@ -286,6 +286,22 @@ def blade():
     return scene, [beam.point("end")]
 
 
+def crane():
+    """A beam with a sprung and damped load: the last of three ranks owns none of its nodes."""
+    bar = fl.Section.rectangle(0.02, 0.02, fl.Material(E=5e8, nu=0.3, density=7800.0))
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), bar, cells=4)
+    load = fl.RigidBody(2.0, (0.02, 0.03, 0.04), (1, 0, 0))
+    scene = fl.Scene()
+    scene.add(beam)
+    scene.add(load)
+    scene.add(fl.Clamp(beam.point("start")))
+    ends = beam.point("end"), load.point("centre")
+    joint = scene.add(fl.joints.Cylindrical(*ends, axis=(0, 1, 0)))
+    scene.add(fl.joints.Spring(joint.angle, stiffness=40.0))
+    scene.add(fl.joints.Spring(joint.displacement, stiffness=400.0, damping=2.0))
+    return scene, [load.point("centre")]
+
+
 def column():
     """Two beams on a hinge with a spring, under compression."""
     bar = fl.Section.rectangle(0.02, 0.03, STEEL)
@@ -344,6 +360,8 @@ VIBRATIONS = {
     "free plate": (free_plate, 10, {}),
     "damped": (damped, 8, {}),
     "blade": (blade, 5, {"spin": (0, 0, 30.0)}),
+    "crane": (crane, 4, {}),
+    "crane with all modes": (crane, 26, {}),
 }
 """Scenes, numbers of modes and arguments of vibrations."""
 

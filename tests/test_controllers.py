@@ -41,7 +41,7 @@ def test_a_load_is_switched_by_an_event(step):
 
 
 def test_loads_with_histories_and_gravity_keep_theirs():
-    """Half of a linear history from 0.5 s on, beside another load with the same history."""
+    """Half of a linear history from 0.5 s on, with another load of the same history."""
     scene, _, force = cart(history=lambda t: t)
     other = fl.PointLoad(force.point, force=(0.5, 0.0, 0.0), history=force.history)
     scene.add(other)

@@ -110,7 +110,7 @@ def test_eigenvalues_without_memory_say_so(little_for_mumps):
     eigen.setOperators(matrix.matrix)
     eigen.setTarget(0.0)
     with pytest.raises(MemoryError, match="the matrix of 8000 unknowns"):
-        set_up(eigen, 2, SLEPc.EPS, "test_memory_")
+        set_up(eigen, 2, SLEPc.EPS, "test_memory_", ON_ONE_RANK)
 
 
 def test_a_singular_matrix_is_still_called_so():

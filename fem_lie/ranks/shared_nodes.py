@@ -31,6 +31,9 @@ def _row_type(of: np.dtype[Any], size: int) -> MPI.Datatype:
     return dtlib.from_numpy_dtype(of).Create_contiguous(size).Commit()
 
 
+Extended = npt.NDArray[np.longdouble]
+
+
 class SharedNodes:
     """Nodes of a part that other ranks have, too.
 
@@ -72,13 +75,23 @@ class SharedNodes:
         """Those of a scene on one rank: none."""
         return cls(MPI.COMM_SELF, count, {})
 
-    def sum(self, values: Array) -> None:
+    def sum(self, values: Array | Extended) -> None:
         """Add the values of all ranks at shared nodes, in place.
+
+        In extended precision parts that cancel leave its round-off, not that of double precision.
 
         Args:
             values: One row for each node, contiguous, shape (≥ n, …).
         """
         if not self.several:
+            return
+        if values.dtype == np.longdouble:
+            # PETSc adds double precision only
+            high = values.astype(np.float64)
+            low = (values - high).astype(np.float64)
+            self.sum(high)
+            self.sum(low)
+            np.add(high.astype(np.longdouble), low, out=values)
             return
         row = _row_type(values.dtype, values[0].size)
         self._forest.reduceBegin(row, values, values, MPI.SUM)

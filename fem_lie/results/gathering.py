@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, TypeVar
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
-from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo, SupportInfo
+from fem_lie.bodies.catalogue import JointInfo, SceneInfo, SupportInfo
 from fem_lie.parts.part_scene import ScenePart, connections_of
 from fem_lie.results.record import with_others
 from fem_lie.results.states import StateSeries
@@ -40,27 +40,6 @@ def gathered(result: Series, part: ScenePart | None) -> Series:
     return with_others(result, others)
 
 
-def at_nodes(
-    info: SceneInfo, part: ScenePart | None, values: Sequence[Array]
-) -> tuple[SceneInfo, list[Array]]:
-    """Values of the nodes of the whole scene on all ranks, numbered body after body.
-
-    Args:
-        info: Bodies, joints and supports of the part of this rank.
-        part: The part; ``None``: that is the whole scene.
-        values: Real or complex values of the nodes of the part, shapes (k, n, …).
-
-    Returns:
-        Bodies, joints and supports of the scene, and the values, shapes (k, N, …).
-    """
-    if part is None:
-        return info, list(values)
-    found = Gathering(info, part)
-    as_reals = (x.view(np.float64) if np.iscomplexobj(x) else x for x in values)
-    whole = [_on_all(part.comm, found.of_nodes(x)) for x in as_reals]
-    return found.info, [x.view(of.dtype) for x, of in zip(whole, values, strict=True)]
-
-
 def of_part(
     values: Array, info: SceneInfo, part: ScenePart | None, nodes: Mapping[Body, Indices]
 ) -> Array:
@@ -82,22 +61,17 @@ def of_part(
         (b.name, len(b.nodes)) for b in info.bodies
     ]:
         raise ValueError("expected a result of this scene, got one with other bodies")
-    values = info.renumbered(values, {b: w.nodes for b, w in _both(part, whole)})
+    values = info.renumbered(values, _numbers(part, whole))
     found = np.empty((len(values), sum(map(len, nodes.values())), *values.shape[2:]))
     for body, numbers in nodes.items():
         found[:, numbers] = values[:, part.nodes[body]]
     return found
 
 
-def bodies_of(
-    info: SceneInfo, part: ScenePart | None, nodes: Mapping[Body, Indices]
-) -> Mapping[Body, Indices]:
-    """Numbers of the nodes of each body of the whole scene, see :func:`at_nodes`."""
-    return nodes if part is None else {body: own.nodes for body, own in _both(part, info)}
-
-
-def _both(part: ScenePart, info: SceneInfo) -> zip[tuple[Body, BodyInfo]]:
-    return zip(part.whole.bodies, info.bodies, strict=True)
+def _numbers(part: ScenePart, info: SceneInfo) -> dict[Body, Indices]:
+    """Numbers of the nodes of each body of the whole scene."""
+    pairs = zip(part.whole.bodies, info.bodies, strict=True)
+    return {body: own.nodes for body, own in pairs}
 
 
 def _on_all(comm: MPI.Intracomm, values: Array) -> Array:
@@ -238,3 +212,33 @@ class Gathering:
         rows = np.searchsorted(self._supports, self.nodes[self._own.supports.at])
         found[:, rows] = values  # one of each part at a node
         return self.sum(found)
+
+
+class WholeScene:
+    """Bodies and nodes of a whole scene on all ranks, from its equations or those of its parts.
+
+    Attributes:
+        info: Bodies, joints and supports of the scene.
+        gathering: Numbers of the nodes of the part; ``None``: it is the whole scene.
+    """
+
+    def __init__(self, info: SceneInfo, part: ScenePart | None) -> None:
+        """Find the numbers; all ranks together.
+
+        Args:
+            info: Bodies, joints and supports of the part of this rank.
+            part: The part; ``None``: these are those of the whole scene.
+        """
+        self.gathering = None if part is None else Gathering(info, part)
+        self.info = info if self.gathering is None else self.gathering.info
+
+    def on_all(self, values: Array) -> Array:
+        """Real or complex values of all nodes, (k, N, …), from those of the part, (k, n, …)."""
+        if self.gathering is None:
+            return values
+        reals = values.view(np.float64) if np.iscomplexobj(values) else values
+        return _on_all(self.gathering.part.comm, self.gathering.of_nodes(reals)).view(values.dtype)
+
+    def bodies(self, nodes: Mapping[Body, Indices]) -> Mapping[Body, Indices]:
+        """Numbers of the nodes of each body of the scene, from those in the equations."""
+        return nodes if self.gathering is None else _numbers(self.gathering.part, self.info)

@@ -336,8 +336,7 @@ class Connections:
         """Update history variables at an accepted state: angles, arc lengths on beams.
 
         Raises:
-            LostBranchError: A bushing is rotated by almost half a turn, or something slid off its
-                beam.
+            LostBranchError: The state of an item is ambiguous, or beyond its range.
         """
         for each in self.sets:
             each.accept(H)

@@ -20,12 +20,7 @@ from fem_lie.contact.cones.factors import (
     solve_nodes,
 )
 from fem_lie.contact.cones.jacobian import BlockRows, add_response, along
-
-_YIELD = 1e-6
-"""Compliance of contacts to changes of impulses, relative to their own response."""
-
-_HALVES = 6
-"""Largest number of halvings of a step."""
+from fem_lie.contact.cones.sparse_newton import HALVES, YIELD
 
 
 class Gaps(NamedTuple):
@@ -75,7 +70,7 @@ def _errors(of: Gaps, k: int) -> tuple[float, float]:
 def _search(of: Gaps, k: int, step: Array, square: float) -> None:
     """Add the largest of a step and its halves that decreases the function."""
     size, more = 1.0, 1.0
-    for _ in range(_HALVES):
+    for _ in range(HALVES):
         for i in range(k):
             of.nu[of.pairs[i]] += more * step[i]
             add_response(of.responses, i, 0, more * step[i], of.moved)
@@ -116,13 +111,13 @@ def separate(of: Gaps, k: int, enough: float, most: int) -> None:
         W[:] = 0.0
         for i in range(k):
             F, closed = _function(of, i)
-            step[i] = -F / _YIELD if closed else -F
+            step[i] = -F / YIELD if closed else -F
             add_response(responses, i, 0, step[i], W)
             if not closed:
                 continue
             for s in range(rows.first[i], rows.first[i + 1]):
                 for a in range(6):
-                    scaled[0, a] = rows.values[s, 0, a] / (_YIELD * of.own[i])
+                    scaled[0, a] = rows.values[s, 0, a] / (YIELD * of.own[i])
                 column = pattern.position[rows.nodes[s]]
                 for t in range(responses.first[i], responses.first[i + 1]):
                     row = pattern.position[responses.nodes[t]]
@@ -131,7 +126,7 @@ def separate(of: Gaps, k: int, enough: float, most: int) -> None:
         solve_nodes(pattern, factors, W, w, workspace)
         for i in range(k):
             if _function(of, i)[1]:
-                step[i] -= along(rows, i, W, 0) / (_YIELD * of.own[i])
+                step[i] -= along(rows, i, W, 0) / (YIELD * of.own[i])
         _search(of, k, step, square)
     of.moved[:] = moved
     for i in range(k):

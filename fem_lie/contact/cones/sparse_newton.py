@@ -27,10 +27,10 @@ from fem_lie.contact.cones.jacobian import add_responses, along_all
 from fem_lie.contact.cones.sweeps import Cones, change, residual, velocity
 from fem_lie.lie.tuples import Vector
 
-_YIELD = 1e-6
+YIELD = 1e-6
 """Compliance of contacts to changes of impulses, relative to their own response."""
 
-_HALVES = 6
+HALVES = 6
 """Largest number of halvings of a step."""
 
 _SMALL, _LAST = 1e-9, 8
@@ -79,7 +79,7 @@ def _linearise(
     G[:] = 0.0
     f[0], f[1], f[2] = F
     if z > 0.0:
-        normal, along = _YIELD + rn * soft, _YIELD + rt * soft
+        normal, along = YIELD + rn * soft, YIELD + rt * soft
         f[0], G[0, 0] = F[0] / normal, rn / normal
         if t <= mu * z:
             f[1], f[2], G[1, 1], G[2, 2] = F[1] / along, F[2] / along, rt / along, rt / along
@@ -163,7 +163,7 @@ def _square(problem: Cones, k: int) -> float:
 def _search(problem: Cones, k: int, step: Array, square: float) -> None:
     """Add the largest of a step and its halves that decreases the function."""
     size, more = 1.0, 1.0
-    for _ in range(_HALVES):
+    for _ in range(HALVES):
         for c in range(k):
             for j in range(3):
                 problem.r[c, j] += more * step[c, j]

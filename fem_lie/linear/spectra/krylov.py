@@ -15,8 +15,15 @@ import numpy as np
 import scipy.sparse as sp
 from slepc4py import SLEPc
 
-from fem_lie.linear.direct import ConvergenceError
-from fem_lie.linear.spectra.pencil import SHIFT, Complex, Pencil, padded, pairs_of, set_up
+from fem_lie.linear.spectra.pencil import (
+    SHIFT,
+    Complex,
+    ComplexExtended,
+    Pencil,
+    padded,
+    pairs_of,
+    set_up,
+)
 from fem_lie.linear.spectra.unknowns import OnRanks, Unknowns
 
 _TARGET = 0.1  # shift over the unit of s
@@ -37,7 +44,7 @@ class Approximation:
 
     s: Complex
     vectors: Complex
-    solve: Callable[[Complex], Complex]
+    solve: Callable[[ComplexExtended], Complex]
 
 
 @dataclass(frozen=True)
@@ -81,13 +88,12 @@ class Krylov:
         types = SLEPc.EPS.ProblemType
         solver.setProblemType(types.GHEP if pencil.symmetric else types.GNHEP)
         solver.setTarget(-shift)
-        with pencil.unknowns.errors(ConvergenceError, MemoryError):
-            set_up(solver, min(count + self.spare, K.size), SLEPc.EPS, self.prefix)
-        squares, vectors = pairs_of(solver, K, pencil.unknowns)
+        wanted, unknowns = min(count + self.spare, K.size), pencil.unknowns
+        set_up(solver, wanted, SLEPc.EPS, self.prefix, unknowns)
+        squares, vectors = pairs_of(solver, K, unknowns)
         s = np.sqrt((-squares).astype(np.complex128))
-        return Approximation(
-            np.where(s.imag < 0, -s, s), vectors, _Factors(solver, K, pencil.unknowns, 1.0)
-        )
+        solve = _Factors(solver, K, unknowns, 1.0)
+        return Approximation(np.where(s.imag < 0, -s, s), vectors, solve)
 
     def _quadratic(self, pencil: Pencil, count: int, rate: float) -> Approximation:
         """Eigenvalues ``s``, scaled by a rate so that the required ones are about one."""
@@ -106,24 +112,21 @@ class Krylov:
         solver = SLEPc.PEP().create(K.matrix.comm)
         solver.setOperators([each.matrix for each in matrices])
         solver.setTarget(_TARGET * self.nearer)
-        with pencil.unknowns.errors(ConvergenceError, MemoryError):
-            set_up(solver, min(2 * count + self.spare, K.size), SLEPc.PEP, self.prefix)
-        s, vectors = pairs_of(solver, K, pencil.unknowns)
-        return Approximation(
-            rate * s, vectors, _Factors(solver, matrices[0], pencil.unknowns, unit)
-        )
+        wanted, unknowns = min(2 * count + self.spare, K.size), pencil.unknowns
+        set_up(solver, wanted, SLEPc.PEP, self.prefix, unknowns)
+        s, vectors = pairs_of(solver, K, unknowns)
+        return Approximation(rate * s, vectors, _Factors(solver, K, unknowns, unit))
 
 
 def _saddle_point(pencil: Pencil, K: sp.csr_matrix, shift: float) -> sp.csr_matrix:
     """``[[K, Bᵀ], [B, 0]]`` with constraints scaled as the stiffness."""
     B, (mass, stiffness) = pencil.B, pencil.diagonals
-    own = pencil.unknowns.owned((stiffness + shift * mass)[np.newaxis])
-    total = pencil.unknowns.total(np.array([own.sum(), np.count_nonzero(own)]))
+    size = pencil.unknowns.mean(stiffness + shift * mass)
     if not B.shape[0]:
         return K
     # for any unit of each
     rows = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
-    B = sp.diags(total[0] / total[1] / rows) @ B
+    B = sp.diags(size / rows) @ B
     return sp.bmat([[K, B.T], [B, None]], format="csr")
 
 
@@ -143,10 +146,11 @@ class _Factors:
     unknowns: Unknowns
     unit: float
 
-    def __call__(self, residuals: Complex) -> Complex:
+    def __call__(self, residuals: ComplexExtended) -> Complex:
         """Solve, see ``Approximation.solve``."""
-        linear, found = self.solver.getST().getKSP(), np.zeros_like(residuals)
-        forces = self.unit * self.unknowns.assembled(residuals)
+        linear = self.solver.getST().getKSP()
+        forces = (self.unit * self.unknowns.assembled(residuals)).astype(np.complex128)
+        found = np.zeros_like(forces)
         for factor, parts in ((1.0, forces.real), (1.0j, forces.imag)):
             for k in range(len(found)):
                 found[k] += factor * self.matrix.solve(linear, parts[k])

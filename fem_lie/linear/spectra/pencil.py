@@ -49,7 +49,7 @@ def padded(A: sp.csr_matrix, B: sp.csr_matrix) -> sp.csr_matrix:
     return sp.block_diag([A, sp.csr_matrix((B.shape[0],) * 2)], format="csr")
 
 
-def set_up(solver: Any, count: int, kind: Any, prefix: str) -> None:
+def set_up(solver: Any, count: int, kind: Any, prefix: str, unknowns: Unknowns) -> None:
     """Compute ``count`` pairs nearest to a target with a factorisation.
 
     Raises:
@@ -64,19 +64,29 @@ def set_up(solver: Any, count: int, kind: Any, prefix: str) -> None:
     transform.setType(SLEPc.ST.Type.SINVERT)
     if kind is SLEPc.PEP:
         transform.setTransform(True)
-    solve_factorised(solver, prefix)
+    solve_factorised(solver, prefix, unknowns)
 
 
-def solve_factorised(solver: Any, prefix: str) -> None:
+def solve_factorised(solver: Any, prefix: str, unknowns: Unknowns) -> None:
     """Solve by a direct factorisation, with the user's options.
 
     Raises:
-        ConvergenceError: SLEPc fails.
+        ConvergenceError: SLEPc fails, on any rank.
+        MemoryError: There is not enough memory for the factors.
     """
+    with unknowns.errors(ConvergenceError, MemoryError):
+        _solve_factorised(solver, prefix)
+
+
+def _solve_factorised(solver: Any, prefix: str) -> None:
     linear = solver.getST().getKSP()
     linear.setType(PETSc.KSP.Type.PREONLY)
     linear.getPC().setType(PETSc.PC.Type.LU)
     linear.getPC().setFactorSolverType("mumps")
+    rows = solver.getOperators()[0].getOwnershipRanges()
+    if not np.diff(rows).all():
+        # the others normalise by LAPACK, which refuses a rank without rows
+        solver.getBV().setType(SLEPc.BV.Type.VECS)
     # each rank solves the projected problem: with other round-off it may decide otherwise
     solver.getDS().setParallel(SLEPc.DS.ParallelType.SYNCHRONIZED)
     solver.setFromOptions()
@@ -107,6 +117,7 @@ def pairs_of(solver: Any, matrix: OnRanks, unknowns: Unknowns) -> tuple[Complex,
 
 
 Extended = npt.NDArray[np.longdouble]
+ComplexExtended = npt.NDArray[np.clongdouble]
 
 
 def product(A: sp.csr_matrix, vectors: Array | Extended) -> Extended:
@@ -281,6 +292,15 @@ class Pencil:
     def on_ranks(self, A: sp.csr_matrix) -> OnRanks:
         """Matrix of the unknowns and of multipliers for PETSc."""
         return self.unknowns.matrix(A, self.K.shape[0])
+
+    @property
+    def whole(self) -> Pencil:
+        """The problem with all unknowns on this rank."""
+        if not self.unknowns.several:
+            return self
+        of_all = self.unknowns.whole_matrix
+        C = None if self.C is None else of_all(self.C)
+        return Pencil(of_all(self.M), C, of_all(self.K), self.unknowns.whole_rows(self.B))
 
     @property
     def mass_unit(self) -> float:

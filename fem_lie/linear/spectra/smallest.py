@@ -18,7 +18,7 @@ import scipy.sparse as sp
 from fem_lie._arrays import Array
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.spectra.krylov import Approximation, Krylov
-from fem_lie.linear.spectra.pencil import SHIFT, Complex, Pencil
+from fem_lie.linear.spectra.pencil import SHIFT, Complex, ComplexExtended, Pencil
 from fem_lie.linear.spectra.slow_motions import without, without_round_off
 
 MOST = 600  # unknowns less constraints, which take some seconds
@@ -31,9 +31,8 @@ def dense(pencil: Pencil, count: int, floor: float) -> Approximation:
     Raises:
         ConvergenceError: The problem is too large, or singular at the shift.
     """
+    unknowns, pencil = pencil.unknowns, pencil.whole
     n, m = pencil.M.shape[0], pencil.B.shape[0]
-    if pencil.unknowns.several:
-        raise ConvergenceError("a scene on several ranks has no dense eigenvalue problem")
     if n - m > MOST:
         raise ConvergenceError(f"{n - m} unknowns are too many for a dense eigenvalue problem")
     basis = _admissible(pencil.B)
@@ -56,10 +55,11 @@ def dense(pencil: Pencil, count: int, floor: float) -> Approximation:
         s, reduced = _linear(M, inverse, rate)
     order = np.argsort(np.abs(s), kind="stable")[: 2 * count + n // 4]
 
-    def solve(residuals: Complex) -> Complex:
-        return np.asarray(residuals @ basis.T @ inverse.T @ basis)
+    def solve(residuals: ComplexExtended) -> Complex:
+        forces = unknowns.whole_forces(residuals).astype(np.complex128)
+        return unknowns.part(np.asarray(forces @ basis.T @ inverse.T @ basis))
 
-    return Approximation(s[order], reduced[order] @ basis, solve)
+    return Approximation(s[order], unknowns.part(reduced[order] @ basis), solve)
 
 
 def _admissible(B: sp.csr_matrix) -> Array:
@@ -232,7 +232,7 @@ def _residuals(
     """Lengths of ``P⁻¹ Q(s) φ`` over those of ``φ``, and the vectors themselves."""
     M, C, K = terms
     wide = s.astype(np.clongdouble)[:, np.newaxis]
-    change = found.solve(np.asarray(wide * wide * M + wide * C + K, dtype=np.complex128))
+    change = found.solve(np.asarray(wide * wide * M + wide * C + K))
     size = pencil.kinetic(change) / pencil.kinetic(vectors).clip(1e-300)
     return np.asarray(np.sqrt(size)), change
 

@@ -9,6 +9,7 @@ two vectors are sums over the unknowns that ranks own.
 from __future__ import annotations
 
 from contextlib import AbstractContextManager, nullcontext
+from functools import cached_property
 from typing import Any, TypeVar
 
 from petsc4py import PETSc
@@ -66,9 +67,31 @@ class Unknowns:
         """Vectors (k, n) with the values of the owners at all copies."""
         return vectors
 
+    def mean(self, values: Array) -> float:
+        """Mean of a vector, shape (n,)."""
+        both = self.owned(np.array([values, np.ones_like(values)])).sum(axis=1)
+        total, count = self.total(both)
+        return float(total / count)
+
     def triangle(self, A: Array) -> Array:
         """Triangle (≤ c, c) of the QR factors of the rows (r, c) of all ranks together."""
         return triangle(A)
+
+    def whole_matrix(self, A: sp.csr_matrix) -> sp.csr_matrix:
+        """Sum of the matrices (n, n) of all ranks, with all unknowns on each."""
+        return A
+
+    def whole_rows(self, B: sp.csr_matrix) -> sp.csr_matrix:
+        """Rows (m, n) of all ranks, with all unknowns on each."""
+        return B
+
+    def whole_forces(self, forces: Numbers) -> Numbers:
+        """Sums of partial forces (k, n) at all unknowns."""
+        return forces
+
+    def part(self, vectors: Numbers) -> Numbers:
+        """Values at the unknowns of this rank, from vectors of all unknowns."""
+        return vectors
 
     def matrix(self, A: sp.csr_matrix, n: int) -> OnRanks:
         """Sum of the matrices of all ranks for PETSc, with all of its diagonal.
@@ -123,12 +146,55 @@ class SharedUnknowns(Unknowns):
         nodes = np.zeros((6 * len(self._shared.owned), len(forces)), dtype=forces.dtype)
         nodes[self._free] = forces.T
         if len(forces):
-            self._shared.sum(nodes.view(np.float64).reshape(len(self._shared.owned), -1))
+            self._shared.sum(nodes.view(nodes.real.dtype).reshape(len(self._shared.owned), -1))
         return nodes[self._free].T  # type: ignore[return-value]
 
     def of_owners(self, vectors: Array) -> Array:
         """Vectors (k, n) with the values of the owners at all copies."""
         return self.assembled(self.owned(vectors))
+
+    @cached_property
+    def _numbers(self) -> Indices:
+        """Number of each unknown among those of all ranks, shape (n,)."""
+        mine = int(self._owned.sum())
+        nodes = np.zeros(6 * len(self._shared.owned), dtype=PETSc.IntType)
+        first = self._shared.comm.scan(mine) - mine
+        nodes[self._free[self._owned]] = first + np.arange(mine)
+        self._shared.take_from_owners(nodes.reshape(-1, 6))
+        return nodes[self._free].astype(np.int64)
+
+    def whole_matrix(self, A: sp.csr_matrix) -> sp.csr_matrix:
+        """Sum of the matrices (n, n) of all ranks, with all unknowns on each."""
+        own = A.tocoo()
+        entries = own.data, self._numbers[own.row], self._numbers[own.col]
+        values, rows, columns = self._of_all(entries)
+        return sp.csr_matrix((values, (rows, columns)), shape=(self._count, self._count))
+
+    def whole_rows(self, B: sp.csr_matrix) -> sp.csr_matrix:
+        """Rows (m, n) of all ranks, with all unknowns on each."""
+        own = B.tocoo()
+        first = self._shared.comm.scan(B.shape[0]) - B.shape[0]
+        values, rows, columns = self._of_all((own.data, own.row + first, self._numbers[own.col]))
+        shape = (self._shared.comm.allreduce(B.shape[0]), self._count)
+        return sp.csr_matrix((values, (rows, columns)), shape=shape)
+
+    def whole_forces(self, forces: Numbers) -> Numbers:
+        """Sums of partial forces (k, n) at all unknowns."""
+        found = np.zeros((len(forces), self._count), dtype=forces.dtype)
+        found[:, self._numbers] = forces
+        return self.total(found)  # type: ignore[return-value]
+
+    def part(self, vectors: Numbers) -> Numbers:
+        """Values at the unknowns of this rank, from vectors of all unknowns."""
+        return vectors[:, self._numbers]  # type: ignore[return-value]
+
+    @property
+    def _count(self) -> int:
+        return int(self._shared.comm.allreduce(int(self._owned.sum())))
+
+    def _of_all(self, arrays: tuple[Any, ...]) -> list[Any]:
+        found = self._shared.comm.allgather(arrays)
+        return [np.concatenate(each) for each in zip(*found, strict=True)]
 
     def triangle(self, A: Array) -> Array:
         """Triangle (≤ c, c) of the QR factors of the rows (r, c) of all ranks together."""

@@ -126,10 +126,7 @@ class _Loaded:
         """Check the number of modes."""
         self._scene, self._count, self._prefix = scene, count, prefix
         self._load_steps = load_steps
-        unknowns = Equations(scene, dynamics=True).unknowns
-        free = int((~unknowns.held).sum()) - unknowns.m
-        if not 1 <= count <= free:
-            raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
+        Equations(scene, dynamics=True).unknowns.check_count(count)
 
     def scale(self) -> float:
         """Load factor at which the loads change the stiffness by about all of it."""

@@ -111,8 +111,7 @@ def frequency_response(
     equations, state = small_motions(
         _with_inactive(scene, parts), at, Rotation.of(spin, about), load_steps
     )
-    unknowns = equations.unknowns
-    free = int((~unknowns.held).sum()) - unknowns.m
+    free = equations.unknowns.degrees_of_freedom
     if modes is not None and modes > free:
         raise ValueError(f"modes must be 1 … {free}, the degrees of freedom, got {modes}")
     pencil = state.pencil()

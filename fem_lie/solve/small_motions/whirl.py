@@ -92,8 +92,7 @@ class Shaft(NamedTuple):
                 )
         first = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
         first = first / np.linalg.norm(first)
-        unknowns = Equations(scene, dynamics=True).unknowns
-        free = int((~unknowns.held).sum()) - unknowns.m
+        free = Equations(scene, dynamics=True).unknowns.degrees_of_freedom
         return cls(scene, axis, about, np.array([first, np.cross(axis, first)]), free)
 
     def modes(self, speed: float, count: int, prefix: str) -> Modes:

@@ -120,8 +120,8 @@ def switch_branch(
 def _on_path(station: Station, found: Station, dot: Dot) -> bool:
     """Whether a state lies on the path through another one, as far as its tangent shows."""
     moved = found.positions - station.positions
-    beside = moved - (found.factor - station.factor) * station.velocity
-    return dot(beside, beside) < _BESIDE**2 * dot(moved, moved)
+    across = moved - (found.factor - station.factor) * station.velocity
+    return dot(across, across) < _BESIDE**2 * dot(moved, moved)
 
 
 def _first_amplitude(scene: Scene, critical: CriticalPoint, shape: Array) -> float:

@@ -12,6 +12,8 @@ and the mode is the null vector of the unsymmetric tangent, see :mod:`fem_lie.li
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import scipy.sparse as sp
 
@@ -22,7 +24,7 @@ from fem_lie.linear.spectra.pencil import Pencil, RigidParts
 from fem_lie.linear.spectra.smallest import smallest
 from fem_lie.linear.spectra.unknowns import unknowns_of
 from fem_lie.parts.part_scene import ScenePart
-from fem_lie.results.gathering import at_nodes, bodies_of
+from fem_lie.results.gathering import WholeScene
 from fem_lie.scene import Scene
 from fem_lie.solve.stability.vibrations import largest_elongation, node_lengths, scaled
 from fem_lie.solve.statics.follow import SceneEquilibrium
@@ -197,16 +199,18 @@ class StableEquilibrium(SceneEquilibrium):
         """Largest translation over the diameter, or rotation, of increments ``dx``."""
         return self.maximum(self.twists(dx)) / self.diameter
 
+    @cached_property
+    def whole(self) -> WholeScene:
+        """The whole scene, for results."""
+        return WholeScene(self.equations.info, self.equations.part)
+
+    def frames(self, H: Array) -> Array:
+        """A copy of the frames of all nodes of the whole scene, from those of the equations."""
+        return self.whole.on_all(self.equations.report(H).frames[np.newaxis])[0].copy()
+
     def largest_entry(self, A: sp.csr_matrix) -> float:
         """Largest entry of the matrices (n, n) of all parts."""
         return self._shared.largest(float(abs(A).max()) if A.nnz else 0.0)
-
-    @property
-    def degrees_of_freedom(self) -> int:
-        """Number of free unknowns less that of constraints, of the whole scene."""
-        unknowns = self.equations.unknowns
-        free = self.unknowns.owned(np.ones((1, len(self._free)))).sum() - unknowns.m
-        return int(self.unknowns.total(free))
 
     def largest_strain(self, dx: Array) -> float:
         """Largest elongation of a cell edge over its length due to increments ``dx``."""
@@ -227,9 +231,9 @@ class StableEquilibrium(SceneEquilibrium):
         own = b.copy()
         own[: 6 * self._moving] = self._of_owned(b[: 6 * self._moving]).ravel()
         for _ in range(1 + _REFINED):
-            left = np.asarray(own - A @ x, dtype=np.float64)
+            left = own - A @ x
             self._shared.sum(left[: 6 * self._moving].reshape(-1, 6))
-            x += self.solve_raw(left)
+            x += self.solve_raw(left.astype(np.float64))
         found = np.asarray(x, dtype=np.float64)
         self.equations.supports.rotate_back(self._H, found[: 6 * self._moving].reshape(-1, 6))
         return found
@@ -260,10 +264,10 @@ class StableEquilibrium(SceneEquilibrium):
         Args:
             shapes: Increments of the master nodes of the part, shape (k, n, 6).
         """
-        unknowns, info, part = self.equations.unknowns, self.equations.info, self.equations.part
+        unknowns = self.equations.unknowns
         own = np.array([self.equations.report(self._H, shape).twists for shape in shapes])
-        whole, (twists,) = at_nodes(info, part, (own.reshape(len(shapes), unknowns.total, 6),))
-        lengths = node_lengths(bodies_of(whole, part, unknowns.bodies))
+        twists = self.whole.on_all(own.reshape(len(shapes), unknowns.total, 6))
+        lengths = node_lengths(self.whole.bodies(unknowns.bodies))
         found = [scaled(shape, lengths) for shape in twists]
         moved = np.array([shape for shape, _ in found]).reshape(-1, *twists.shape[1:])
         return moved, np.array([turns for _, turns in found], dtype=np.bool_)

@@ -35,7 +35,6 @@ from fem_lie._arrays import Array, whole
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.spectra.pencil import padded, pairs_of, solve_factorised
 from fem_lie.parts.part_scene import divided
-from fem_lie.results.gathering import at_nodes
 from fem_lie.results.mode_shapes import BucklingModes
 from fem_lie.scene import Scene
 from fem_lie.solve.progress_bars import Stopwatch, step_bar
@@ -169,7 +168,7 @@ def lowest_positive(
     if not model.largest_entry(G):
         return np.empty(0), np.empty((0, K.shape[0]))
     problem = _Inverse(model, K, B, G, prefix)
-    wanted, most = 2 * count + 4, model.degrees_of_freedom
+    wanted, most = 2 * count + 4, model.equations.unknowns.degrees_of_freedom
     inverse, vectors = problem.largest(min(wanted, most))
     for _ in range(_TRIES):
         if len(inverse) >= count or wanted >= most:
@@ -193,11 +192,9 @@ class _Inverse:
     ) -> None:
         """Put the matrices of all ranks together."""
         self._K, self._G, self._prefix, self._unknowns = K, G, prefix, model.unknowns
-        stiffness = np.abs(self._unknowns.assembled(K.diagonal()[np.newaxis]))
-        own = self._unknowns.owned(stiffness)
-        sums = self._unknowns.total(np.array([own.sum(), np.count_nonzero(own)]))
-        size = sums[0] / sums[1]
-        bordered = sp.bmat([[K, size * B.T], [size * B, None]], format="csr") if len(B.data) else K
+        size = self._unknowns.mean(np.abs(self._unknowns.assembled(K.diagonal()[np.newaxis])[0]))
+        rows = size * B
+        bordered = sp.bmat([[K, rows.T], [rows, None]], format="csr") if B.shape[0] else K
         self._constrained = model.equations.shared.any(B.shape[0] > 0)
         self._matrices = [self._unknowns.matrix(A, K.shape[0]) for A in (padded(-G, B), bordered)]
 
@@ -213,7 +210,7 @@ class _Inverse:
         solver.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_REAL)
         solver.setDimensions(wanted)
         solver.setTolerances(_TOLERANCE, 500)
-        solve_factorised(solver, self._prefix)
+        solve_factorised(solver, self._prefix, self._unknowns)
         found, pairs = pairs_of(solver, right, self._unknowns)
         positive = found.real > 1e-10 * np.abs(found.real).max(initial=0.0)
         values, vectors = found[positive].real, np.ascontiguousarray(pairs[positive].real)
@@ -314,9 +311,7 @@ def buckling(
     unknowns = model.equations.unknowns
     with model.equations.shared.errors(ValueError):
         _check_stress(model.equations)
-    free = model.degrees_of_freedom
-    if not 1 <= count <= free:
-        raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
+    unknowns.check_count(count)
     watch = Stopwatch()
     model.check_start(0.0)
     with step_bar("buckling", "stage", _STAGES) as show:
@@ -343,15 +338,13 @@ def buckling(
     shapes = np.array([model.increments(vector) for vector in vectors])
     equations = model.equations
     shapes, rotation_only = model.all_nodes(shapes.reshape(-1, unknowns.moving, 6))
-    unloaded = equations.report(equations.start.unloaded).frames[np.newaxis]
-    info, (frames,) = at_nodes(equations.info, part, (unloaded,))
     modes = BucklingModes(
         factors=factors,
         shapes=shapes,
         rotation_only=rotation_only,
-        frames=frames[0].copy(),
+        frames=model.frames(equations.start.unloaded),
         size=model.diameter,
-        info=info,
+        info=model.whole.info,
         seconds=watch.seconds,
     )
     if len(factors) < count:

@@ -172,6 +172,6 @@ def _critical(run: Pursuit, bracket: Bracket, index: int) -> CriticalPoint:
         rotation_only=rotation_only,
         station=whole_station(model, first),
         index=index,
-        frames=run.all_frames(first.state.frames).copy(),
+        frames=model.frames(first.state.frames),
         info=run.info,
     )

@@ -12,9 +12,7 @@ from math import acos, inf, sqrt
 
 import numpy as np
 
-from fem_lie._arrays import Array
 from fem_lie.forms.abilities import PassedThroughError
-from fem_lie.results.gathering import at_nodes
 from fem_lie.results.path import PathState, Station
 from fem_lie.solve.progress_bars import Advance, step_bar
 from fem_lie.solve.stability.locate import Bracket, bisect, critical
@@ -76,7 +74,7 @@ class Pursuit:
         self._resolution, self._locate = resolution, locate
         equations, unknowns = self.model.equations, self.model.equations.unknowns
         unloaded, placed = equations.start.unloaded, self.model.placed
-        self.info, _ = at_nodes(equations.info, equations.part, ())
+        self.info = self.model.whole.info
         self._positions = unloaded[: unknowns.moving, 0][placed]
         self._scale = _SCALE * self.model.diameter
         self._fixed: Control | None = None
@@ -305,15 +303,8 @@ class Pursuit:
 
     def observed(self, station: Station) -> PathState:
         """A state as passed to user functions."""
-        frames = self.all_frames(station.state.frames)
+        frames = self.model.frames(station.state.frames)
         return PathState(station.factor, frames, station.negative, self.info)
-
-    def all_frames(self, H: Array) -> Array:
-        """A copy of the frames of all nodes of the scene, from those of the equations."""
-        equations = self.model.equations
-        own = equations.report(H).frames[np.newaxis]
-        _, (frames,) = at_nodes(equations.info, equations.part, (own,))
-        return np.array(frames[0])
 
 
 def _flattest(rates: tuple[float, float], mean: float) -> float:

@@ -27,8 +27,8 @@ def whole_station(model: StableEquilibrium, station: Station) -> Station:
         model: The scene or its part.
         station: State of that; returned if it is that of the whole scene.
     """
-    equations = model.equations
-    if equations.part is None:
+    equations, gathering = model.equations, model.whole.gathering
+    if gathering is None:
         return station
     n = equations.unknowns.moving
     moving = MovingState(
@@ -37,7 +37,7 @@ def whole_station(model: StableEquilibrium, station: Station) -> Station:
         station.state.multipliers,
         np.zeros(_BALANCE),
     )
-    kept = whole(Gathering(equations.info, equations.part), equations, moving)
+    kept = whole(gathering, equations, moving)
     none = np.empty((0, 3))
     state = EquilibriumState(np.empty((0, 4, 3)), np.empty(0), equations.shared.comm.bcast(kept))
     return replace(station, state=state, positions=none, velocity=none, response=np.empty(0))

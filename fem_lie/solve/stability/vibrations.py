@@ -20,7 +20,7 @@ from fem_lie.bodies.body import Body
 from fem_lie.linear.spectra.smallest import smallest
 from fem_lie.parts.part_scene import divided
 from fem_lie.results.equilibrium import StaticResult
-from fem_lie.results.gathering import at_nodes, bodies_of
+from fem_lie.results.gathering import WholeScene
 from fem_lie.results.vibrations.modes import Modes
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
@@ -130,24 +130,20 @@ def vibrations(
     rotation = Rotation.of(spin, about)
     equations, state = small_motions(scene, at, rotation, load_steps, part)
     unknowns = equations.unknowns
-    owned = ~unknowns.held[equations.shared.owned]
-    free = int(equations.shared.total(owned.sum())) - unknowns.constraints
-    if not 1 <= count <= free:
-        raise ValueError(f"count must be 1 … {free}, the degrees of freedom, got {count}")
+    unknowns.check_count(count)
     s, vectors, residuals = smallest(state.pencil(), count, state.rate, petsc_options_prefix)
     own = np.array([state.twists(vector) for vector in vectors])
-    frames = equations.report(state.H).frames[np.newaxis]
-    info, (twists, frames) = at_nodes(equations.info, part, (own, frames))
-    lengths = node_lengths(bodies_of(info, part, unknowns.bodies))
-    found = [scaled(shape, lengths) for shape in twists]
+    whole_scene = WholeScene(equations.info, part)
+    lengths = node_lengths(whole_scene.bodies(unknowns.bodies))
+    found = [scaled(shape, lengths) for shape in whole_scene.on_all(own)]
     modes = Modes(
         eigenvalues=s,
         shapes=np.array([shape if turns else unknowns.length * shape for shape, turns in found]),
         rotation_only=np.array([turns for _, turns in found], dtype=np.bool_),
-        frames=frames[0].copy(),
+        frames=whole_scene.on_all(equations.report(state.H).frames[np.newaxis])[0].copy(),
         size=unknowns.length,
         residuals=residuals,
-        info=info,
+        info=whole_scene.info,
     )
     if modes.unstable.any():
         _log.warning("the equilibrium is unstable: eigenvalues %s", s[modes.unstable])

@@ -94,7 +94,7 @@ class Motion(NamedTuple):
         X: Frames of the links in those before, (k, 4, 3).
         w: Rates ``q̇``, (d,).
         v: Twists, (k, 6).
-        bent: ``ad(v) S q̇``, (k, 6).
+        coriolis: ``ad(v) S q̇``, (k, 6).
         inertia: Inertia of each link with all behind it, (k, 21).
         p: Force of each link with all behind it, if it is not accelerated, (k, 6).
         u: ``I s`` of all columns; of ball joints and free links the columns of ``B D⁻¹``, (d, 6).
@@ -107,7 +107,7 @@ class Motion(NamedTuple):
     X: Frames
     w: Numbers1
     v: Sixes
-    bent: Sixes
+    coriolis: Sixes
     inertia: Numbers2
     p: Sixes
     u: Sixes
@@ -144,7 +144,7 @@ def outward(links: Links, now: Motion, bias: bool) -> None:
             u, ω = rotate_back(d1, d2, d3, u), rotate_back(d1, d2, d3, ω)
         u, ω = plus(u, su), plus(ω, sω)
         store_halves(now.v, i, u, ω)
-        store_halves(now.bent, i, plus(cross(ω, su), cross(u, sω)), cross(ω, sω))
+        store_halves(now.coriolis, i, plus(cross(ω, su), cross(u, sω)), cross(ω, sω))
         m, J = links.body[i, 0], load_symmetric(links.body, i, 4)
         s = links.body[i, 1], links.body[i, 2], links.body[i, 3]
         for k in range(INERTIA):
@@ -219,7 +219,7 @@ def _without_columns(
 def _add_mass(now: Motion, i: int, parent: int, A: Symmetric, f: Vector) -> None:
     """Add the mass and the force at the origin of link ``i`` to the link before."""
     r, d1, d2, d3 = load_frame(now.X[i])
-    f = rotate(d1, d2, d3, plus(f, times_symmetric(A, first_half(now.bent, i))))
+    f = rotate(d1, d2, d3, plus(f, times_symmetric(A, first_half(now.coriolis, i))))
     A = rotated(d1, d2, d3, A)
     add_three(now.p, parent, 0, f)
     add_three(now.p, parent, 3, cross(r, f))
@@ -239,7 +239,7 @@ def _add_all(
     """Add the inertia and the force of link ``i`` to the link before."""
     A, B, D = inertia
     r, d1, d2, d3 = load_frame(now.X[i])
-    cu, cω = first_half(now.bent, i), second_half(now.bent, i)
+    cu, cω = first_half(now.coriolis, i), second_half(now.coriolis, i)
     pu = plus(pu, plus(times_symmetric(A, cu), times(B, cω)))
     pω = plus(pω, plus(transposed_times(B, cu), times_symmetric(D, cω)))
     f = rotate(d1, d2, d3, pu)
@@ -292,8 +292,8 @@ def accelerations(links: Links, now: Motion) -> None:
         if parent >= 0:
             ω = second_half(now.a, parent)
             u = plus(first_half(now.a, parent), cross(ω, load_row(now.X[i], 0)))
-        u = plus(rotate_back(d1, d2, d3, u), first_half(now.bent, i))
-        ω = plus(rotate_back(d1, d2, d3, ω), second_half(now.bent, i))
+        u = plus(rotate_back(d1, d2, d3, u), first_half(now.coriolis, i))
+        ω = plus(rotate_back(d1, d2, d3, ω), second_half(now.coriolis, i))
         if links.motion[i] <= FREE:
             at = start
             if links.motion[i] == FREE:

@@ -74,7 +74,7 @@ class MuntheKaasRun(Integration[Recorder]):
             X=z((k, 4, 3)),
             w=z(d),
             v=z((k, 6)),
-            bent=z((k, 6)),
+            coriolis=z((k, 6)),
             inertia=z((k, INERTIA)),
             p=z((k, 6)),
             u=z((d, 6)),

@@ -19,7 +19,7 @@ from fem_lie.solve.trees.steps import STAGES, Run, move_nodes, run_of, twist_of
 def errors(table: Indices, h: float, out: Array) -> None:
     """Estimated errors of the nodes at the last stage, local components, (n, 6)."""
     this, part = run_of(table), vector_at(stack(6), 6)
-    links, now, slopes, moved = this.links, this.now, this.slopes, this.now.bent
+    links, now, slopes, moved = this.links, this.now, this.slopes, this.now.coriolis
     for k in range(this.angle.shape[0]):
         this.angle[k] = h / 6.0 * (slopes[STAGES - 1, 0, k] - slopes[STAGES, 0, k])
     for i in range(links.parent.shape[0]):

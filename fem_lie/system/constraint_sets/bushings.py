@@ -16,6 +16,7 @@ from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
     Numbered,
     Start,
+    drawn_at,
     relative_frames,
     stacked,
 )
@@ -151,13 +152,7 @@ class Bushings(ConstraintSet):
 
     def drawn(self) -> dict[int, tuple[int, Array]]:
         """Position on side A of each item, or on side B if A is ground."""
-        arrays = self.arrays
-        side = (arrays.nodes[:, 0] >= self._count).astype(np.int64)
-        which = np.arange(len(side))
-        found = zip(
-            self._items, arrays.nodes[which, side], arrays.frames[which, side, 0], strict=True
-        )
-        return {int(item): (int(node), offset) for item, node, offset in found}
+        return drawn_at(self._items, self.arrays.nodes, self.arrays.frames, self._count)
 
     @property
     def outward(self) -> bool:

@@ -471,6 +471,23 @@ class ConstraintSet(ABC):
         """Whether there are dampers, or connections to ground or prescribed motions."""
 
 
+def drawn_at(
+    items: Indices, nodes: Indices, frames: Array, count: int
+) -> dict[int, tuple[int, Array]]:
+    """Position on side A of each item, or on side B if A is ground.
+
+    Args:
+        items: Numbers of the items, shape (k,).
+        nodes: Rows of the frames of both sides, shape (k, 2).
+        frames: Frames of both sides in those, shape (k, 2, 4, 3).
+        count: Number of moving rows.
+    """
+    side = (nodes[:, 0] >= count).astype(np.int64)
+    which = np.arange(len(side))
+    found = zip(items, nodes[which, side], frames[which, side, 0], strict=True)
+    return {int(item): (int(node), offset) for item, node, offset in found}
+
+
 def stacked(parts: Sequence[Array], *shape: int) -> Array:
     """Concatenate along the first axis; an empty array of the given shape if there are no parts."""
     return np.concatenate([np.empty(shape), *parts])

@@ -22,6 +22,7 @@ from fem_lie.system.constraint_sets.constraint_set import (
     HistoryKey,
     Numbered,
     Start,
+    drawn_at,
     relative_frames,
     stacked,
 )
@@ -361,11 +362,7 @@ class RelativeMotions(ConstraintSet):
     def drawn(self) -> dict[int, tuple[int, Array]]:
         """Position on side A of each item, or on side B if A is ground."""
         arrays, pairs = self.arrays, self.reported[0]
-        side = (arrays.nodes[pairs, 0] >= self._count).astype(np.int64)
-        found = zip(
-            self.tied, arrays.nodes[pairs, side], arrays.frames[pairs, side, 0], strict=True
-        )
-        return {int(item): (int(node), offset) for item, node, offset in found}
+        return drawn_at(self.tied, arrays.nodes[pairs], arrays.frames[pairs], self._count)
 
     @property
     def outward(self) -> bool:

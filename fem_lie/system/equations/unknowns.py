@@ -31,6 +31,7 @@ class Unknowns(NamedTuple):
         moving: Number n of moving nodes.
         m: Number of constraints.
         constraints: Number of constraints of all parts of a divided scene.
+        degrees_of_freedom: Number of free unknowns less that of constraints, of all parts.
         size: Number of unknowns, ``6 n + m``.
         length: Length of the model, the scale of tolerances.
         kinds: Type of each node, (n,), see :mod:`fem_lie.lie.node_types`.
@@ -69,6 +70,7 @@ class Unknowns(NamedTuple):
     moving: int
     m: int
     constraints: int
+    degrees_of_freedom: int
     size: int
     length: float
     kinds: Indices
@@ -107,16 +109,25 @@ class Unknowns(NamedTuple):
         """Unit of each unknown of the nodes, (6 n,): the length of the model, or 1."""
         return np.repeat(np.where(self.lengths, self.length, 1.0).ravel(), 3)
 
+    def check_count(self, count: int) -> None:
+        """Raise ``ValueError`` unless a number of modes is between 1 and the degrees of freedom."""
+        if not 1 <= count <= self.degrees_of_freedom:
+            raise ValueError(
+                f"count must be 1 … {self.degrees_of_freedom}, the degrees of freedom, got {count}"
+            )
+
     @classmethod
     def of(cls, system: System) -> Unknowns:
         """Unknowns of a system."""
         numbering, connections = system.numbering, system.connections
         shown = numbering, system.terms, system.kinds, system.m
         shared, low_rank = system.shared, any(term.low_rank is not None for term in system.terms)
+        free = (~system.held[shared.owned]).sum() - system.m
         return cls(
             moving=system.count,
             m=system.m,
             constraints=int(shared.total(np.array(system.m))),
+            degrees_of_freedom=int(shared.total(np.array(free))),
             size=system.size,
             length=system.length,
             kinds=system.kinds,
