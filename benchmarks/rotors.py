@@ -26,6 +26,7 @@ import scipy.sparse.linalg
 from scipy.optimize import brentq, linear_sum_assignment
 
 import fem_lie as fl
+from demos.reference.whirling_shaft import roots
 from fem_lie.linear.spectra.pencil import Pencil
 from fem_lie.scene.rotation import Rotation
 from fem_lie.system.equations import Equations
@@ -177,7 +178,7 @@ def continuous(rotor: Rotor, spin: float, count: int) -> tuple[Array, Array]:
     same in both. (R. Eshleman & R. Eubanks, J. Eng. Ind. 91 (1969) 1180.)
     """
     D, inertia = np.diag(rotor.section.stiffness), np.diag(rotor.section.inertia)
-    whirls = [λ for sign in (1.0, -1.0) for λ in _roots(_whirl(rotor, sign * spin), count, sign)]
+    whirls = [sign * λ for sign in (1.0, -1.0) for λ in roots(_whirl(rotor, sign * spin), count)]
     mass, polar, _ = rotor.disc
     axial = _waves(D[0], inertia[0], mass, count)
     twist = _waves(D[3], inertia[2] + inertia[3], polar, count)
@@ -211,19 +212,6 @@ def _whirl(rotor: Rotor, spin: float) -> Callable[[float], float]:
         return float(np.linalg.det(((ends @ T)[:, 2:] * units[2:]) / units[2:, np.newaxis]))
 
     return determinant
-
-
-def _roots(determinant: Callable[[float], float], count: int, sign: float) -> list[float]:
-    """Positive zeros, with a sign, by a search with steps that grow."""
-    found: list[float] = []
-    λ, value = 1e-3, determinant(1e-3)
-    while len(found) < count:
-        ahead = 1.01 * λ + 1e-3
-        following = determinant(ahead)
-        if value * following < 0.0:
-            found.append(sign * brentq(determinant, λ, ahead, xtol=1e-13 * ahead, rtol=1e-14))
-        λ, value = ahead, following
-    return found
 
 
 def _waves(stiffness: float, line: float, end: float, count: int) -> Array:
