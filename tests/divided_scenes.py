@@ -1,6 +1,5 @@
 """Scenes divided among ranks, for test_divided.py: ``mpirun -n 2 divided_scenes.py OUT``."""
 
-import faulthandler
 import logging
 import sys
 import warnings
@@ -600,8 +599,6 @@ def results():
 
 
 if __name__ == "__main__":
-    # a rank that fails leaves the others waiting for it
-    faulthandler.dump_traceback_later(500, exit=True)
     divide()
     found = results()
     followed = fl.follow_path(strut()[0], until=PATHS["strut"][1])

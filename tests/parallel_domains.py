@@ -1,6 +1,5 @@
 """What test_domains.py compares: ``mpirun -n 2 parallel_domains.py OUT WAY``."""
 
-import faulthandler
 import sys
 from pathlib import Path
 
@@ -24,8 +23,6 @@ def results():
 
 
 if __name__ == "__main__":
-    # a rank that fails leaves the others waiting for it
-    faulthandler.dump_traceback_later(500, exit=True)
     for kind in ("statics", "dynamics"):
         PETSc.Options(f"fem_lie_{kind}_")["domains"] = sys.argv[2]
     arrays, statistics = results()

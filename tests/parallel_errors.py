@@ -1,6 +1,5 @@
 """What test_ranks.py lets go wrong on one rank: ``mpirun -n 2 parallel_errors.py FAULT``."""
 
-import faulthandler
 import sys
 
 from mpi4py import MPI
@@ -31,6 +30,5 @@ def go_wrong(fault):
 
 
 if __name__ == "__main__":
-    faulthandler.dump_traceback_later(120, exit=True)
     parallel_scenes.share_factors()
     go_wrong(sys.argv[1])

@@ -1,6 +1,5 @@
 """A run amid which a rank fails: ``mpirun -n N parallel_faults.py FAULT,RANK,SHARED FILE``."""
 
-import faulthandler
 import os
 import resource
 import signal
@@ -88,7 +87,6 @@ def run(file, fault="", rank=ANYWHERE):
 
 
 if __name__ == "__main__":
-    faulthandler.dump_traceback_later(240, exit=True)
     name, where, shares = sys.argv[1].split(",")
     fl.Scene()  # from here on the ranks end together
     if name in AT_ONCE and MPI.COMM_WORLD.rank == int(where):

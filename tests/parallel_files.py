@@ -1,6 +1,5 @@
 """Files of divided scenes: ``mpirun -n N parallel_files.py OUT run|resume FOLDER``."""
 
-import faulthandler
 import sys
 from pathlib import Path
 
@@ -71,7 +70,6 @@ def numbers(results):
 
 
 if __name__ == "__main__":
-    faulthandler.dump_traceback_later(240, exit=True)
     divided_scenes.divide()
     out, what, folder = sys.argv[1:]
     found = {"run": run, "resume": resume}[what](Path(folder))

@@ -1,6 +1,5 @@
 """A body of forms on a distributed mesh, for test_form_bodies.py: ``mpirun -n 2 … OUT``."""
 
-import faulthandler
 import json
 import sys
 from pathlib import Path
@@ -28,7 +27,6 @@ def refusal(comm: MPI.Comm) -> str:
 
 
 if __name__ == "__main__":
-    faulthandler.dump_traceback_later(120, exit=True)
     text = refusal(MPI.COMM_WORLD)
     if MPI.COMM_WORLD.rank == 0:
         Path(sys.argv[1]).write_text(json.dumps(text))

@@ -1,6 +1,5 @@
 """Bodies on distributed meshes of DOLFINx: ``mpirun -n 2 parallel_meshes.py OUT``."""
 
-import faulthandler
 import sys
 
 from mpi4py import MPI
@@ -191,7 +190,6 @@ BUILT = {
 
 
 if __name__ == "__main__":
-    faulthandler.dump_traceback_later(300, exit=True)
     found = {name: build(MPI.COMM_WORLD) for name, build in BUILT.items()}
     if MPI.COMM_WORLD.rank == 0:
         np.savez(sys.argv[1], **found)

@@ -1,6 +1,5 @@
 """What test_ranks.py compares between numbers of ranks: ``mpirun -n 2 parallel_scenes.py OUT``."""
 
-import faulthandler
 import sys
 from pathlib import Path
 
@@ -95,8 +94,6 @@ def results(file):
 
 
 if __name__ == "__main__":
-    # a rank that fails leaves the others waiting for it
-    faulthandler.dump_traceback_later(500, exit=True)
     share_factors()
     out = Path(sys.argv[1])
     found = results(out.with_suffix(".h5"))

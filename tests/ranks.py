@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,10 @@ from mpi4py import MPI
 
 import pytest
 
+from fem_lie.ranks.together import FRAGMENTS
+
+PATIENCE, ENDING = 400.0, 60.0  # seconds for a script, and for its end after a signal
+
 
 def on_ranks(script: ModuleType, ranks: int, out: Path, *given: str) -> None:
     """``mpirun -n ranks script out given…``; the script has to end well and without warnings."""
@@ -18,8 +23,13 @@ def on_ranks(script: ModuleType, ranks: int, out: Path, *given: str) -> None:
     assert code == 0, text
 
 
-def output_of_ranks(script: ModuleType, ranks: int, *given: str) -> tuple[int, str]:
-    """How ``mpirun -n ranks script given…`` ends, and all that it writes."""
+def output_of_ranks(
+    script: ModuleType, ranks: int, *given: str, patience: float = PATIENCE
+) -> tuple[int, str]:
+    """How ``mpirun -n ranks script given…`` ends, and all that it writes.
+
+    Ranks that wait for each other for ever are aborted, and each writes where it is.
+    """
     command = shutil.which("mpirun")
     if command is None:
         pytest.skip("no mpirun here")
@@ -29,12 +39,23 @@ def output_of_ranks(script: ModuleType, ranks: int, *given: str) -> tuple[int, s
         "OMPI_ALLOW_RUN_AS_ROOT": "1",
         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
         "OMPI_MCA_btl": "^tcp",  # shared memory works without a network
+        FRAGMENTS: "-1",  # with a limit, ranks may wait for ever
         "OMPI_MCA_mpi_yield_when_idle": "1",  # ranks that wait leave the core to others
         "OMP_NUM_THREADS": "1",
     }
     many = ["--oversubscribe"] if "Open MPI" in MPI.Get_library_version() else []
-    arguments = ["-n", str(ranks), sys.executable, "-W", "error", str(script.__file__), *given]
-    run = subprocess.run(
-        [command, *many, *arguments], env=environment, capture_output=True, text=True, timeout=600
+    python = [sys.executable, "-W", "error", "-X", "faulthandler"]
+    run = subprocess.Popen(
+        [command, *many, "-n", str(ranks), *python, str(script.__file__), *given],
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
     )
-    return run.returncode, run.stdout + run.stderr
+    try:
+        text, _ = run.communicate(timeout=patience)
+    except subprocess.TimeoutExpired:
+        run.send_signal(signal.SIGABRT)  # mpirun passes it on to all ranks
+        text, _ = run.communicate(timeout=ENDING)
+        pytest.fail(f"ranks wait for each other for ever:\n{text}")
+    return run.returncode, text

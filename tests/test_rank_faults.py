@@ -37,7 +37,6 @@ def whole(tmp_path_factory):
 def test_a_fault_on_one_rank_is_the_end_of_all(whole, tmp_path, fault, rank, factors):
     file = tmp_path / "run.h5"
     code, text = output_of_ranks(parallel_faults, 2, f"{fault},{rank},{factors}", str(file))
-    assert "Timeout (" not in text, f"the watchdog of the script ended it: {text}"
     assert code != 0
     assert text.count(parallel_faults.MESSAGES[fault]) == 1, text
     if fault in parallel_faults.AT_ONCE:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import logging
 import os
 import sys
 import time
@@ -22,6 +23,16 @@ SAME = 1e-8
 
 PATIENCE = 1.0
 """Seconds that other ranks wait so that the first one can report an error of all."""
+
+
+HANGS_FROM, HANGS_UNTIL = (5, 0, 0), (5, 0, 11)
+"""Versions of Open MPI whose ranks may wait for ever: open-mpi/ompi issue 12979.
+
+If its shared memory has no free fragment, the acknowledgement of a large message is not sent again.
+"""
+
+FRAGMENTS = "OMPI_MCA_btl_sm_free_list_max"
+"""Environment variable with the number of those fragments, -1 for any."""
 
 
 class RanksError(RuntimeError):
@@ -108,6 +119,20 @@ def end_together() -> None:
             import_module(library)
         sys.excepthook = _end_all
         atexit.register(_at_end)
+        check_library()
+
+
+def check_library() -> None:
+    """Warn of an MPI library whose ranks may wait for each other for ever."""
+    name, version = MPI.get_vendor()
+    hangs = name == "Open MPI" and HANGS_FROM <= version < HANGS_UNTIL
+    if hangs and FRAGMENTS not in os.environ and first():
+        logging.getLogger(__name__).warning(
+            "ranks of Open MPI %s may wait for each other for ever when large matrices are "
+            "factorised; export %s=-1 before mpirun",
+            ".".join(map(str, version)),
+            FRAGMENTS,
+        )
 
 
 def _end_all(kind: type[BaseException], error: BaseException, at: TracebackType | None) -> None:
