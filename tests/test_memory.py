@@ -102,8 +102,8 @@ def test_pivots_are_not_counted_without_memory(little_for_mumps):
 def test_eigenvalues_without_memory_say_so(little_for_mumps):
     from slepc4py import SLEPc
 
+    from fem_lie.linear.spectra.free_unknowns import ON_ONE_RANK
     from fem_lie.linear.spectra.pencil import set_up
-    from fem_lie.linear.spectra.unknowns import ON_ONE_RANK
 
     eigen = SLEPc.EPS().create(PETSc.COMM_SELF)
     matrix = ON_ONE_RANK.matrix(laplacian(20), 8000)

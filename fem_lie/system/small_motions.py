@@ -13,8 +13,8 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Flags
 from fem_lie.lie import node_types
 from fem_lie.lie.node_types import POSITION_GRADIENT, all_result_twists, at_rest
+from fem_lie.linear.spectra.free_unknowns import FreeUnknowns, free_unknowns
 from fem_lie.linear.spectra.pencil import Complex, Pencil, RigidParts
-from fem_lie.linear.spectra.unknowns import Unknowns, unknowns_of
 from fem_lie.scene.rotation import Rotation
 from fem_lie.system.nodes.groups import Groups
 from fem_lie.system.system import System
@@ -232,7 +232,7 @@ class SmallMotions:
         system = self._system
         M, C, K = (self._matrix(blocks) for blocks in self.blocks)
         free = np.flatnonzero(~system.held.ravel())
-        damped, unknowns = system.shared.any(C.nnz > 0), unknowns_of(system.shared, free)
+        damped, unknowns = system.shared.any(C.nnz > 0), free_unknowns(system.shared, free)
         B = self.B.tocsr()[:, free]
         pencil = Pencil(M, C if damped else None, K, B, self._parts(K, unknowns), unknowns)
         return pencil if pencil.split_is_exact else replace(pencil, parts=None)
@@ -241,7 +241,7 @@ class SmallMotions:
         """Tangent stiffness of free unknowns, in units of energy, and constraint Jacobian."""
         return self._matrix(self.blocks[2]), self.B.tocsr()[:, ~self._system.held.ravel()]
 
-    def _parts(self, K: sp.csr_matrix, unknowns: Unknowns) -> RigidParts:
+    def _parts(self, K: sp.csr_matrix, unknowns: FreeUnknowns) -> RigidParts:
         """Stiffness of elements and of everything else, with rigid motions."""
         system, kkt = self._system, self._system.kkt
         state = system, self.H, self.v, self.multipliers

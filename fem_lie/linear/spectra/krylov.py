@@ -15,6 +15,7 @@ import numpy as np
 import scipy.sparse as sp
 from slepc4py import SLEPc
 
+from fem_lie.linear.spectra.free_unknowns import FreeUnknowns, OnRanks
 from fem_lie.linear.spectra.pencil import (
     SHIFT,
     Complex,
@@ -24,7 +25,6 @@ from fem_lie.linear.spectra.pencil import (
     pairs_of,
     set_up,
 )
-from fem_lie.linear.spectra.unknowns import OnRanks, Unknowns
 
 _TARGET = 0.1  # shift over the unit of s
 _FAR = 10.0  # largest eigenvalue over the unit of s
@@ -143,7 +143,7 @@ class _Factors:
 
     solver: Any
     matrix: OnRanks
-    unknowns: Unknowns
+    unknowns: FreeUnknowns
     unit: float
 
     def __call__(self, residuals: ComplexExtended) -> Complex:

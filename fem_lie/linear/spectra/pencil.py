@@ -37,7 +37,7 @@ from fem_lie._arrays import Array
 from fem_lie._compat import slepc_errors
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.packages import lacks_memory
-from fem_lie.linear.spectra.unknowns import ON_ONE_RANK, OnRanks, Unknowns
+from fem_lie.linear.spectra.free_unknowns import ON_ONE_RANK, FreeUnknowns, OnRanks
 
 Complex = npt.NDArray[np.complex128]
 
@@ -49,7 +49,7 @@ def padded(A: sp.csr_matrix, B: sp.csr_matrix) -> sp.csr_matrix:
     return sp.block_diag([A, sp.csr_matrix((B.shape[0],) * 2)], format="csr")
 
 
-def set_up(solver: Any, count: int, kind: Any, prefix: str, unknowns: Unknowns) -> None:
+def set_up(solver: Any, count: int, kind: Any, prefix: str, unknowns: FreeUnknowns) -> None:
     """Compute ``count`` pairs nearest to a target with a factorisation.
 
     Raises:
@@ -67,7 +67,7 @@ def set_up(solver: Any, count: int, kind: Any, prefix: str, unknowns: Unknowns) 
     solve_factorised(solver, prefix, unknowns)
 
 
-def solve_factorised(solver: Any, prefix: str, unknowns: Unknowns) -> None:
+def solve_factorised(solver: Any, prefix: str, unknowns: FreeUnknowns) -> None:
     """Solve by a direct factorisation, with the user's options.
 
     Raises:
@@ -105,7 +105,7 @@ def _solve_factorised(solver: Any, prefix: str) -> None:
         ) from error
 
 
-def pairs_of(solver: Any, matrix: OnRanks, unknowns: Unknowns) -> tuple[Complex, Complex]:
+def pairs_of(solver: Any, matrix: OnRanks, unknowns: FreeUnknowns) -> tuple[Complex, Complex]:
     """All converged eigenvalues and vectors, without multipliers, the same on all ranks."""
     found = solver.getConverged()
     real, imaginary = matrix.matrix.createVecs()
@@ -159,7 +159,7 @@ class RigidParts:
         elements: sp.csr_matrix,
         stress: sp.csr_matrix,
         motions: sp.csr_matrix,
-        unknowns: Unknowns,
+        unknowns: FreeUnknowns,
     ) -> None:
         """Store the matrices.
 
@@ -264,7 +264,7 @@ class Pencil:
     K: sp.csr_matrix
     B: sp.csr_matrix
     parts: RigidParts | None = None
-    unknowns: Unknowns = ON_ONE_RANK
+    unknowns: FreeUnknowns = ON_ONE_RANK
 
     @cached_property
     def diagonals(self) -> tuple[Array, Array]:

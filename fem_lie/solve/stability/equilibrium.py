@@ -20,9 +20,9 @@ import scipy.sparse as sp
 from fem_lie._arrays import Array, Flags
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.pivots import inertia
+from fem_lie.linear.spectra.free_unknowns import free_unknowns
 from fem_lie.linear.spectra.pencil import Pencil, RigidParts
 from fem_lie.linear.spectra.smallest import smallest
-from fem_lie.linear.spectra.unknowns import unknowns_of
 from fem_lie.parts.part_scene import ScenePart
 from fem_lie.results.gathering import WholeScene
 from fem_lie.scene import Scene
@@ -64,7 +64,7 @@ class StableEquilibrium(SceneEquilibrium):
         self._linearised_stress = linearised_stress
         self.weight = self.equations.unknowns.units
         self._free = np.flatnonzero(~self.equations.unknowns.held.ravel())
-        self.unknowns = unknowns_of(self.equations.shared, self._free)
+        self.free_unknowns = free_unknowns(self.equations.shared, self._free)
 
     def factorise(self, factor: float) -> None:
         """Factorise the tangent stiffness, and count its negative eigenvalues."""
@@ -105,10 +105,10 @@ class StableEquilibrium(SceneEquilibrium):
         K, B = self.pencil()
         motions = self.equations.constraints(self._H).rigid_motions(self.weight)
         basis = motions.basis[:, motions.of_frames]
-        Z = RigidParts(K, K, K, basis, self.unknowns).mechanisms(B)
+        Z = RigidParts(K, K, K, basis, self.free_unknowns).mechanisms(B)
         if not len(Z):
             return 0
-        products = self.unknowns.total(0.5 * Z @ ((K + K.T) @ Z.T))
+        products = self.free_unknowns.total(0.5 * Z @ ((K + K.T) @ Z.T))
         resists = np.abs(np.linalg.eigvalsh(products))
         return int((resists <= _LOOSE * self.largest_entry(K)).sum())
 
@@ -135,8 +135,8 @@ class StableEquilibrium(SceneEquilibrium):
         K = (0.5 * (K + K.T)).tocsr()
         count = min(count, K.shape[0] - B.shape[0])
         ones = np.ones((1, K.shape[0]))
-        unit = sp.diags(self.unknowns.owned(ones)[0], format="csr")
-        s, vectors, _ = smallest(Pencil(unit, None, K, B, None, self.unknowns), count, 0.0, prefix)
+        unit = sp.diags(self.free_unknowns.owned(ones)[0], format="csr")
+        s, vectors, _ = smallest(Pencil(unit, None, K, B, None, self.free_unknowns), count, 0.0, prefix)
         values = -(s**2).real
         return values, np.array([self.increments(vector.real) for vector in vectors])
 

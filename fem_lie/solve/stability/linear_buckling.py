@@ -191,7 +191,7 @@ class _Inverse:
         prefix: str,
     ) -> None:
         """Put the matrices of all ranks together."""
-        self._K, self._G, self._prefix, self._unknowns = K, G, prefix, model.unknowns
+        self._K, self._G, self._prefix, self._unknowns = K, G, prefix, model.free_unknowns
         size = self._unknowns.mean(np.abs(self._unknowns.assembled(K.diagonal()[np.newaxis])[0]))
         rows = size * B
         bordered = sp.bmat([[K, rows.T], [rows, None]], format="csr") if B.shape[0] else K
@@ -256,8 +256,8 @@ def _response(
     model: StableEquilibrium, K: sp.csr_matrix, A: sp.csr_matrix, x: Array
 ) -> tuple[float, Array]:
     """``‖y‖`` for x of length one, with ``y = K⁻¹ A x`` and ``‖y‖² = yᵀ K y``; and y."""
-    y = model.solve_free(model.unknowns.assembled((A @ x)[np.newaxis])[0])
-    squares = [max(float(model.unknowns.total(z @ (K @ z))), 0.0) for z in (x, y)]
+    y = model.solve_free(model.free_unknowns.assembled((A @ x)[np.newaxis])[0])
+    squares = [max(float(model.free_unknowns.total(z @ (K @ z))), 0.0) for z in (x, y)]
     return float(np.sqrt(squares[1] / squares[0])) if squares[0] else 0.0, y
 
 
@@ -272,7 +272,7 @@ def energy_radius(model: StableEquilibrium, K: sp.csr_matrix, A: sp.csr_matrix) 
         return 0.0
     # a smooth start that satisfies constraints: motions of single nodes are not of interest
     start = np.random.default_rng(_SEED).standard_normal((1, K.shape[0]))
-    x = model.solve_free(model.unknowns.of_owners(start)[0])
+    x = model.solve_free(model.free_unknowns.of_owners(start)[0])
     value = 0.0
     for _ in range(_REPEATS):
         before, (value, x) = value, _response(model, K, A, x)

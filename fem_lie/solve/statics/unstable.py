@@ -20,8 +20,8 @@ from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.pivots import inertia, negative_determinant
+from fem_lie.linear.spectra.free_unknowns import free_unknowns
 from fem_lie.linear.spectra.pencil import RigidParts
-from fem_lie.linear.spectra.unknowns import unknowns_of
 
 if TYPE_CHECKING:
     from fem_lie.results.equilibrium import StaticResult
@@ -140,7 +140,7 @@ class FreeMotions:
         self.possible: bool = equations.shared.any(vectors)
         self._weight = unknowns.units
         self._free = np.flatnonzero(~unknowns.held.ravel())
-        self._unknowns = unknowns_of(equations.shared, self._free)
+        self._unknowns = free_unknowns(equations.shared, self._free)
 
     def allowed(self, H: Array) -> Array:
         """Basis (z, free unknowns) of rigid motions that constraints allow at frames ``H``."""

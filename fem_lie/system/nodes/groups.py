@@ -9,8 +9,8 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.linear.spectra.free_unknowns import triangle
 from fem_lie.linear.spectra.pencil import FREE, kernel
-from fem_lie.linear.spectra.unknowns import triangle
 from fem_lie.ranks.shared_nodes import SharedNodes
 
 

@@ -30,8 +30,8 @@ def triangle(A: Array) -> Array:
     return np.asarray(np.linalg.qr(A, mode="r"))
 
 
-class Unknowns:
-    """Unknowns of a scene on one rank.
+class FreeUnknowns:
+    """Free unknowns of a scene on one rank.
 
     Attributes:
         several: Whether other ranks have parts, too.
@@ -103,11 +103,11 @@ class Unknowns:
         return OnRanks(A, SharedNodes.alone(0), np.arange(A.shape[0]), np.arange(n))
 
 
-ON_ONE_RANK = Unknowns()
+ON_ONE_RANK = FreeUnknowns()
 
 
-class SharedUnknowns(Unknowns):
-    """Unknowns of a part of a scene, of which other ranks have copies."""
+class DividedUnknowns(FreeUnknowns):
+    """Free unknowns of a part of a scene, of which other ranks have copies."""
 
     several = True
 
@@ -206,14 +206,14 @@ class SharedUnknowns(Unknowns):
         return OnRanks(A, self._shared, np.concatenate([self._free, multipliers]), self._free)
 
 
-def unknowns_of(shared: SharedNodes, free: Indices) -> Unknowns:
-    """Unknowns of a scene or of a part.
+def free_unknowns(shared: SharedNodes, free: Indices) -> FreeUnknowns:
+    """Free unknowns of a scene or of a part.
 
     Args:
         shared: Nodes that other ranks have, too.
         free: Numbers of the unknowns among six of each node, shape (n,).
     """
-    return SharedUnknowns(shared, free) if shared.several else ON_ONE_RANK
+    return DividedUnknowns(shared, free) if shared.several else ON_ONE_RANK
 
 
 class OnRanks:
