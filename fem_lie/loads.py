@@ -14,6 +14,7 @@ if TYPE_CHECKING:
         TensionOnly,
         compiled_law,
     )
+    from fem_lie.scene.form_loads import FormLoad
     from fem_lie.scene.pressure_loads import PressureLoad, SurfacePressure
     from fem_lie.scene.solid_loads import BulkLoad, FaceLoad, FacePressure
     from fem_lie.scene.strain_loads import Eigenstrain, PreStress, Temperature
@@ -30,6 +31,7 @@ __all__ = [
     "FacePressure",
     "ForceLaw",
     "ForceLawError",
+    "FormLoad",
     "MassLoad",
     "PiecewiseLinear",
     "PiecewiseSmooth",

@@ -12,8 +12,6 @@ from mpi4py import MPI
 
 import pytest
 
-from fem_lie.ranks.together import FRAGMENTS
-
 PATIENCE, ENDING = 400.0, 60.0  # seconds for a script, and for its end after a signal
 
 
@@ -39,7 +37,7 @@ def output_of_ranks(
         "OMPI_ALLOW_RUN_AS_ROOT": "1",
         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
         "OMPI_MCA_btl": "^tcp",  # shared memory works without a network
-        FRAGMENTS: "-1",  # with a limit, ranks may wait for ever
+        "OMPI_MCA_btl_sm_free_list_max": "-1",  # with a limit, ranks may wait for ever
         "OMPI_MCA_mpi_yield_when_idle": "1",  # ranks that wait leave the core to others
         "OMP_NUM_THREADS": "1",
     }

@@ -12,7 +12,7 @@ import fem_lie as fl
 from fem_lie.linear import direct
 from fem_lie.linear.choice import DISSECTION, MINIMUM_DEGREE, Graph, Solutions, _ordering, choose
 from fem_lie.linear.saddle_point import Incidences
-from fem_lie.ranks import shared_factors
+from fem_lie.ranks import shared_factors, together
 from fem_lie.solve.statics.follow import SceneEquilibrium
 
 STEEL = fl.Material(2.1e11, 0.3, 7850.0)
@@ -202,3 +202,19 @@ def test_factors_with_little_fill_are_shared_by_an_option_alone(monkeypatch):
     assert not shared_factors.shared(10**6, "test_spreads_", spreads=False)
     PETSc.Options("test_spreads_")["shared_from"] = 1
     assert shared_factors.shared(100, "test_spreads_", spreads=False)
+
+
+@pytest.mark.parametrize(
+    ("version", "warnings"), [((4, 1, 8), 0), ((5, 0, 7), 1), ((5, 0, 10), 1), ((5, 0, 11), 0)]
+)
+def test_an_mpi_library_whose_ranks_may_wait_for_ever_is_named(
+    monkeypatch, caplog, version, warnings
+):
+    monkeypatch.setattr(together.MPI, "get_vendor", lambda: ("Open MPI", version))
+    monkeypatch.delenv(together.FRAGMENTS, raising=False)
+    together.check_library()
+    assert len(caplog.records) == warnings
+    assert all(together.FRAGMENTS in record.message for record in caplog.records)
+    monkeypatch.setenv(together.FRAGMENTS, "-1")
+    together.check_library()
+    assert len(caplog.records) == warnings

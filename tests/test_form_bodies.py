@@ -174,6 +174,61 @@ def test_gravity_as_a_load_of_forms():
         assert found.balance_error < (1e-10 if scheme is SCHEMES[1] else 1e-3)
 
 
+def at_the_end(q) -> ufl.Measure:
+    nodes = dolfinx.mesh.locate_entities_boundary(mesh_of(q), 0, lambda x: np.isclose(x[0], 1.0))
+    tags = dolfinx.mesh.meshtags(mesh_of(q), 0, nodes, np.ones(1, dtype=np.int32))
+    return ufl.Measure("ds", domain=mesh_of(q), subdomain_data=tags)(1)
+
+
+def kick(t: float) -> float:
+    return np.sin(30 * t)
+
+
+@pytest.mark.parametrize(
+    "scheme",
+    [fl.GeneralisedAlpha(radius=0.8, tolerance=1e-12), *SCHEMES[1:]],
+    ids=lambda s: type(s).__name__,
+)
+def test_loads_of_forms_with_a_history_are_point_loads(scheme):
+    """A dead force and a follower moment on the end, beside another body."""
+    q, other = frames(), frames()
+    force, moment = np.array([0.0, 1.0, -3.0]), np.array([0.0, 0.4, 0.1])
+    works = [
+        fl.extend.dead_force(fem.Constant(mesh_of(q), force), at_the_end(q), q),
+        fl.extend.follower_moment(fem.Constant(mesh_of(q), moment), at_the_end(q), q),
+    ]
+    own, reference = body_of(q, with_stress(q)), body_of(other, with_stress(other))
+    loads = [fl.loads.FormLoad(own, work, history=kick) for work in works]
+    tip = reference.point((1.0, 0.0, 0.0))
+    points = [
+        fl.PointLoad(tip, force=force, history=kick),
+        fl.PointLoad(tip, moment=moment, following=True, history=kick),
+    ]
+    found = swing(scheme, fl.RigidBody(1.0, np.eye(3)), own, *loads, gravity=(0, 0, 0))
+    expected = swing(scheme, reference, *points, gravity=(0, 0, 0))
+    assert np.abs(end(expected, reference)[-1] - (1, 0, 0)).max() > 0.01
+    np.testing.assert_allclose(end(found, own), end(expected, reference), rtol=0, atol=1e-10)
+    np.testing.assert_allclose(found.balance, expected.balance, rtol=0, atol=1e-8)
+
+
+def test_loads_of_forms_grow_with_the_load_factor_in_statics():
+    q, other = frames(), frames()
+    force = np.array([0.0, 0.0, -3.0])
+    work = fl.extend.dead_force(fem.Constant(mesh_of(q), force), at_the_end(q), q)
+    own, reference = body_of(q, with_stress(q)), body_of(other, with_stress(other))
+    tip, found = reference.point((1.0, 0.0, 0.0)), []
+    for body, load in (
+        (own, fl.loads.FormLoad(own, work)),
+        (reference, fl.PointLoad(tip, force=force)),
+    ):
+        scene = fl.Scene()
+        scene.add(body)
+        scene.add(load)
+        found.append(end(fl.statics(scene, load_steps=4), body))
+    assert np.abs(found[0][-1] - (1, 0, 0)).max() > 0.05
+    np.testing.assert_allclose(*found, rtol=0, atol=1e-9)
+
+
 # --- laws -----------------------------------------------------------------------------------------
 
 
@@ -231,12 +286,10 @@ def test_order_in_time(monkeypatch):
 def test_statics_finds_the_equilibrium_of_snes():
     q = frames()
     force = fem.Constant(mesh_of(q), (0.0, 1.0, -3.0))
-    tags = dolfinx.mesh.locate_entities_boundary(mesh_of(q), 0, lambda x: np.isclose(x[0], 1.0))
-    ends = dolfinx.mesh.meshtags(mesh_of(q), 0, tags, np.ones(1, dtype=np.int32))
-    ds = ufl.Measure("ds", domain=mesh_of(q), subdomain_data=ends)
+    ds = at_the_end(q)
     loads = [
-        fl.extend.dead_force(force, ds(1), q),
-        fl.extend.follower_moment(fem.Constant(mesh_of(q), (0.0, 0.4, 0.0)), ds(1), q),
+        fl.extend.dead_force(force, ds, q),
+        fl.extend.follower_moment(fem.Constant(mesh_of(q), (0.0, 0.4, 0.0)), ds, q),
     ]
     own = body_of(q, [*with_stress(q), *loads])
     scene = fl.Scene()
@@ -368,6 +421,16 @@ def test_what_bodies_of_forms_refuse():
         fl.extend.FormBody(problem, damping=fl.sections.Damping(mass=1.0))
     with pytest.raises(ValueError, match="damping with mass only"):
         body_of(q, forms, damping=DAMPING)
+    own = fl.extend.FormBody(problem)
+    with pytest.raises(ValueError, match="expected a virtual work, got an energy"):
+        fl.loads.FormLoad(own, forms[0])
+    strange = fl.extend.dead_force(fem.Constant(mesh_of(r := frames()), np.ones(3)), ufl.dx, r)
+    with pytest.raises(ValueError, match="got one of other NodalFrames"):
+        fl.loads.FormLoad(own, strange)
+    with pytest.raises(TypeError, match=r"FormLoad: work must be a virtual work"):
+        fl.loads.FormLoad(own, ufl.inner(q.position, q.position) * dx)
+    with pytest.raises(TypeError, match="FormLoad: loaded must be a FormBody"):
+        fl.loads.FormLoad(beam(), load)
     with pytest.raises(TypeError, match="problem must be a FrameProblem"):
         fl.extend.FormBody(forms)
     with pytest.raises(ValueError, match=r"shape \(4, 4\), got shape \(6, 6\)"):

@@ -94,6 +94,7 @@ MAY_IMPORT = {
         "events",
         "contact",
         "pictures",
+        "bodies.forms",
         "bodies.gradients",
         "bodies.rods",
         "bodies.shells",

@@ -9,7 +9,6 @@ import pytest
 from ranks import on_ranks, output_of_ranks
 
 import fem_lie as fl
-from fem_lie.ranks import together
 
 
 @pytest.fixture(scope="module")
@@ -52,19 +51,3 @@ def test_all_ranks_end_together_with_one_message(fault):
     code, text = output_of_ranks(parallel_errors, 2, fault)
     assert code != 0
     assert text.count(parallel_errors.MESSAGES[fault]) == 1, text
-
-
-@pytest.mark.parametrize(
-    ("version", "warnings"), [((4, 1, 8), 0), ((5, 0, 7), 1), ((5, 0, 10), 1), ((5, 0, 11), 0)]
-)
-def test_an_mpi_library_whose_ranks_may_wait_for_ever_is_named(
-    monkeypatch, caplog, version, warnings
-):
-    monkeypatch.setattr(together.MPI, "get_vendor", lambda: ("Open MPI", version))
-    monkeypatch.delenv(together.FRAGMENTS, raising=False)
-    together.check_library()
-    assert len(caplog.records) == warnings
-    assert all(together.FRAGMENTS in record.message for record in caplog.records)
-    monkeypatch.setenv(together.FRAGMENTS, "-1")
-    together.check_library()
-    assert len(caplog.records) == warnings

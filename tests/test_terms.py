@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+import ufl
 
 import fem_lie as fl
 from fem_lie import lie
@@ -35,6 +36,14 @@ def scene_with(*items) -> fl.Scene:
     for item in items:
         scene.add(item)
     return scene
+
+
+def loaded_own_beam() -> fl.Scene:
+    own = own_beam("viscous")
+    q = own.model.problem.q
+    moment = ufl.as_vector((0.3, -0.2, 0.5))
+    work = fl.extend.dead_moment(moment, ufl.dx(q.function.function_space.mesh, degree=3), q)
+    return scene_with(own, fl.loads.FormLoad(own, work))
 
 
 def beam(formulation=None, **options) -> fl.Scene:
@@ -397,6 +406,7 @@ TERMS: dict[str, Case] = {
     "own viscous forms": Case(lambda: scene_with(own_beam("viscous")), "elements"),
     "own mixed forms": Case(lambda: scene_with(own_beam("mixed")), "elements"),
     "own moment": Case(lambda: scene_with(own_beam("moment", "viscous")), "virtual work"),
+    "own moment as a load": Case(loaded_own_beam, "virtual work"),
     "viscous beam": Case(lambda: beam(damping=VISCOUS), "elements"),
     "branched beam": Case(lambda: branch(damping=VISCOUS), "elements"),
     "cable": Case(cable, "elements"),
@@ -749,7 +759,7 @@ def test_all_terms_of_the_package_are_in_the_list():
 def test_the_equations_import_no_term_by_name(module):
     where = {kind.__module__.removeprefix("fem_lie.") for kind in all_kinds()}
     assert "system.terms.springs" in where
-    assert "scene.pressure" in where
+    assert "elements.beams.pressure" in where
     assert not where & imports_of(module)
 
 

@@ -13,10 +13,11 @@ from fem_lie._arrays import Array, direction, number, vector, vectors_at
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.thin_shells.smooth_surface import SmoothSurface
+from fem_lie.elements.beams.pressure import Pressure
+from fem_lie.elements.shells.pressure import SurfacePushes
 from fem_lie.elements.thin_shells.pressure import ThinPushes
 from fem_lie.mesh.shapes import FaceRule
 from fem_lie.scene.load import Carrier, History, Load, Sum
-from fem_lie.scene.pressure import Pressure, SurfacePushes
 from fem_lie.scene.surface_loads import SHELL, nodes_of, sides_of
 
 

@@ -11,8 +11,8 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, number
 from fem_lie.bodies.solids.faces import Faces
 from fem_lie.bodies.solids.solid import Solid
+from fem_lie.elements.shells.pressure import SurfacePushes
 from fem_lie.scene.load import Carrier, Field, History, Load, NodalLoad, Sum, at_points
-from fem_lie.scene.pressure import SurfacePushes
 
 SOLID = Carrier("solid", Solid, "a Solid")
 

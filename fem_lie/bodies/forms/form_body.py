@@ -127,8 +127,9 @@ class FormBody(Body):
 
     Energies are those of deformation, which rigid motions do not change; forces from outside are
     virtual works. All forms act in full at all times, with the values that their constants and
-    functions have when a run starts: loads that change in time are loads of the scene. Results have
-    the states: a run leaves the frames where they are, and uses the element-local fields.
+    functions have when a run starts: loads that change in time are loads of the scene, such as
+    :class:`fem_lie.loads.FormLoad`. Results have the states: a run leaves the frames where they
+    are, and uses the element-local fields.
     """
 
     model: FormModel

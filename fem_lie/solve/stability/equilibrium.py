@@ -136,7 +136,9 @@ class StableEquilibrium(SceneEquilibrium):
         count = min(count, K.shape[0] - B.shape[0])
         ones = np.ones((1, K.shape[0]))
         unit = sp.diags(self.free_unknowns.owned(ones)[0], format="csr")
-        s, vectors, _ = smallest(Pencil(unit, None, K, B, None, self.free_unknowns), count, 0.0, prefix)
+        s, vectors, _ = smallest(
+            Pencil(unit, None, K, B, None, self.free_unknowns), count, 0.0, prefix
+        )
         values = -(s**2).real
         return values, np.array([self.increments(vector.real) for vector in vectors])
 
