@@ -280,7 +280,7 @@ def _check_local(local: fem.Function) -> None:
     """Raise ``ValueError`` for fields that cells share, which cannot be condensed cell by cell."""
     space = local.function_space
     layout, dim = space.dofmap.dof_layout, space.mesh.topology.dim
-    if any(layout.num_entity_dofs(below) for below in range(dim)):
+    if any(layout.entity_dofs(below, 0) for below in range(dim)):
         raise ValueError(
             "local fields must be discontinuous between cells, such as DG, as they are condensed "
             f"cell by cell, got {space.ufl_element()}; a field that cells share belongs to the "
