@@ -230,6 +230,15 @@ def check_branches(mesh: dolfinx.mesh.Mesh) -> None:
         )
 
 
+def geometry_degree(mesh: dolfinx.mesh.Mesh) -> int:
+    """Degree of the map of the cells.
+
+    From 0.11 on there is one map for each kind of cells. The branch can go with 0.10.
+    """
+    geometry = mesh.geometry
+    return int((geometry.cmaps[0] if VERSION >= (0, 11) else geometry.cmap).degree)
+
+
 def ghost_options(mode: GhostMode = GhostMode.shared_facet) -> dict[str, Any]:
     """Options of ``dolfinx.mesh.create_mesh``: by default processes copy neighbouring cells.
 

@@ -13,6 +13,7 @@ import fcntl
 import logging
 import re
 import shutil
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from functools import cache
@@ -30,6 +31,8 @@ from fem_lie._jit import shipped
 _log = logging.getLogger(__name__)
 _PATIENCE = 5  # seconds that FFCx waits for a library before the check for compiling processes
 _GAVE_UP = re.compile(r"JIT compilation timed out.*remove (\S+\.c)\)", re.DOTALL)
+
+_DEPTH = 20_000  # calls: UFL 2025 and later call themselves five times for each level of a formula
 
 Compiled = TypeVar("Compiled")
 
@@ -58,7 +61,7 @@ def wait_for_others(comm: MPI.Comm, compile_with: Callable[[dict[str, Any]], Com
     while True:
         try:
             # DOLFINx compiles on the first of several processes alone
-            with _announced(folder) if comm.rank == 0 else nullcontext():
+            with _announced(folder) if comm.rank == 0 else nullcontext(), _deep_recursion():
                 return compile_with({"timeout": _PATIENCE})
         except (TimeoutError, RuntimeError) as error:
             waited_for = _GAVE_UP.search(str(error))
@@ -66,6 +69,17 @@ def wait_for_others(comm: MPI.Comm, compile_with: Callable[[dict[str, Any]], Com
                 raise
             if waited_for is not None:
                 _remove_if_abandoned(Path(waited_for[1]))
+
+
+@contextmanager
+def _deep_recursion() -> Iterator[None]:
+    """Context in which formulas may be nested deeply, also where the caller is deep already."""
+    before = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(before, _DEPTH))
+    try:
+        yield
+    finally:
+        sys.setrecursionlimit(before)
 
 
 @cache

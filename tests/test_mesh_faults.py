@@ -200,9 +200,10 @@ def test_a_mesh_of_two_kinds_of_cells_is_refused():
     kinds = [cpp.mesh.CellType.triangle, cpp.mesh.CellType.quadrilateral]
     x = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0), (2, 0, 0)], dtype=np.float64)
     elements = [cpp.fem.CoordinateElement_float64(kind, 1) for kind in kinds]
-    partitioner = cpp.mesh.create_cell_partitioner(cpp.mesh.GhostMode.none)
+    limit = () if dolfinx.__version__.startswith("0.9") else (2,)
+    partitioner = cpp.mesh.create_cell_partitioner(cpp.mesh.GhostMode.none, *limit)
     cells = [np.array([1, 4, 3]), np.array([0, 1, 2, 3])]
-    mixed = cpp.mesh.create_mesh(MPI.COMM_SELF, cells, elements, x.ravel(), partitioner)
+    mixed = cpp.mesh.create_mesh(MPI.COMM_SELF, cells, elements, x.ravel(), partitioner, *limit)
     with pytest.raises(ValueError, match="one kind, got triangle and quadrilateral"):
         fl.mesh.surface_from_dolfinx(dolfinx.mesh.Mesh(mixed, None))
 

@@ -338,7 +338,7 @@ class BodyModel:
         if self.source is None:
             return None
         nodes = _compat.geometry_dofmap(self.source).astype(np.int64)
-        return LagrangeNodes(self.source, self.source.geometry.cmap.degree, nodes)
+        return LagrangeNodes(self.source, _compat.geometry_degree(self.source), nodes)
 
     def nodes(self, where: str) -> Indices:
         """Numbers of the nodes of a named set.
