@@ -486,11 +486,16 @@ def buckling(build):
     return {"factors": modes.factors, "amplitudes": amplitudes(modes, 0, points)}
 
 
+LOCATED = fl.stability.PathOptions(locate=1e-10)
+"""States of several ranks at critical points are equal to the tolerance of their location."""
+
+
 def path(build, ends, control):
     """States, observations and critical points of a path, and the branch at the first of them."""
     scene, points = build()
     observe = {"height": lambda state: float(state.position(points[0])[2])}
     given = {"until": ends, "observe": observe, "control": control and control(points[0])}
+    given["options"] = LOCATED
     if control:
         del given["until"]
     run = fl.follow_path(scene, **given)
@@ -601,7 +606,7 @@ def results():
 if __name__ == "__main__":
     divide()
     found = results()
-    followed = fl.follow_path(strut()[0], until=PATHS["strut"][1])
+    followed = fl.follow_path(strut()[0], until=PATHS["strut"][1], options=LOCATED)
     followed.save(f"{sys.argv[1]}.path")
     if MPI.COMM_WORLD.rank == 0:
         np.savez(sys.argv[1], **found)
