@@ -26,6 +26,23 @@ class FormLoad(Load):
             :func:`~fem_lie.local_frame_forms` of a form that is linear in a variation of
             ``q.function``. Constants and functions have the values of the start of the run.
         history: Factor as a function of time.
+
+    Example:
+        >>> import basix.ufl, dolfinx, ufl
+        >>> from mpi4py import MPI
+        >>> e = basix.ufl.element("Lagrange", "interval", 1, shape=(3,))
+        >>> x, cells = np.array([[0.0, 0, 0], [1, 0, 0]]), np.array([[0, 1]])
+        >>> line = dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=x, e=e)
+        >>> q = fl.NodalFrames(line)
+        >>> strain = fl.elements.director_strains(q)[1]
+        >>> energy = fl.extend.StrainEnergy(strain, lambda k: ufl.inner(k, k), ufl.dx(line, degree=1))
+        >>> rod = fl.extend.FormBody(fl.FrameProblem(fl.local_frame_forms(energy, q), q))
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(rod)
+        >>> wind = fl.extend.dead_force(ufl.as_vector((0, 0, 1)), ufl.dx(line, degree=1), q)
+        >>> load = scene.add(fl.loads.FormLoad(rod, wind, history=lambda t: t))
+        >>> len(scene.loads)
+        1
     """
 
     carrier = Carrier("loaded", FormBody, "a FormBody")
