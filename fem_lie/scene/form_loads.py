@@ -35,11 +35,12 @@ class FormLoad(Load):
         >>> line = dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=x, e=e)
         >>> q = fl.NodalFrames(line)
         >>> strain = fl.elements.director_strains(q)[1]
-        >>> energy = fl.extend.StrainEnergy(strain, lambda k: ufl.inner(k, k), ufl.dx(line, degree=1))
+        >>> dx = ufl.dx(line, degree=1)
+        >>> energy = fl.extend.StrainEnergy(strain, lambda k: ufl.inner(k, k), dx)
         >>> rod = fl.extend.FormBody(fl.FrameProblem(fl.local_frame_forms(energy, q), q))
         >>> scene = fl.Scene()
         >>> _ = scene.add(rod)
-        >>> wind = fl.extend.dead_force(ufl.as_vector((0, 0, 1)), ufl.dx(line, degree=1), q)
+        >>> wind = fl.extend.dead_force(ufl.as_vector((0, 0, 1)), dx, q)
         >>> load = scene.add(fl.loads.FormLoad(rod, wind, history=lambda t: t))
         >>> len(scene.loads)
         1
