@@ -23,8 +23,9 @@ environment:
 demo: set-up
 	tools/run python3 demos/double_pendulum.py --case 1 $(ARGS)
 
+# The tests start hundreds of interpreters: Python keeps their bytecode, also if the shell forbids it.
 test: environment
-	tools/run python3 -m pytest --numprocesses=auto --maxprocesses=8 --dist=worksteal $(ARGS)
+	env --unset=PYTHONDONTWRITEBYTECODE tools/run python3 -m pytest --numprocesses=auto --maxprocesses=8 --dist=worksteal $(ARGS)
 
 lint: environment
 	tools/lint

@@ -22,16 +22,6 @@ from dolfinx import fem, la
 from dolfinx.fem import IntegralType, petsc
 from dolfinx.fem.forms import form_cpp_class
 from dolfinx.mesh import GhostMode
-from ufl.algorithms.analysis import has_type
-from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
-from ufl.algorithms.apply_derivatives import apply_derivatives
-from ufl.classes import Variable
-from ufl.core.expr import Expr
-from ufl.corealg.map_dag import map_expr_dag
-from ufl.corealg.multifunction import MultiFunction
-from ufl.domain import extract_unique_domain
-
-from fem_lie._form_cache import wait_for_others
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 # 0.9 has no option for more than two cells at a facet: a branching mesh is cut there in parallel.
@@ -63,28 +53,29 @@ def custom_form(
     return fem.Form(form_cpp_class(np.float64)(*arguments))
 
 
-class _WithoutVariables(MultiFunction):
-    """Replaces variables by their operands."""
+def form_with_library(form: ufl.Form, ufcx_form: Any, module: Any, code: Any) -> fem.Form:
+    """A form over whole meshes whose library FFCx has compiled and Python has loaded before.
 
-    expr = MultiFunction.reuse_if_untouched
-
-    def variable(self, o: Expr, value: Expr, label: Expr) -> Expr:
-        return value
-
-
-def expression(value: Expr, points: npt.ArrayLike) -> fem.Expression:
-    """An expression at points of its cells, compiled once for all equal expressions.
-
-    FFCx names compiled expressions by the count of each ``ufl.variable``, so derivatives with
-    respect to one are expanded first.
+    Args:
+        form: The form; its integrals have no subdomain data.
+        ufcx_form: FFCx's form in the library.
+        module: The library.
+        code: Its source.
     """
-    if has_type(value, Variable):
-        lowered = apply_derivatives(apply_algebra_lowering(value))
-        value = map_expr_dag(_WithoutVariables(), lowered)
-    mesh = extract_unique_domain(value).ufl_cargo()
-    return wait_for_others(
-        mesh.comm, lambda options: fem.Expression(value, np.asarray(points), jit_options=options)
-    )
+    given = form.coefficients()
+    count = ufcx_form.num_coefficients
+    positions = [ufcx_form.original_coefficient_positions[i] for i in range(count)]
+    address = int(module.ffi.cast("uintptr_t", module.ffi.addressof(ufcx_form)))
+    arguments: list[Any] = [
+        [address] if VERSION >= (0, 10) else address,  # always a list when 0.9 goes
+        [each.ufl_function_space()._cpp_object for each in form.arguments()],
+        [given[i]._cpp_object for i in positions],
+        [each._cpp_object for each in form.constants()],
+        {getattr(IntegralType, each.integral_type()): [] for each in form.integrals()},
+        [] if VERSION >= (0, 10) else {},  # maps to other meshes; always a list when 0.9 goes
+        form.ufl_domain().ufl_cargo(),
+    ]
+    return fem.Form(form_cpp_class(np.float64)(*arguments), ufcx_form, code, module)
 
 
 def integration_entities(form: fem.Form, kind: IntegralType) -> npt.NDArray[np.int32]:

@@ -23,9 +23,20 @@ from typing import IO, Any, TypeVar
 from mpi4py import MPI
 
 import dolfinx
+import numpy as np
+import numpy.typing as npt
 import ufl
 from dolfinx import fem
+from ufl.algorithms.analysis import has_type
+from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
+from ufl.algorithms.apply_derivatives import apply_derivatives
+from ufl.classes import Variable
+from ufl.core.expr import Expr
+from ufl.corealg.map_dag import map_expr_dag
+from ufl.corealg.multifunction import MultiFunction
+from ufl.domain import extract_unique_domain
 
+from fem_lie import _compat
 from fem_lie._jit import shipped
 
 _log = logging.getLogger(__name__)
@@ -37,14 +48,54 @@ _DEPTH = 20_000  # calls: UFL 2025 and later call themselves five times for each
 Compiled = TypeVar("Compiled")
 
 
+_loaded: dict[str, tuple[Any, Any, Any]] = {}
+"""FFCx's form, library and source of forms by their signatures, loaded by this process alone."""
+
+
 def compile_form(form: ufl.Form) -> fem.Form:
     """A form that FFCx has compiled, for assembly over its mesh.
+
+    FFCx looks through its whole cache folder for each form; one whose library this process has
+    loaded takes it from there. Several processes ask FFCx together each time, as not all of them
+    need have loaded the same.
 
     Raises:
         RuntimeError: FFCx or the C compiler cannot compile it.
     """
     comm = form.ufl_domains()[0].ufl_cargo().comm
-    return wait_for_others(comm, lambda options: fem.form(form, jit_options=options))
+    whole = all(integral.subdomain_data() is None for integral in form.integrals())
+    if comm.size > 1 or not whole:
+        return wait_for_others(comm, lambda options: fem.form(form, jit_options=options))
+    signature = form.signature()
+    if (known := _loaded.get(signature)) is not None:
+        return _compat.form_with_library(form, *known)
+    made = wait_for_others(comm, lambda options: fem.form(form, jit_options=options))
+    _loaded[signature] = made.ufcx_form, made.module, made.code
+    return made
+
+
+class _WithoutVariables(MultiFunction):
+    """Replaces variables by their operands."""
+
+    expr = MultiFunction.reuse_if_untouched
+
+    def variable(self, o: Expr, value: Expr, label: Expr) -> Expr:
+        return value
+
+
+def compile_expression(value: Expr, points: npt.ArrayLike) -> fem.Expression:
+    """An expression at points of its cells, compiled once for all equal expressions.
+
+    FFCx names compiled expressions by the count of each ``ufl.variable``, so derivatives with
+    respect to one are expanded first.
+    """
+    if has_type(value, Variable):
+        lowered = apply_derivatives(apply_algebra_lowering(value))
+        value = map_expr_dag(_WithoutVariables(), lowered)
+    mesh = extract_unique_domain(value).ufl_cargo()
+    return wait_for_others(
+        mesh.comm, lambda options: fem.Expression(value, np.asarray(points), jit_options=options)
+    )
 
 
 def wait_for_others(comm: MPI.Comm, compile_with: Callable[[dict[str, Any]], Compiled]) -> Compiled:

@@ -1,5 +1,6 @@
 """Order of the tests, their random numbers, and patience with each other's compilers."""
 
+import gc
 import os
 import time
 from pathlib import Path
@@ -29,6 +30,16 @@ def pytest_sessionstart(session):
         if not source.with_suffix(".c.cached").exists():
             if time.time() - source.stat().st_mtime > _PATIENCE:
                 source.unlink(missing_ok=True)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection(session):
+    """Collect no garbage while tests are collected: they stay, and all would be looked at often."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
 
 
 def pytest_collection_modifyitems(items):

@@ -18,6 +18,7 @@ from hypothesis import Phase, settings
 
 import fem_lie as fl
 from fem_lie import _compat, lie
+from fem_lie._form_cache import compile_expression
 from fem_lie.elements.beams.directors import midpoint_strains
 from fem_lie.elements.beams.element import with_bending_flexibility
 from fem_lie.elements.beams.geodesic import GEODESIC, geodesic_energy
@@ -69,7 +70,7 @@ class Model:
         strain = ufl.variable(energy.strain)
         degree = energy.dx.metadata()["quadrature_degree"]
         points = basix.make_quadrature(mesh.basix_cell(), degree)[0]
-        return _compat.expression(ufl.diff(energy.law(strain), strain), points)
+        return compile_expression(ufl.diff(energy.law(strain), strain), points)
 
     def residual(self) -> np.ndarray:
         return fem.assemble_vector(self.forms.residual).array.copy()

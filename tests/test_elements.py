@@ -17,7 +17,8 @@ from hypothesis import strategies as st
 from models import BEAMS, ELEMENTS, D, built, few, hellinger_reissner_linear, straight, superpose
 
 import fem_lie as fl
-from fem_lie import _compat, lie
+from fem_lie import lie
+from fem_lie._form_cache import compile_expression
 from fem_lie.elements.beams.directors import midpoint_strains
 from fem_lie.elements.beams.element import bending_share, with_bending_flexibility
 from fem_lie.elements.beams.geodesic import GEODESIC, geodesic_energy
@@ -132,7 +133,7 @@ def test_director_strains_of_an_arc():
     q = fl.NodalFrames(straight(MPI.COMM_SELF, 1.0, count))
     q.frames[np.argsort(q.frames[:, 0, 0])] = circle(count, angle, 1.0 / angle)
     stretch, curvature = fl.elements.director_strains(q)
-    strain = _compat.expression(ufl.as_vector([*stretch, *curvature]), np.array([[0.5]]))
+    strain = compile_expression(ufl.as_vector([*stretch, *curvature]), np.array([[0.5]]))
     values = strain.eval(q.function.function_space.mesh, np.arange(count, dtype=np.int32))
     values = values.reshape(count, 6)  # DOLFINx 0.11 keeps the axis of the points
     # θ²/12 of the angle θ of one element
@@ -151,7 +152,7 @@ def test_midpoint_strains_are_mean_rotation_and_angle(angle, tolerance):
     R = lie.rotation(q.frames[first])
     q.frames[1 - first] = lie.frame(q.frames[first, 0] + way, R @ lie.so3_exp(turn))
     stretch, curvature, _ = midpoint_strains(q)
-    strain = _compat.expression(ufl.as_vector([*stretch, *curvature]), np.array([[0.5]]))
+    strain = compile_expression(ufl.as_vector([*stretch, *curvature]), np.array([[0.5]]))
     values = strain.eval(q.function.function_space.mesh, np.zeros(1, dtype=np.int32)).ravel()
     middle = R @ lie.so3_exp(turn / 2)
     # sums of a few products of order one

@@ -1,4 +1,4 @@
-"""The disk cache of compiled code: found again by the next process, never stale."""
+"""Compiled code: found again on the disk by the next process, and in this one, never stale."""
 
 import errno
 import gc
@@ -10,10 +10,17 @@ import sys
 import time
 from pathlib import Path
 
+from mpi4py import MPI
+
+import dolfinx
 import numba
+import numpy as np
 import pytest
+import ufl
+from dolfinx import fem
 
 import fem_lie._jit
+from fem_lie._form_cache import compile_form
 from fem_lie._jit import shipped
 from fem_lie._jit.checked_files import read_checked, unpickled, write_checked
 from fem_lie._jit.garbage import seldom_collected
@@ -462,3 +469,35 @@ def test_the_compiler_leaves_garbage_collection_as_it_was():
     with seldom_collected():
         assert gc.get_threshold() > before
     assert gc.get_threshold() == before
+
+
+def integral(cells, value, factor, over):
+    """The sum of ``factor f² v`` over an interval of length two, or over its ends."""
+    mesh = dolfinx.mesh.create_interval(MPI.COMM_SELF, cells, [0.0, 2.0])
+    V = fem.functionspace(mesh, ("P", 1))
+    f, g, c = fem.Function(V), fem.Function(V), fem.Constant(mesh, factor)
+    f.x.array[:], g.x.array[:] = value, 1.0
+    form = compile_form(c * f**2 * g * ufl.TestFunction(V) * over(mesh))
+    return fem.assemble_vector(form).array.sum()
+
+
+@pytest.mark.parametrize(
+    ("over", "size"), [(lambda mesh: ufl.dx(mesh), 2.0), (lambda mesh: ufl.ds(mesh), 2.0)]
+)
+def test_a_loaded_form_is_that_of_each_mesh_with_its_functions(monkeypatch, over, size):
+    """FFCx is asked once; meshes, functions and constants are those of each form."""
+    assert integral(3, 2.0, 5.0, over) == pytest.approx(20.0 * size, rel=1e-14)
+    monkeypatch.setattr(dolfinx.jit, "ffcx_jit", None)
+    assert integral(3, 2.0, 5.0, over) == pytest.approx(20.0 * size, rel=1e-14)
+    assert integral(7, 3.0, 2.0, over) == pytest.approx(18.0 * size, rel=1e-14)
+
+
+def test_forms_over_parts_are_made_for_their_parts():
+    """Which cells belong to a part is in no library."""
+    mesh = dolfinx.mesh.create_interval(MPI.COMM_SELF, 4, [0.0, 1.0])
+    v = ufl.TestFunction(fem.functionspace(mesh, ("P", 1)))
+    for count in (1, 3):
+        cells = np.arange(count, dtype=np.int32)
+        tags = dolfinx.mesh.meshtags(mesh, 1, cells, np.ones(count, dtype=np.int32))
+        part = compile_form(v * ufl.dx(1, domain=mesh, subdomain_data=tags))
+        assert fem.assemble_vector(part).array.sum() == pytest.approx(0.25 * count, rel=1e-14)

@@ -29,6 +29,15 @@ def _functions_called(function: FunctionType) -> Iterator[FunctionType]:
                 yield called
 
 
+def _is_kept(function: FunctionType) -> bool:
+    """Whether a function of the package stays compiled for later processes.
+
+    One that is closed over a user's function, as in a compiled law, does not.
+    """
+    inside = str(function.__module__).startswith(f"{PACKAGE.name}.")
+    return inside and function.__closure__ is None
+
+
 def count_functions(function: FunctionType) -> int:
     """Upper bound of the number of functions compiled for one, with all that it calls."""
     found, left = {function}, [function]
@@ -56,7 +65,7 @@ class Compiling(event.Listener):
     def on_start(self, event: Any) -> None:
         """Note the start of the compilation of a function."""
         function = event.data["dispatcher"].py_func
-        own = str(function.__module__).startswith(f"{PACKAGE.name}.")
+        own = _is_kept(function)
         if own and not self._said:
             self._said = True
             logging.getLogger(__name__).warning(

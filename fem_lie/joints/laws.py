@@ -19,7 +19,7 @@ from numba.core.errors import NumbaError
 from scipy.interpolate import PchipInterpolator
 
 from fem_lie._arrays import Array, number, shown
-from fem_lie._jit import callback, uncounted
+from fem_lie._jit import callback, compiled, uncounted
 from fem_lie._jit.stack import vector_at
 from fem_lie.joints.equations.laws import (
     BY_COORDINATE,
@@ -244,7 +244,8 @@ class CompiledLaw(Law):
         )
         self._try(of_force, 3, "the law", *scalar)
         self._try(by, 3, f"derivatives of the law{advice}", *pair)
-        self._try(of_potential, 1, "the potential", *scalar)
+        if potential is not None:
+            self._try(of_potential, 1, "the potential", *scalar)
         self._made = _callback(of_force, by, of_potential)
 
     def _try(
@@ -279,7 +280,7 @@ def _compiled(function: Any) -> Any:
     return function if hasattr(function, "py_func") else numba.njit(function)
 
 
-@numba.njit
+@compiled
 def _without_potential(q: float) -> float:
     return 0.0
 

@@ -17,6 +17,7 @@ from ufl.core.expr import Expr
 
 from fem_lie import _compat, lie
 from fem_lie._arrays import Array
+from fem_lie._form_cache import compile_expression
 from fem_lie._summary import Summarised
 from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.attachments.between_frames import interpolated
@@ -238,7 +239,7 @@ def present_values(expression: Expr, mesh: dolfinx.mesh.Mesh, degree: int) -> fe
         _compat.cell_name(mesh.ufl_domain()), value_shape=expression.ufl_shape, degree=degree
     )
     f = fem.Function(fem.functionspace(mesh, element))
-    f.interpolate(_compat.expression(expression, element.custom_quadrature()[0]))
+    f.interpolate(compile_expression(expression, element.custom_quadrature()[0]))
     return f
 
 

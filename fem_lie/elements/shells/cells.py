@@ -13,9 +13,8 @@ from dolfinx import fem
 from dolfinx import mesh as dolfinx_mesh
 from ufl.core.expr import Expr
 
-from fem_lie import _compat
 from fem_lie._arrays import Array
-from fem_lie._form_cache import compile_form
+from fem_lie._form_cache import compile_expression, compile_form
 from fem_lie.elements.shells import drilling as drilling_strain
 from fem_lie.elements.shells import strains
 from fem_lie.elements.shells.maps import FIVE, SIX
@@ -227,7 +226,7 @@ class ShellCells:
         return f
 
     def _expression(self, value: Expr, degree: int) -> fem.Expression:
-        return _compat.expression(value, basix.make_quadrature(self._cell, degree)[0])
+        return compile_expression(value, basix.make_quadrature(self._cell, degree)[0])
 
     def _surface(self, y: fem.Function, jacobian: Expr, here: Expr) -> Surface:
         step, count = self._per_node, self._shapes.count

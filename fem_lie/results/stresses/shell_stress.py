@@ -10,8 +10,8 @@ import basix
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie import _compat
 from fem_lie._arrays import Array, Flags, Indices, vector
+from fem_lie._form_cache import compile_expression
 from fem_lie.bodies.shells.model import ShellModel
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
@@ -189,7 +189,7 @@ class ShellStress:
         self._assembly = ShellModel.assemble([shell.model])
         rule = integration(shell)[0]
         self._unloaded = self._assembly.linearised_values.copy()
-        self._expression = _compat.expression(self._assembly.stress, rule)
+        self._expression = compile_expression(self._assembly.stress, rule)
         self._shape = len(shell.model.cut_mesh.cells), len(rule), 8
         # one scale for forces and moments: square roots of energy
         diagonals = np.diagonal(shell.model.stiffness, axis1=-2, axis2=-1)

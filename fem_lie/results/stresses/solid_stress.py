@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from dolfinx import fem
 
-from fem_lie import _compat
 from fem_lie._arrays import Array, instance
+from fem_lie._form_cache import compile_expression
 from fem_lie.bodies.solids.solid import Solid
 from fem_lie.elements.solids.element import QUADRATURE, cellwise
 from fem_lie.forms.frames import NodalFrames
@@ -179,7 +179,7 @@ def solid_stresses(result: States, solid: Solid, state: int = -1) -> SolidStress
     strains = solid.model.formulation.strains(NodalFrames(mesh, degree), degree)
     strains.set_nodes(own[solid.model.connectivity])
     parameters = [cellwise(mesh, column) for column in solid.model.parameters.T]
-    stress = _compat.expression(strains.cauchy(solid.model.material, parameters), points)
+    stress = compile_expression(strains.cauchy(solid.model.material, parameters), points)
     cells = np.arange(solid.model.mesh.cells, dtype=np.int32)
     at_points = stress.eval(mesh, cells).reshape(len(cells), len(points), 3, 3)
     shapes = tabulated(solid.model.mesh.cell, degree, points)[0]
