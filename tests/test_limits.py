@@ -1,5 +1,7 @@
 """Limits of coordinates: impacts and rest by closed forms, momentum, checkpoints, messages."""
 
+from time import thread_time
+
 import numpy as np
 import pytest
 
@@ -206,3 +208,27 @@ def test_a_stop_that_contradicts_a_drive():
     with pytest.raises(fl.ConvergenceError, match="may follow from others") as error:
         SCHEME.run(scene, duration=1.0, step=0.01)
     assert error.value.result.times[-1] == pytest.approx(np.sqrt(0.5))
+
+
+def test_compiled_steps_are_those_of_python():
+    """A sensor is evaluated after each step in Python; without it most steps are in the loop."""
+    plan = {"duration": 6.0, "step": 0.002, "save_every": 100}
+    scheme, found = fl.GeneralisedAlpha(radius=0.9), []
+    scheme.run(panel(0.3), duration=0.1, step=0.002)
+    for watched in (False, True):
+        scene = panel(0.3)
+        if watched:
+            scene.add(fl.schemes.Sensor("angle", lambda state: state.coordinate("hinge")))
+        start = thread_time()
+        result = scheme.run(scene, **plan)
+        found.append((result, thread_time() - start))
+    (loop, short), (python, long) = found
+    assert short < 0.7 * long
+    np.testing.assert_allclose(loop.times, python.times, atol=1e-11)
+    np.testing.assert_allclose(loop.frames, python.frames, atol=1e-11)
+    np.testing.assert_allclose(loop.elastic, python.elastic, atol=1e-11)
+    np.testing.assert_allclose(loop.steps.event_times, python.steps.event_times, atol=1e-11)
+    np.testing.assert_allclose(loop.steps.times, python.steps.times, atol=1e-11)
+    for name in ("rotation", "translation"):
+        errors = [getattr(each.steps, name) for each in (loop, python)]
+        np.testing.assert_allclose(errors[0], errors[1], rtol=1e-6, atol=1e-14)

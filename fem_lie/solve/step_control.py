@@ -19,6 +19,7 @@ from math import ceil, floor, inf, isfinite, log2, sqrt
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from fem_lie._arrays import positive, whole
 from fem_lie._state import Stateful, attributes
@@ -41,6 +42,12 @@ FAILED = 4
 
 FITTED_STEPS = 4
 """Number of steps before an event that are fitted to end at it."""
+
+NO_ERROR = 1e-6
+"""Smallest error over its tolerance that the controller distinguishes."""
+
+SAME_SIZE = 1e-12
+"""Relative difference of sizes that are equal, but for round-off."""
 
 SAME = 1e-9
 """Events closer than this fraction of the duration are one."""
@@ -317,6 +324,36 @@ class Control(Stateful):
             return h
         return left / max(1, ceil(left / h - 1e-6))
 
+    @property
+    def constant(self) -> bool:
+        """Whether steps have one size, whatever their error, and the current one is not smaller."""
+        return self.fitted_steps == inf and self.level == 0
+
+    def next_ends(self, time: float, most: int) -> npt.NDArray[np.float64]:
+        """Ends of the next steps of one size that do not reach the next event, shape (k,).
+
+        Args:
+            time: Time.
+            most: Largest number of steps.
+        """
+        ends: list[float] = []
+        first = self.fitted(time)
+        while len(ends) < most and self.next_event - time > first * (1.0 + 1e-6):
+            h = self.fitted(time)
+            if abs(h / first - 1.0) > SAME_SIZE:
+                break
+            time += h
+            ends.append(time)
+        return np.array(ends)
+
+    def accept_many(self, count: int) -> None:
+        """As :meth:`accept` for steps of constant size without an error.
+
+        Args:
+            count: Number of steps.
+        """
+        self._since, self._previous = self._since + count, NO_ERROR
+
     def ratio(self, translation: float, rotation: float, h: float) -> float:
         """Error over its tolerance; infinite if it is not a number.
 
@@ -334,7 +371,7 @@ class Control(Stateful):
         Args:
             e: Estimated error over its tolerance.
         """
-        e = max(e, 1e-6)
+        e = max(e, NO_ERROR)
         proposed = (AIM / e) ** (2 * INTEGRAL / self._order)
         proposed *= (self._previous / e) ** (2 * PROPORTIONAL / self._order)
         self._previous = e

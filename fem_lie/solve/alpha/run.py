@@ -8,7 +8,9 @@ such steps are iterated by :mod:`fem_lie.solve.alpha.newton`.
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 
@@ -17,13 +19,14 @@ from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie._jit.records import block_of
 from fem_lie._state import attributes
 from fem_lie.linear.equilibrated import SingularMatrixError
-from fem_lie.linear.factors import Solution
+from fem_lie.linear.factors import PlainSolution, Solution
 from fem_lie.results import Result
 from fem_lie.results.record import with_others
 from fem_lie.solve.alpha.newton import Newton
 from fem_lie.solve.alpha.options import DAMPED, Options
 from fem_lie.solve.alpha.step import loop
 from fem_lie.solve.alpha.step.loop import BETWEEN, Packed, PlainSteps, Steps
+from fem_lie.solve.alpha.step.node import PlainScheme
 from fem_lie.solve.alpha.step.nodes import WRITTEN
 from fem_lie.solve.convergence import failure
 from fem_lie.solve.impacts.contacts import CoupledContacts
@@ -32,7 +35,7 @@ from fem_lie.solve.motion.policies import EveryIteration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.solve.refactorisation import Refactorisation
+from fem_lie.solve.refactorisation import PlainRule, Refactorisation
 from fem_lie.system.equations import Equations, TimeState
 
 _log = logging.getLogger(__name__)
@@ -48,6 +51,10 @@ _NOWHERE: Indices = np.empty((0, 5), dtype=np.int64)
 def _damping(radius: float) -> list[str]:
     """Advice for long chains, whose fast oscillations need more damping."""
     return [f"more damping of fast motions (radius={DAMPED:g})"] if radius > DAMPED else []
+
+
+CompiledLoop: TypeAlias = Callable[[PlainScheme, PlainSolution, PlainSteps, PlainRule], int]
+"""A compiled loop over steps, which returns why it returned."""
 
 
 class Run(Newton):
@@ -72,6 +79,8 @@ class Run(Newton):
         self._fills = known.stored is not None
         self._most = max(1, _AT_A_TIME // equations.unknowns.size)
         self._filled, self._taken = -1, 0
+        # time at step 0, for force laws in the compiled loop
+        self._began = equations.scene.began.time
         if contacts := equations.scene.impacts:
             unknowns, factors = equations.unknowns, None
             if not unknowns.rigid or len(known.terms):
@@ -237,13 +246,30 @@ class Run(Newton):
 
         Return whether it was reached.
         """
+        addresses = self._packed.addresses
+
+        def call(
+            scheme: PlainScheme, solution: PlainSolution, steps: PlainSteps, rule: PlainRule
+        ) -> int:
+            return loop.run(addresses, scheme, solution, steps, rule, results, wanted, last)
+
+        return self._serve(call, ends)
+
+    def _serve(self, call: CompiledLoop, ends: bool) -> bool:
+        """Call a compiled loop until it is done, and serve its requests.
+
+        Return whether all could be served.
+
+        Args:
+            call: The loop, which returns why it returned.
+            ends: Whether it ends steps itself.
+        """
         assert self._rule is not None
         while True:
             here = self._guided or self._secants is not None
             solution = Solution.none() if here else self.solver.by_call
-            how = self._plain[0], solution.plain, self._how(ends), self._rule
-            code = loop.run(self._packed.addresses, *how, results, wanted, last)
-            if code == loop.DONE:
+            code = call(self._plain[0], solution.plain, self._how(ends), self._rule)
+            if code in (loop.DONE, loop.EVENT):
                 return True
             if code == loop.FAILED or not self._served(code):
                 return False
@@ -263,7 +289,7 @@ class Run(Newton):
             accounts=not balance.empty,
             loads=balance.looks[0],
             joints=balance.looks[1],
-            began=self.equations.scene.began.time,
+            began=self._began,
         ).plain
 
     def _served(self, code: int) -> bool:

@@ -42,58 +42,40 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled
+from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie._state import ChangingArrays, attributes
-from fem_lie.lie.node_types import all_to_group, cubic_term, from_group, push_all_forward
+from fem_lie.joints.equations.joint_arrays import views
+from fem_lie.lie.node_types import all_to_group, push_all_forward
 from fem_lie.linear.equilibrated import SingularMatrixError
+from fem_lie.linear.factors import PlainSolution
 from fem_lie.linear.levels import StoredFactors
 from fem_lie.solve.alpha.options import Options
 from fem_lie.solve.alpha.run import Run
 from fem_lie.solve.alpha.start import set_start
+from fem_lie.solve.alpha.step import uneventful
+from fem_lie.solve.alpha.step.loop import PlainSteps
+from fem_lie.solve.alpha.step.node import PlainScheme
+from fem_lie.solve.alpha.step.uneventful import defects
 from fem_lie.solve.convergence import ROTATION
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.growing import GrowingRecorder
+from fem_lie.solve.motion.limits import PlainStops
 from fem_lie.solve.motion.step_log import StepError, add_inertia_forces, largest
-from fem_lie.solve.motion.variable_steps import side
+from fem_lie.solve.motion.variable_steps import MakeMany, side
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import ChosenSteps
-from fem_lie.solve.step_control import Control
+from fem_lie.solve.refactorisation import PlainRule
+from fem_lie.solve.step_control import SAME_SIZE, Control
 from fem_lie.system.equations import Equations
 
 if TYPE_CHECKING:
     from fem_lie.system.equations import Equations
-
-
-@compiled
-def defects(
-    h: float, kinds: Indices, H1: Array, before: Array, d: Array, vdot1: Array, out: Array
-) -> None:
-    """Exact increments minus ``d``, in the nodes' frames at the end of the step; (n, 6).
-
-    Args:
-        h: Step size.
-        kinds: Types of the nodes.
-        H1: Frames at the end of the step.
-        before: ``v`` and ``v̇`` of the group at its start, shape (≥ 2, n, 6).
-        d: Increments of the step.
-        vdot1: ``v̇`` at its end.
-        out: The defects, overwritten.
-    """
-    bent = np.empty(6)
-    for i in range(kinds.shape[0]):
-        v, vdot = before[0, i], before[1, i]
-        for k in range(6):
-            jump = vdot1[i, k] - vdot[k]
-            out[i, k] = h * v[k] + h * h * (0.5 * vdot[k] + jump / 6.0) - d[i, k]
-        cubic_term(kinds[i], v, vdot, bent)
-        for k in range(6):
-            out[i, k] += h * h * h / 12.0 * bent[k]
-        from_group(kinds[i], H1[i], out[i])
 
 
 class TimeError:
@@ -144,6 +126,9 @@ class TimeError:
 ITERATION = 0.01
 """Iteration error of a step, as a fraction of the step size tolerance."""
 
+_NOTHING: Indices = np.empty(0, dtype=np.int64)
+_NOWHERE: Indices = np.empty((0, 5), dtype=np.int64)
+
 SWEEPS = 3
 """Number of iterations for the part of velocities across the joints."""
 
@@ -155,6 +140,9 @@ class AlphaSteps(Run):
     """Generalised-α with variable steps; see :class:`~.variable_steps.Stepper`."""
 
     STATE = attributes("_speed", "h", "_starter.factorisations")
+
+    _watched: PackedArrays | None = None
+    """Arrays of steps in the compiled loop."""
 
     # the whole matrix is refactorised, never the constraint Jacobian only
     _refreshes = _uses_correction = False
@@ -169,6 +157,7 @@ class AlphaSteps(Run):
         self._speed, self._scales = 0.0, dict[int, tuple[Array, Array]]()
         self._error, self._warm = TimeError(equations), False
         self._moved = ChangingArrays(self, _MOTION)
+        self._errors = np.zeros((self._most, 4))
 
     @property
     def twists(self) -> Array:
@@ -210,7 +199,7 @@ class AlphaSteps(Run):
     def set_step(self, time: float, h: float) -> None:
         """Set the state at ``time`` as the start of a step of size ``h``."""
         s, r, levels = self.s, h / self.h, self.factors.levels
-        if abs(r - 1.0) > 1e-12:
+        if abs(r - 1.0) > SAME_SIZE:
             s.a[:] = s.vdot + r * (s.a - s.vdot)
             if len(self.multipliers) and self.factors.usable:
                 s.v[:] -= self._across(time, 1.0 - r * r)
@@ -270,6 +259,66 @@ class AlphaSteps(Run):
             self._speed = max(self._speed, float(self.progress.motion) / self.h)
             self.balance.add(self.h, seen, *self._accepted)
         return iterations
+
+    @cached_property
+    def make_many(self) -> MakeMany | None:
+        """See the base class: no forces by Python, no supports along axes of their own."""
+        plain = self._rule is not None and self._secants is None and self._ends
+        plain = plain and not (self._prescribes or self._guided or self._corrects)
+        plain = plain and not self.equations.arrays.floating.integers[0]
+        return self._make_many if plain else None
+
+    def _make_many(
+        self, stops: PlainStops, values: Array, first: int, start: float, count: int
+    ) -> tuple[Array, int]:
+        """Make steps of the current size in the compiled loop, see :attr:`make_many`."""
+        progress, levels, scene = self.progress, self.factors.levels, self.equations.scene
+        progress.step, progress.total, self.reason = first, 0, ""
+        progress.motion = self._speed * self.h
+        self._began = scene.began.time + start - first * self.h
+        self._go_to_time(start + self.h)
+        if self._watched is None:
+            self._watched = self._watch(stops, values)
+        both = self._packed.addresses, self._watched.addresses
+        last = first + min(count, len(self._errors))
+
+        def call(
+            scheme: PlainScheme, solution: PlainSolution, steps: PlainSteps, rule: PlainRule
+        ) -> int:
+            mass = levels.mass if self.factors.usable else 1.0
+            no_rows = (_NOWHERE, _NOWHERE), _NOTHING
+            span = first, last
+            return uneventful.run(*both, scheme, solution, mass, steps, rule, *no_rows, *span)
+
+        if not self._serve(call, ends=True):
+            uneventful.take_back(*both)
+        self._speed = max(self._speed, float(progress.motion) / self.h)
+        return self._errors[: progress.step - first], int(progress.total)
+
+    def _watch(self, stops: PlainStops, values: Array) -> PackedArrays:
+        """Arrays of :mod:`~.alpha.step.uneventful`."""
+        s, known, n = self.s, self.equations.arrays, self._moving
+        joints, probes = (views(each).turned.copy() for each in (known.joints, known.probes))
+        watched = uneventful.Watched(
+            H=s.H.copy(),
+            H1=s.H1.copy(),
+            motion=s.motion.copy(),
+            multipliers=self.multipliers.copy(),
+            balance=self.balance.total.copy(),
+            turned=joints,
+            probes=probes,
+            stops=stops,
+            values=values,
+            ends=values.copy(),
+            coordinates=np.zeros(len(known.probed)),
+            inertia=known.inertia.plain,
+            lengths=self.equations.unknowns.lengths.astype(np.int64),
+            defect=np.zeros((n, 6)),
+            q=np.zeros((n, 4, 3)),
+            work=np.zeros((n, 4, 3)),
+            errors=self._errors,
+        )
+        return PackedArrays(watched)
 
     def saved(self) -> dict[str, Array]:
         """A copy of the state that a step changes."""

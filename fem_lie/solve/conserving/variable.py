@@ -42,6 +42,7 @@ _USUAL = 4
 class ConservingSteps(Run):
     """Conserving scheme with variable steps; see :class:`~.variable_steps.Stepper`."""
 
+    make_many = None
     current_jacobian = False  # the matrix of each step size has its own constraint Jacobian
     endures = (
         False  # the error estimate uses the same matrix, and needs the current constraint Jacobian

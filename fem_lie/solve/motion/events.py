@@ -16,7 +16,7 @@ from fem_lie.events.event import Event
 from fem_lie.events.sensor import Sensor
 from fem_lie.joints.connection import Connection
 from fem_lie.lie.node_types import retract_all
-from fem_lie.solve.motion.limits import Limits
+from fem_lie.solve.motion.limits import Limits, PlainStops
 from fem_lie.system.equations import Equations
 
 _DIFFERENCE = 1e-6
@@ -145,6 +145,11 @@ class Events(Stateful):
     def __len__(self) -> int:
         """Number of conditions of the scene and of stops."""
         return len(self._events) + len(self.limits)
+
+    @property
+    def stops_in_loop(self) -> PlainStops | None:
+        """Stops of limits for compiled loops; ``None`` if these cannot evaluate a coordinate."""
+        return self.limits.among(self._equations.arrays.probed)
 
     def evaluate(self, state: RunningState) -> Array:
         """Values of all conditions, and watched numbers of all stops, shape (e + 2 l,).

@@ -40,6 +40,17 @@ class Growing(History):
             return index % self._store.every == 0
         return self._percent(self._before) > self._percent(self._saved)
 
+    def steps_until_due(self, index: int) -> int:
+        """Number of steps after which a row or a checkpoint may be due, at least 1.
+
+        Args:
+            index: Number of steps made.
+        """
+        every = [self._saving.every] if self._saving.times is None else [1]
+        if self._store is not None:
+            every.append(self._store.every or 1)
+        return min(each - index % each for each in every)
+
     def _percent(self, time: float) -> int:
         return int(_PERCENT * time / self._duration)
 

@@ -7,26 +7,33 @@ pulling force while the limit is closed at this stop.
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
+from fem_lie._jit.packed_arrays import Integers1, Numbers2
 from fem_lie._state import Stateful, attributes
 from fem_lie.joints.connection import Bounds, Connection
 from fem_lie.system.equations import Equations
 
+PlainStops: TypeAlias = tuple[Integers1, Numbers2, Integers1, Integers1]
+"""Coordinate of each limit, its upper and lower stop (l, 2), its constraint, and the stop at which
+it is closed; in a tuple for compiled functions."""
+
 
 @compiled
-def _watch(
-    coordinates: Array,
-    index: Indices,
-    stops: Array,
-    multipliers: Array,
-    rows: Indices,
-    closed: Indices,
-    out: Array,
-) -> None:
-    """Watched numbers of the upper and lower stop of each limit, shape (2 l,)."""
+def watch(coordinates: Array, of_limits: PlainStops, multipliers: Array, out: Array) -> None:
+    """Watched numbers of the upper and lower stop of each limit, shape (2 l,).
+
+    Args:
+        coordinates: Coordinates, to which the limits refer.
+        of_limits: See :data:`PlainStops`.
+        multipliers: Lagrange multipliers, shape (m,).
+        out: The numbers.
+    """
+    index, stops, rows, closed = of_limits
     for k in range(index.shape[0]):
         for side in range(2):
             sign = 1 - 2 * side
@@ -64,7 +71,7 @@ class Limits(Stateful):
         ]
         self.items = [item for item, _ in found]
         owner = [items.index(item) for item in self.items]
-        self.rows = np.searchsorted(equations.arrays.owner, owner)
+        self.rows: Indices = np.searchsorted(equations.arrays.owner, owner).astype(np.int64)
         self._coordinates = np.array(
             [equations.info.coordinate(item, None) for item in self.items], dtype=np.int64
         )
@@ -87,10 +94,21 @@ class Limits(Stateful):
             multipliers: Lagrange multipliers, shape (m,).
         """
         found = np.empty(len(self))
-        _watch(
-            coordinates, self._coordinates, self._stops, multipliers, self.rows, self.closed, found
-        )
+        watch(coordinates, self._plain(self._coordinates), multipliers, found)
         return found
+
+    def _plain(self, coordinates: Indices) -> PlainStops:
+        return coordinates, self._stops, self.rows, self.closed
+
+    def among(self, coordinates: Indices) -> PlainStops | None:
+        """The limits for compiled loops; ``None`` if a coordinate is not among the given ones.
+
+        Args:
+            coordinates: Numbers of coordinates that the loop evaluates, in increasing order.
+        """
+        if not np.isin(self._coordinates, coordinates).all():
+            return None
+        return self._plain(np.searchsorted(coordinates, self._coordinates))
 
     def entered(self, start: Array, end: Array) -> Flags:
         """Stops of open limits that a step leaves behind although it starts at them, (2 l,).

@@ -38,7 +38,7 @@ class StepError(NamedTuple):
 
 
 @compiled
-def largest(e: Array, lengths: Flags) -> tuple[float, float, int, int]:
+def largest(e: Array, lengths: Flags | Indices) -> tuple[float, float, int, int]:
     """Largest norms of the length halves and of the other halves of errors (n, 6), and their nodes.
 
     ``lengths`` (n, 2) says which halves are lengths.
@@ -118,6 +118,13 @@ class StepLog:
         self.sizes.append(size)
         self.errors.append(error)
         self.measured.append(measured)
+
+    def add_many(self, times: Array, sizes: Array, errors: Array) -> None:
+        """Add accepted steps whose errors are not measured, (k,), (k,) and (k, 4)."""
+        self.times += map(float, times)
+        self.sizes += map(float, sizes)
+        self.errors += [StepError(float(t), float(r), int(i), int(k)) for t, r, i, k in errors]
+        self.measured += [(np.nan, np.nan)] * len(times)
 
     def saved_state(self) -> dict[str, Array]:
         """Arrays of the log, by name."""

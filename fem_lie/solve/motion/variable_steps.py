@@ -24,6 +24,7 @@ from fem_lie.solve.motion.controllers import Controllers, sample_times
 from fem_lie.solve.motion.events import EventError, Events, Root, RunningState, sensed
 from fem_lie.solve.motion.growing import Growing
 from fem_lie.solve.motion.integration import Driver
+from fem_lie.solve.motion.limits import PlainStops
 from fem_lie.solve.motion.step_log import StepError, StepLog, largest_gaps
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import ChosenSteps
@@ -37,6 +38,27 @@ SIDE = 1e-9
 """Distance of the two sides of an event from it, in steps."""
 
 HistoryT = TypeVar("HistoryT", bound=Growing, contravariant=True)
+
+
+class MakeMany(Protocol):
+    """Function that makes steps of the current size as long as nothing happens in them."""
+
+    def __call__(
+        self, stops: PlainStops, values: Array, first: int, start: float, count: int
+    ) -> tuple[Array, int]:
+        """Make steps.
+
+        Args:
+            stops: Stops of limits.
+            values: Their watched numbers at the start, and then at the end, shape (2 l,).
+            first: Number of steps so far.
+            start: Time of the start.
+            count: Largest number of steps.
+
+        Returns:
+            Error of each step, see :class:`~fem_lie.solve.motion.step_log.StepError`, shape (k, 4),
+            and the number of all iterations.
+        """
 
 
 class Stepper(Protocol[HistoryT]):
@@ -86,6 +108,10 @@ class Stepper(Protocol[HistoryT]):
 
         Return its iterations, 0 if it failed. ``lands``: it ends at an event.
         """
+
+    @property
+    def make_many(self) -> MakeMany | None:
+        """Makes several steps without Python, if possible."""
 
     @abstractmethod
     def estimate(self, before: Any, start: float, end: float) -> StepError:
@@ -197,6 +223,10 @@ class VariableSteps(Driver[Growing]):
         self._events = Events(self.equations)
         self._fired: Array = np.zeros(len(self._events))
         self._controllers = Controllers(self.equations)
+        self._stops = self._events.stops_in_loop
+        # what Python evaluates after each step
+        scene = self.equations.scene
+        self._looks = bool(scene.events or scene.sensors) or finer is not None
 
     def history(
         self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None
@@ -238,11 +268,39 @@ class VariableSteps(Driver[Growing]):
         return self._control.finished or bool(self._events.stopped)
 
     def _advance(self, history: Growing) -> bool:
+        if self._advance_in_loop(history):
+            return True
         control, made = self._control, False
         while not made:
             made = self._attempt(history)
             if control.size < control.smallest * (1.0 - 1e-9):
                 return False
+        return True
+
+    def _advance_in_loop(self, history: Growing) -> bool:
+        """Make several steps in the compiled loop of the stepper; return whether any was made.
+
+        They are whole steps of one size, without anything that Python does after each of them.
+        """
+        control, stepper, stops = self._control, self._stepper, self._stops
+        if stops is None or self._looks or not control.constant or stepper.make_many is None:
+            return False
+        time, index = self._time, self._index
+        ends = control.next_ends(time, history.steps_until_due(index))
+        if not len(ends):
+            return False
+        stepper.set_step(time, control.fitted(time))
+        given = stops, self._events.values, index, time, len(ends)
+        errors, iterations = stepper.make_many(*given)
+        made = len(errors)
+        if not made:
+            return False
+        self._rejections, self._iterations = 0, iterations
+        self._events.pass_step(whole=True)
+        sizes = np.diff(ends[:made], prepend=time)
+        self.steps.add_many(ends[:made], sizes, errors)
+        control.accept_many(made)
+        self._index, self._time = index + made, float(ends[made - 1])
         return True
 
     def _failure(self, steps: int) -> str:

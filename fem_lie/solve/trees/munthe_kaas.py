@@ -243,6 +243,8 @@ class MuntheKaasSteps(MuntheKaasRun):
 
     STATE = attributes("h")
 
+    make_many = None
+
     def __init__(self, equations: Equations, control: Control, tree: Tree) -> None:
         """Set up without computing anything."""
         super().__init__(equations, control.size, tree)

@@ -111,6 +111,7 @@ class RelativeMotions(ConstraintSet):
     Attributes:
         arrays: Packed constraints and springs; ``packed``: the same for calls from Python.
         probes: Table whose constraints are the coordinates in results; ``packed_probes``: likewise.
+        probed: Numbers of these among the coordinates of all sets, increasing, (p,).
         tied: Items with pairs of frames, in ascending order.
         turns: Whether any angle is counted beyond a full turn.
         reported: Pair of each of these items whose force results report, and its side.
@@ -190,7 +191,7 @@ class RelativeMotions(ConstraintSet):
         ]
         self.packed_probes: PackedJoints = _packed(constrained, probes, len(probes), [], None, 0)
         self.probes = views(self.packed_probes)
-        self._index: Indices = np.array([at for _, at in definitions], dtype=np.int64)
+        self.probed: Indices = np.array([at for _, at in definitions], dtype=np.int64)
         self.turns = bool(self.arrays.functions.any() or self.probes.functions.any())
 
     def _angles(self) -> Flags:
@@ -353,11 +354,11 @@ class RelativeMotions(ConstraintSet):
 
     def coordinates(self, H: Array, out: Array) -> None:
         """Set the coordinates of its items in ``out``, shape (c,)."""
-        if not len(self._index):
+        if not len(self.probed):
             return
         found: Array = np.empty(len(self.probes.targets))
         terms.violations(H, self.probes, found)
-        out[self._index] = found
+        out[self.probed] = found
 
     def drawn(self) -> dict[int, tuple[int, Array]]:
         """Position on side A of each item, or on side B if A is ground."""

@@ -198,6 +198,7 @@ class SystemArrays(NamedTuple):
         conservative: Loads with a potential on (x, d₁, d₂, d₃), (n, 4, 3).
         joints: Joint constraints and springs.
         probes: Coordinates in results.
+        probed: Numbers of these among all coordinates in results, increasing, (p,).
         pairs: Pairs of frames whose forces are reported, (f,).
         sides: Reported sides of these pairs, (f,).
         owner: Item of each constraint, (m,).
@@ -233,6 +234,7 @@ class SystemArrays(NamedTuple):
     conservative: Array
     joints: PackedJoints
     probes: PackedJoints
+    probed: Indices
     pairs: Indices
     sides: Indices
     owner: Indices
@@ -272,6 +274,7 @@ class SystemArrays(NamedTuple):
             system.load_cases.constant,
             connections.packed,
             connections.packed_probes,
+            connections.first.probed,
             *connections.reported,
             limits,
             ends,

@@ -162,11 +162,11 @@ PlainSteps: TypeAlias = tuple[
 ]
 """Plain tuple of :class:`Steps`."""
 
-DONE, RESIDUAL, MATRIX, SOLUTION, CHECK, QUESTION, FAILED = range(7)
+DONE, RESIDUAL, MATRIX, SOLUTION, CHECK, QUESTION, FAILED, EVENT = range(8)
 """Why the loop returns: the last step is made; a residual is needed; the matrix is to be
 refactorised and a correction computed; a correction is needed; a step has converged with
 constraints that may be contradictory; the policy asks for the staleness of the matrix; the step has
-failed."""
+failed; something happens in the next step, see :mod:`~.alpha.step.uneventful`."""
 
 
 @linked
