@@ -124,6 +124,15 @@ def test_slider_crank_friction():
     np.testing.assert_allclose(fine["reversals"], [0.404419, 0.927290, 1.519305], atol=2e-6)
 
 
+def test_stick_slip():
+    """Period and slips in closed form, with errors of second order; nothing is lost by sticking."""
+    coarse, fine = (main("stick_slip", step=step) for step in (2e-3, 1e-3))
+    assert fine["periods"] == 5 and abs(fine["period"] - 0.669357) < 1e-6
+    assert fine["period_error"] < 1e-5 and fine["slip_error"] < 1e-5
+    assert 3.5 < coarse["period_error"] / fine["period_error"] < 4.5
+    assert fine["lost"] < 1e-10
+
+
 def test_inverted_pendulum():
     """Angles at samples against linear theory, with an error of second order in the step."""
     coarse, fine = (main("inverted_pendulum", step=step, samples=50) for step in (4e-3, 2e-3))

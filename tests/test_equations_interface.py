@@ -39,8 +39,10 @@ VIEWS = {
     "constraints": {"contradiction", "jacobian", "rates", "rigid_motions", "values"},
     "history_variables": {
         "accept",
+        "acts",
         "update_stress",
         "check_passage",
+        "factor",
         "move_reference_angles",
         "saved_state",
         "restore",
@@ -157,10 +159,11 @@ def test_the_list_does_not_grow_in_silence():
     """There were 166 paths and names before; views must not grow instead.
 
     ``check_laws`` came with force laws of users, whose errors compiled loops cannot raise,
-    ``switch`` and ``kinetic`` with events, ``scale`` with controllers, ``look_at`` with quadratures
-    of work within a step, ``SmallMotions`` with several analyses that share the result of
+    ``switch`` and ``kinetic`` with events, ``acts`` and ``factor`` with events that do not happen
+    if their actions change nothing, ``scale`` with controllers, ``look_at`` with quadratures of
+    work within a step, ``SmallMotions`` with several analyses that share the result of
     ``small_motions``.
     """
     names = len(RECORDS.union(*VERBS.values()) | IMPORTED | COMPILED)
     assert names <= 34
-    assert names + sum(map(len, VIEWS.values())) <= 68
+    assert names + sum(map(len, VIEWS.values())) <= 70

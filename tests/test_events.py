@@ -295,3 +295,45 @@ def test_other_schemes_refuse_events_and_inactive_joints(scheme):
         scheme.run(panel(Stop()), duration=0.1, step=0.01)
     with pytest.raises(ValueError, match="is inactive or switched by an event"):
         fl.statics(panel(Stop()))
+
+
+def test_rates_relative_to_a_prescribed_motion():
+    """A condition may contain the rate of a coordinate relative to a body whose motion is given."""
+    scene = fl.Scene()
+    belt = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), name="belt"))
+    mass = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), name="mass"))
+    belt.add_velocity((0.5, 0.0, 0.0))
+
+    def frame(t):
+        return np.vstack([(0.5 * t, 0.0, 0.0), np.eye(3)])
+
+    scene.add(fl.PrescribedMotion(belt.point("centre"), frame))
+    centre = mass.point("centre")
+    slide = scene.add(fl.joints.Prismatic(belt.point("centre"), centre, axis=(1, 0, 0)))
+    scene.add(fl.PointLoad(centre, force=(2.0, 0.0, 0.0)))
+    scene.add(fl.schemes.Sensor("rate", lambda state: state.rate(slide)))
+    # relative to the belt the mass moves at 2 t − 0.5
+    scene.add(fl.schemes.Event(lambda state: state.rate(slide), fl.schemes.Stop()))
+    result = fl.GeneralisedAlpha(radius=1.0).run(scene, duration=1.0, step=0.01)
+    assert abs(result.times[-1] - 0.25) < 1e-9
+    times = result.steps.sensor_times
+    np.testing.assert_allclose(result.sensor("rate"), 2.0 * times - 0.5, atol=1e-8)
+
+
+def test_events_that_change_nothing_do_not_happen():
+    """A locked coordinate has a rate of round-off, whose sign must not lock it again."""
+    scene = fl.Scene(gravity=(0.3, 0.0, -9.81))
+    mass = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), position=(0.3, 0.2, 0.1)))
+    mass.add_velocity((-0.5, 0.0, 0.0))
+    rail = fl.joints.Prismatic(fl.ground(), mass.point("centre"), axis=(1, 0, 0))
+    scene.add(rail)
+    pull = scene.add(fl.PointLoad(mass.point("centre"), force=(0.7, 0.0, 0.0)))
+    stick = scene.add(fl.joints.Drive(rail.displacement, active=False))
+    actions = fl.schemes.Lock(stick), fl.schemes.Scale(pull, 0.0)
+    rate = {"direction": 1, "repeated": True}
+    scene.add(fl.schemes.Event(lambda state: state.rate(rail), actions, **rate))
+    again = fl.schemes.Release(stick), fl.schemes.Scale(pull, -1.0)
+    scene.add(fl.schemes.Event(lambda state: state.time - 1.0, again))
+    result = fl.GeneralisedAlpha(radius=0.8).run(scene, duration=1.5, step=0.01)
+    np.testing.assert_array_equal(result.steps.event_numbers, [0, 1])
+    np.testing.assert_allclose(result.steps.event_times, [0.5, 1.0], atol=1e-9)

@@ -38,6 +38,20 @@ class Switchboard(Protocol):
             factor: The factor.
         """
 
+    def locked(self, connection: Connection) -> bool:
+        """Whether the constraints of a connection act.
+
+        Args:
+            connection: A joint, drive or gear.
+        """
+
+    def factor(self, item: Any) -> float:
+        """Current factor of a load, spring or force law.
+
+        Args:
+            item: The item.
+        """
+
     def stop(self) -> None:
         """End the run."""
 
@@ -52,6 +66,14 @@ class Action(ABC):
         Args:
             scene: The running scene.
         """
+
+    def changes(self, scene: Switchboard) -> bool:
+        """Whether it changes anything now.
+
+        Args:
+            scene: The running scene.
+        """
+        return True
 
     @property
     def switched(self) -> Connection | None:
@@ -128,6 +150,10 @@ class Lock(_Switch):
         """Activate the constraints."""
         scene.lock(self.connection)
 
+    def changes(self, scene: Switchboard) -> bool:
+        """Whether the constraints do not act yet."""
+        return not scene.locked(self.connection)
+
 
 @dataclass(frozen=True, eq=False)
 class Release(_Switch):
@@ -145,6 +171,10 @@ class Release(_Switch):
     def act(self, scene: Switchboard) -> None:
         """Deactivate the constraints."""
         scene.release(self.connection)
+
+    def changes(self, scene: Switchboard) -> bool:
+        """Whether the constraints act."""
+        return scene.locked(self.connection)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,3 +218,7 @@ class Scale(Action):
     def act(self, scene: Switchboard) -> None:
         """Set the factor."""
         scene.scale(self.item, float(self.factor))
+
+    def changes(self, scene: Switchboard) -> bool:
+        """Whether the factor is another one."""
+        return scene.factor(self.item) != float(self.factor)

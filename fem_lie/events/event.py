@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from fem_lie import _arrays
-from fem_lie.events.actions import Action
+from fem_lie.events.actions import Action, Switchboard
 from fem_lie.events.state import State
 from fem_lie.joints.connection import Connection
 
@@ -21,6 +21,9 @@ Reaction: TypeAlias = Action | Callable[[State], None]
 @dataclass(frozen=True, eq=False)
 class Event:
     """Actions at the time when a function of the state passes through zero.
+
+    An event of actions that change nothing, such as :class:`~fem_lie.schemes.Lock` of what is
+    locked, does not happen.
 
     The step in which the function changes its sign is repeated with a size that ends there. Results
     have two rows at the time of an event: before and after its actions. The events of a run are in
@@ -83,6 +86,14 @@ class Event:
     def label(self) -> str:
         """Name in messages."""
         return self.name or getattr(self.condition, "__name__", "event")
+
+    def changes(self, scene: Switchboard) -> bool:
+        """Whether its actions change anything now.
+
+        Args:
+            scene: The running scene.
+        """
+        return any(not isinstance(a, Action) or a.changes(scene) for a in self.actions)
 
     @property
     def switched(self) -> list[Connection]:

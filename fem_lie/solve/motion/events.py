@@ -42,7 +42,13 @@ class RunningState:
     """
 
     def __init__(
-        self, equations: Equations, time: float, H: Array, v: Array, multipliers: Array
+        self,
+        equations: Equations,
+        time: float,
+        H: Array,
+        v: Array,
+        multipliers: Array,
+        step: float,
     ) -> None:
         """Store the state.
 
@@ -52,8 +58,9 @@ class RunningState:
             H: Frames of all nodes, ground and prescribed motions.
             v: Twists of the moving nodes.
             multipliers: Lagrange multipliers.
+            step: Interval of differences for the rates of prescribed motions.
         """
-        self.time = time
+        self.time, self._step = time, step
         self._equations, self._H, self._v = equations, H, v
         self._multipliers = multipliers
 
@@ -73,7 +80,7 @@ class RunningState:
     def _rates(self) -> Array:
         """Rates of all coordinates, by central differences along the motion."""
         equations, n = self._equations, self._equations.unknowns.moving
-        driven = equations.prescribed(self.time).velocities
+        driven = equations.prescribed(self.time, self._step).velocities
         v = np.concatenate([self._v[:n], np.zeros((1, 6)), driven])
         types = np.append(equations.unknowns.kinds, np.zeros(len(v) - n, dtype=np.int64))
         units = np.repeat([equations.unknowns.length, 1.0], 3)
@@ -209,6 +216,8 @@ class Events(Stateful):
             over = self.counts[k] > 0 and not event.repeated
             if over or signs[k] * event.direction < 0.0:
                 signs[k] = 0.0
+            if signs[k] and not event.changes(self):
+                signs[k] = 0.0
         return signs
 
     def entered(self, values: Array) -> Flags:
@@ -305,6 +314,14 @@ class Events(Stateful):
     def scale(self, item: Any, factor: float) -> None:
         """Set the factor of a load, spring or force law."""
         self._equations.history_variables.scale(item, factor)
+
+    def locked(self, connection: Connection) -> bool:
+        """Whether the constraints of a connection act."""
+        return self._equations.history_variables.acts(connection)
+
+    def factor(self, item: Any) -> float:
+        """Current factor of a load, spring or force law."""
+        return self._equations.history_variables.factor(item)
 
     def stop(self) -> None:
         """End the run."""

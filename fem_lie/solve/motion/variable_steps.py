@@ -243,7 +243,8 @@ class VariableSteps(Driver[Growing]):
         if equations.scene.controllers:
             frames, velocities, _ = equations.start
             none = np.zeros(equations.unknowns.m)
-            self._controllers.sample(RunningState(equations, 0.0, frames, velocities, none))
+            start = RunningState(equations, 0.0, frames, velocities, none, self._control.size)
+            self._controllers.sample(start)
         self._stepper.begin(self._control.size)
         if self._events:
             self._events.begin(self._state(0.0))
@@ -251,8 +252,9 @@ class VariableSteps(Driver[Growing]):
 
     def _state(self, time: float) -> RunningState:
         """The current state, for events."""
-        stepper = self._stepper
-        return RunningState(self.equations, time, self.frames, stepper.twists, stepper.multipliers)
+        stepper, size = self._stepper, self._control.size
+        moving = self.frames, stepper.twists, stepper.multipliers
+        return RunningState(self.equations, time, *moving, size)
 
     @property
     def frames(self) -> Array:

@@ -128,6 +128,22 @@ class HistoryVariables:
         """
         self._connections.switch(item, H, active=active)
 
+    def acts(self, item: Connection) -> bool:
+        """Whether the constraints of a joint, drive or gear act.
+
+        Args:
+            item: The item.
+        """
+        return self._connections.acts(item)
+
+    def factor(self, item: Load | Connection) -> float:
+        """Current factor of a load, spring or force law.
+
+        Args:
+            item: An item that the scene names as scaled.
+        """
+        return float(self._factors[self._scaled.index(item)])
+
     def scale(self, item: Load | Connection, factor: float) -> None:
         """Set the factor of a load, spring or force law.
 
