@@ -133,6 +133,17 @@ def test_stick_slip():
     assert fine["lost"] < 1e-10
 
 
+def test_woodpecker():
+    """Time and state after a period against Moreau's time-stepping and the published state."""
+    found = main("woodpecker", step=2e-4, duration=0.15)
+    (time, *state), (exact, *reference) = found["passages"][0], found["moreau"][0]
+    assert abs(time / exact - 1.0) < 2e-4 and abs(exact - 0.14589) < 1e-5
+    np.testing.assert_allclose(state, reference, rtol=2e-3)
+    # both digits of the published velocity, and three of the rate of the bird
+    np.testing.assert_allclose(state, found["published"], rtol=1e-2)
+    assert found["cone_residual"] < 1e-9
+
+
 def test_inverted_pendulum():
     """Angles at samples against linear theory, with an error of second order in the step."""
     coarse, fine = (main("inverted_pendulum", step=step, samples=50) for step in (4e-3, 2e-3))
