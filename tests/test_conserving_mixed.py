@@ -201,7 +201,10 @@ def test_a_matrix_is_made_for_its_own_step(name, most):
 
 @pytest.mark.parametrize("name", FRAMES)
 def test_a_resting_cable_costs_no_iterations(name):
-    """Nor matrices, each at its price in iterations: what moves does not feel the cable."""
+    """Nor matrices, each at its price in iterations: what moves does not feel the cable.
+
+    Round-off decides in which step a matrix is made, so that one more may fall into the run.
+    """
     plan = {"duration": 0.2, "step": 1e-3, "save_every": 100}
     _, price = fl.schemes.Automatic().rule()
 
@@ -209,7 +212,7 @@ def test_a_resting_cable_costs_no_iterations(name):
         result = SCHEME.run(scene, **plan)
         return result.iterations[-1] + price * result.factorisations
 
-    assert cost(beside_a_cable(FRAMES[name]())) <= 1.02 * cost(FRAMES[name]())
+    assert cost(beside_a_cable(FRAMES[name]())) <= 1.02 * cost(FRAMES[name]()) + price
 
 
 def test_composed_steps_of_nodes_without_frames():

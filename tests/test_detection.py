@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from fem_lie.contact.sides.curves import Opposite, Strands, at, set_curves, set_overlaps
+from fem_lie.contact.sides.curves import nearest as nearest_of
 from fem_lie.contact.sides.detection import near, near_between
+from fem_lie.contact.sides.gauss_points import STEPS, intervals
 from fem_lie.contact.sides.passage import are_apart
 from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import GROUND, UNUSED
@@ -71,12 +73,30 @@ def test_what_overlaps_is_not_apart(bend, part):
     for i in range(60):
         for j in range(60):
             other = Opposite(j, j, nowhere, nowhere, 2 * RADIUS)
-            meets = set_overlaps(a.curves[i], b, other, 4, np.empty((8, 2))) > 0
+            meets = set_overlaps(a.curves[i], b, other, STEPS, intervals()) > 0
             apart = are_apart(a, i, b, other)
             assert not (meets and apart)
             found, seen = found + meets, seen + apart
     assert found > 100
     assert seen >= part * (3600 - found)
+
+
+def test_all_that_overlaps_is_found_on_bent_segments():
+    """Where the gap has several extrema within a tenth of a segment, too."""
+    a, b, parts, reach = curved(100, 0.7, 4), curved(100, 0.7, 5), intervals(), 0.03
+    stations, nowhere, overlaps = np.linspace(0.0, 1.0, 301), (0.0, 0.0, 0.0), 0
+    for i in range(100):
+        points = [at(a.curves[i], s) for s in stations]
+        for j in range(100):
+            other = Opposite(j, j, nowhere, nowhere, reach)
+            if are_apart(a, i, b, other):
+                continue
+            found = parts[: set_overlaps(a.curves[i], b, other, STEPS, parts)]
+            squares = np.array([nearest_of(b, other, P)[0] for P in points])
+            within = ((found[:, :1] <= stations) & (stations <= found[:, 1:])).any(axis=0)
+            np.testing.assert_array_equal(within, squares < reach**2)
+            overlaps += len(found)
+    assert overlaps > 30
 
 
 def test_curves_are_within_their_bulges():

@@ -215,6 +215,6 @@ def test_moments_of_one_element():
     shell, result = bent(np.pi / 2, 1)
     found = fl.post.resultants(result, shell)
     moment = E * THICKNESS**3 / 12 * np.pi / 2 / LENGTH
-    np.testing.assert_allclose(np.abs(found.at_points[..., 3]), moment, rtol=1e-9)
+    np.testing.assert_allclose(np.abs(found.at_points[..., 3]), moment, rtol=1e-12)
     others = np.delete(found.at_points, 3, axis=-1)
-    np.testing.assert_allclose(others, 0.0, atol=1e-6 * moment)
+    np.testing.assert_allclose(others, 0.0, atol=1e-9 * moment)

@@ -1,15 +1,15 @@
 """Cubic curves with a radius: closest points, and intervals of a curve that overlap another.
 
 Along a segment the gap to the opposite curve is split at its extrema. Two straight segments have
-one at most; curved ones may have several, which equal steps separate. In each interval between
-extrema the zero of the gap bounds the part with a negative gap, and Gauss points are placed in
-connected parts. So the integrand and its derivative vanish at ends that are free, wherever along an
-element these are.
+one at most; curved ones may have several, which steps separate: they are halved until the gap is
+nearly a cubic along each. In each interval between extrema the zero of the gap bounds the part with
+a negative gap, and Gauss points are placed in connected parts. So the integrand and its derivative
+vanish at ends that are free, wherever along an element these are.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -54,6 +54,10 @@ class Strands(NamedTuple):
     bulges: Array
 
 
+Station: TypeAlias = tuple[float, float, float]
+"""Position on a curve, gap there, and scaled derivative of the gap."""
+
+
 class Opposite(NamedTuple):
     """What a segment may touch: segments ``first … last`` of another line, or a plane.
 
@@ -81,6 +85,9 @@ _SEAM = 1e-9
 _TURNS = 60
 """Largest number of iterations; each at least halves the interval."""
 
+
+_CUBIC = 0.1
+"""Difference of a gap from a cubic, over the sum of the radii, up to which it has its extrema."""
 
 _STRETCH = 1e-4
 """Change of the stretch of a segment at which its tangents are updated."""
@@ -349,49 +356,93 @@ def _append(parts: Array, count: int, low: float, high: float) -> int:
 @uncounted
 def _fastest(C: Array) -> float:
     """Upper bound of the derivative of the position along a curve."""
-    chord = minus(load_row(C, 1), load_row(C, 0))
     t0, t1 = load_row(C, 2), load_row(C, 3)
-    return float(2.0 * np.sqrt(max(dot(chord, chord), dot(t0, t0), dot(t1, t1))))
+    # the derivative is in the convex hull of its Bézier points
+    chord = minus(load_row(C, 1), load_row(C, 0))
+    middle = minus(scaled(3.0, chord), plus(t0, t1))
+    return float(np.sqrt(max(dot(t0, t0), dot(middle, middle), dot(t1, t1))))
+
+
+@uncounted
+def _add_parts(
+    C: Array, strands: Strands, other: Opposite, ends: tuple[Station, Station], parts: Array, k: int
+) -> int:
+    """Add the parts with a negative gap of an interval with one extremum of the gap at most."""
+    (a, ga, fa), (b, gb, fb) = ends
+    if ga == np.inf and gb == np.inf:
+        return k
+    if ga == np.inf:
+        a = _edge(C, strands, other, a, b)
+        ga, fa, _ = _gap(C, strands, other, a)
+    elif gb == np.inf:
+        b = _edge(C, strands, other, b, a)
+        gb, fb, _ = _gap(C, strands, other, b)
+    if (fa < 0.0) == (fb < 0.0):
+        low, high = _part(C, strands, other, a, ga, b, gb)
+        return _append(parts, k, low, high)
+    s = _turning(C, strands, other, a, fa, b, fb)
+    g, _, _ = _gap(C, strands, other, s)
+    low, high = _part(C, strands, other, a, ga, s, g)
+    k = _append(parts, k, low, high)
+    low, high = _part(C, strands, other, s, g, b, gb)
+    return _append(parts, k, low, high)
+
+
+@inlined_uncounted
+def _station(C: Array, strands: Strands, other: Opposite, s: float) -> Station:
+    """Position on a curve, gap there, and scaled derivative of the gap."""
+    g, f, _ = _gap(C, strands, other, s)
+    return s, g, f
+
+
+@inlined_uncounted
+def _is_cubic(other: Opposite, a: Station, middle: Station, b: Station) -> bool:
+    """Whether the gap in the middle is that of the cubic with the values and slopes at the ends."""
+    if a[1] == np.inf or middle[1] == np.inf or b[1] == np.inf:
+        return False
+    if other.last < other.first:
+        return True
+    # the derivatives are scaled by the distance of the axes
+    fa, fb = a[2] / max(a[1] + other.reach, _ZERO), b[2] / max(b[1] + other.reach, _ZERO)
+    expected = 0.5 * (a[1] + b[1]) + 0.125 * (b[0] - a[0]) * (fa - fb)
+    return bool(abs(middle[1] - expected) <= _CUBIC * other.reach)
 
 
 @uncounted
 def set_overlaps(C: Array, strands: Strands, other: Opposite, steps: int, parts: Array) -> int:
     """Set the intervals of a curve where the gap is negative; return their number.
 
+    A step is halved until the gap along it is nearly a cubic; its halves have one extremum of the
+    gap at most. Steps that are too far from the opposite line for an overlap are left at once.
+
     Args:
         C: The curve, shape (4, 3).
         strands: Segments of the opposite line.
         other: What it may touch.
-        steps: Number of equal steps, each with one extremum of the gap at most.
-        parts: Intervals, overwritten, at least twice as many as steps, shape (·, 2).
+        steps: 1: there is one extremum at most; else the largest number of steps, a power of two.
+        parts: Intervals, overwritten, at least four times as many as steps, shape (·, 2).
     """
-    count, most = 0, _fastest(C) / steps
-    low, (gl, fl, _) = 0.0, _gap(C, strands, other, 0.0)
-    for k in range(steps):
-        a, ga, fa = low, gl, fl
-        b = low = (k + 1) / steps
-        gl, fl, _ = _gap(C, strands, other, b)
-        gb, fb = gl, fl
-        near = ga + gb if ga < np.inf and gb < np.inf else min(ga, gb)
-        if near >= most:
-            continue
-        if ga == np.inf:
-            a = _edge(C, strands, other, a, b)
-            ga, fa, _ = _gap(C, strands, other, a)
-        elif gb == np.inf:
-            b = _edge(C, strands, other, b, a)
-            gb, fb, _ = _gap(C, strands, other, b)
-        if (fa < 0.0) == (fb < 0.0):
-            c, d = _part(C, strands, other, a, ga, b, gb)
-            count = _append(parts, count, c, d)
-            continue
-        s = _turning(C, strands, other, a, fa, b, fb)
-        g, _, _ = _gap(C, strands, other, s)
-        c, d = _part(C, strands, other, a, ga, s, g)
-        count = _append(parts, count, c, d)
-        c, d = _part(C, strands, other, s, g, b, gb)
-        count = _append(parts, count, c, d)
-    return count
+    count, fastest = 0, _fastest(C)
+    a, b = _station(C, strands, other, 0.0), _station(C, strands, other, 1.0)
+    if steps == 1:
+        return _add_parts(C, strands, other, (a, b), parts, count)
+    first, size = 0, steps
+    while True:
+        near = a[1] + b[1] if a[1] < np.inf and b[1] < np.inf else min(a[1], b[1])
+        if near < fastest * size / steps or near == np.inf:
+            middle = _station(C, strands, other, (first + 0.5 * size) / steps)
+            halved = size == steps or not _is_cubic(other, a, middle, b)
+            if halved and size > 1:
+                size, b = size // 2, middle
+                continue
+            count = _add_parts(C, strands, other, (a, middle), parts, count)
+            count = _add_parts(C, strands, other, (middle, b), parts, count)
+        first += size
+        if first == steps:
+            return count
+        # the largest step that begins here when steps are halved
+        size, a = first & -first, b
+        b = _station(C, strands, other, (first + size) / steps)
 
 
 @inlined_uncounted

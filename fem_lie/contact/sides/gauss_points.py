@@ -41,8 +41,8 @@ GAUSS = 3
 GAUSS_AT, GAUSS_WEIGHT = np.polynomial.legendre.leggauss(GAUSS)
 """Positions in [−1, 1] and weights of the integration points."""
 
-_STEPS = 4
-"""Equal steps of a curved segment; the gap has one extremum at most in each of them."""
+STEPS = 256
+"""Largest number of steps of a curved segment; the gap has two extrema at most in each of them."""
 
 _STRAIGHT = 1e-4
 """Distance from the chord over the sum of the radii up to which a segment is straight."""
@@ -108,7 +108,7 @@ def line_samples(pieces: Sequence[Piece], nodes: Nodes) -> Samples:
 
 def intervals() -> Array:
     """Workspace for the overlapping intervals of a segment."""
-    return np.empty((2 * _STEPS, 2))
+    return np.empty((4 * STEPS, 2))
 
 
 @uncounted
@@ -166,7 +166,7 @@ def _add_points(
     C, bulge, flat = a.curves[i], a.bulges[i], out.kind == PLANE
     for j in range(other.first, other.last + 1):
         bulge = max(bulge, b.bulges[j])
-    steps = _STEPS if bulge > _STRAIGHT * other.reach else 1
+    steps = STEPS if bulge > _STRAIGHT * other.reach else 1
     for part in range(set_overlaps(C, b, other, steps, parts)):
         low, high = parts[part]
         for p in range(GAUSS):

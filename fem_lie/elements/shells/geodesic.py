@@ -309,8 +309,14 @@ class Edges(NamedTuple):
         Args:
             section: Section stiffness of each cell, (m, 8, 8).
         """
-        inverse = np.linalg.pinv(self.stiffness(section), rcond=1e-12, hermitian=True)
-        return self._stiffness_of_field(section) @ self._work() @ inverse
+        K = self.stiffness(section)
+        # membrane and bending stiffness differ by (L/t)², which digits of the inverse would pay for
+        scale = 1.0 / np.sqrt(np.diagonal(K, axis1=1, axis2=2))
+        inverse = np.linalg.pinv(
+            scale[:, :, np.newaxis] * K * scale[:, np.newaxis], rcond=1e-12, hermitian=True
+        )
+        work = self._work() * scale[:, np.newaxis]
+        return self._stiffness_of_field(section) @ work @ inverse * scale[:, np.newaxis]
 
     def _work(self) -> Array:
         """Strains that do work on the parameters, per relative motion of the edges, (m, 14, 24)."""
