@@ -25,14 +25,31 @@ from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.packages import Method
 from fem_lie.solve.statics.follow import SceneEquilibrium
 
-model = SceneEquilibrium(pinched(0.04, quarter(32), fl.elements.HellingerReissner()), "test_")
-solver = DirectSolver(model.equations.system.kkt, "test_little_", [Method("{kind}", "{package}")])
+def solver(cells):
+    shell = pinched(0.04, quarter(cells), fl.elements.HellingerReissner())
+    matrix = SceneEquilibrium(shell, "test_").equations.system.kkt
+    return DirectSolver(matrix, "test_little_", [Method("{kind}", "{package}")])
+
+def free():
+    # what is free within the process, in pieces of 64 kB or more
+    pieces, size = [], 2**20
+    while size >= 2**16:
+        try:
+            pieces.append(bytearray(size))
+        except MemoryError:
+            size //= 2
+    return pieces
+
+solver(4).factorise()  # with all code that it needs
+large = solver(32)
 with open("/proc/self/status") as status:
     kilobytes = next(int(line.split()[1]) for line in status if line.startswith("VmSize"))
 limit = 1024 * kilobytes + {room}
 resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+pieces = free() if {room} < 2**30 else []
+del pieces[: {room} // 2**20]
 try:
-    solver.factorise()
+    large.factorise()
 except MemoryError as error:
     print("lacks memory:", error)
 else:
