@@ -315,6 +315,15 @@ def test_whirl():
     assert record["unbalance_error"] <= 1e-6
 
 
+def test_turbine_blade():
+    """Frequencies of second order against intrinsic equations, and a start without transient."""
+    coarse, fine = (main("turbine_blade", cells=cells, duration=2.0) for cells in (64, 128))
+    assert coarse["frequency_error"] / fine["frequency_error"] > 3.5
+    assert fine["frequency_error"] <= 4e-4
+    assert fine["growth"] <= 1e-6
+    assert fine["seen_from_hub"] <= 1e-12
+
+
 def test_speed_against_error(tmp_path):
     """Orders are those of the theory; docs/measured/speed_against_error.csv has more meshes."""
     record = study("speed_against_error", coarsest=8, finest=64, smallest_step=1.25e-4, repeats=1)

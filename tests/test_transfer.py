@@ -11,6 +11,7 @@ from tests.unit_systems import METRES, OTHER_SYSTEMS, UNIT_SYSTEMS, UnitSystem
 
 STEEL = fl.Material(E=2.1e9, nu=0.3, density=7800.0)
 SECTION = fl.Section.rectangle(0.02, 0.03, STEEL)
+SOFT = fl.Section.rectangle(0.02, 0.01, fl.Material(E=2e8, nu=0.3, density=1000.0))
 ARC = fl.mesh.curve(lambda s: (np.sin(2 * s), 0.1 * s, 1 - np.cos(2 * s)), 8)
 LINE = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 4)
 
@@ -92,6 +93,33 @@ def test_rigid_motions_are_transferred_exactly(mesh):
     # the inertia of curved lines is that of their meshes, and momenta are kept
     allowed = 1e-12 if mesh is LINE else 5e-3
     np.testing.assert_allclose(finer.velocities, wanted, atol=allowed * np.abs(wanted).max())
+
+
+def test_a_steady_rotation_goes_on_where_it_is_transferred_to():
+    """With its velocities, which are also those that are added to the present configuration."""
+
+    def arm() -> tuple[fl.Scene, fl.Beam]:
+        scene = fl.Scene()
+        return scene, scene.add(fl.Beam.straight((0.2, 0, 0), (1.2, 0.3, 0), SOFT, cells=4))
+
+    spin = np.array([0.0, 0.0, 9.0])
+    (still, held), (scene, beam), (_, other) = arm(), arm(), arm()
+    still.add(fl.Clamp(held.point("start")))
+    steady = fl.statics(still, spin=spin)
+    assert np.abs(steady.displacement(held.point("end"))[-1]).max() > 1e-2
+    fl.adaptivity.transfer(steady, still, scene)
+    other.model.start_frames = beam.model.start_frames
+    other.add_velocity(omega=spin, about=(0, 0, 0))
+    np.testing.assert_allclose(beam.velocities, other.velocities, atol=1e-12 * 9.0)
+    root = beam.frames[0]
+
+    def hub(time: float) -> np.ndarray:
+        return lie.se3_compose(lie.frame(np.zeros(3), lie.so3_exp(time * spin)), root)
+
+    scene.add(fl.PrescribedMotion(beam.point("start"), hub))
+    result = fl.GeneralisedAlpha().run(scene, duration=0.5, step=1e-2)
+    seen = result.frames[:, :5, 0] @ lie.so3_exp(result.times[:, np.newaxis] * spin)
+    np.testing.assert_allclose(seen, np.broadcast_to(seen[0], seen.shape), atol=1e-11)
 
 
 def test_constant_strain_is_transferred_exactly():

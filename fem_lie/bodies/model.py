@@ -561,7 +561,8 @@ class BodyModel:
             spin: Angular velocity, global components, shape (3,), rad per time.
             about: Position at rest, shape (3,).
         """
-        self.velocities += rigid_motions(self.node_types, self.frames, about) @ [
+        H = self.frames if self.start_frames is None else self.start_frames
+        self.velocities += rigid_motions(self.node_types, H, about) @ [
             *translation,
             *spin,
         ]

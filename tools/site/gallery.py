@@ -45,7 +45,7 @@ GROUPS = {
     ),
     "Motion": (
         "double_pendulum heavy_top free_rigid_body tumbling_body rotating_beam spin_up "
-        "frequency_response whirl "
+        "frequency_response whirl turbine_blade "
         "flapping_plate tumbling_plate wave_in_a_net space_net net_capture "
         "variational_pendulum order_four adaptive_wave reduced_pendulum"
     ),

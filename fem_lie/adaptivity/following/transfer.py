@@ -30,11 +30,11 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from fem_lie._arrays import Array, Flags
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._summary import Summarised
 from fem_lie.adaptivity.following.mesh_points import MeshPoints, mesh_points
 from fem_lie.bodies.body import Body
-from fem_lie.lie.node_types import push_all_forward, rigid_motions
+from fem_lie.lie.node_types import NodeType, push_all_forward, rigid_motions
 from fem_lie.lie.node_types.inertia import invariants
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
@@ -167,9 +167,9 @@ def transfer(
     """Set the initial state of a scene from a state of another scene with other meshes.
 
     Bodies are matched by name. Those of ``onto`` get the frames from which solvers start
-    (``start_frames``) and velocities. ``onto`` also gets the time (or load factor) at which its
-    histories start, and the full rotations of its joints. Times of its results are relative to this
-    time.
+    (``start_frames``) and velocities, those of its steady rotation from an equilibrium. ``onto``
+    also gets the time (or load factor) at which its histories start, and the full rotations of its
+    joints. Times of its results are relative to this time.
 
     Args:
         result: Result of dynamics, of statics or of a path of ``scene``.
@@ -256,12 +256,23 @@ def _gathered(
     frames, twists = np.empty((unknowns.total, 4, 3)), np.zeros((unknowns.total, 6))
     for name, points in found.items():
         own, nodes = result.info.body(name).nodes, unknowns.bodies[after[name]]
-        v = result.velocities[at, own] if isinstance(result, Result) else np.zeros((len(own), 6))
+        v = _twists(result, at, own)
         frames[nodes], twists[nodes] = points.motion(result.frames[at, own], v)
     H, v = equations.start.frames.copy(), equations.start.velocities.copy()
     H[: unknowns.moving] = frames[unknowns.masters]
     v[: unknowns.moving] = twists[unknowns.masters]
     return H, v
+
+
+def _twists(result: Result | StaticResult, at: int, own: Indices) -> Array:
+    """Twists of nodes at a state; those of an equilibrium are of its steady rotation."""
+    if isinstance(result, Result):
+        return np.asarray(result.velocities[at, own])
+    frames = np.full(len(own), NodeType.FRAME, dtype=np.int64)
+    # centrifugal forces have the load factor
+    return result.steady_rotation.velocities(
+        frames, result.frames[at, own], np.sqrt(result.factors[at])
+    )
 
 
 def _kept(
