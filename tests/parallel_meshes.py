@@ -77,9 +77,10 @@ def shell(comm):
         MPI.COMM_SELF, ((0, 0), (1, 0.4)), (8, 3), dolfinx.mesh.CellType.quadrilateral
     )
     own = slice(None) if comm.rank == 0 else slice(0, 0)
+    corners = dolfinx.mesh.entities_to_geometry(flat, 2, np.arange(24, dtype=np.int32))
     mesh = dolfinx.mesh.create_mesh(
         comm,
-        cells=flat.geometry.dofmap[own].astype(np.int64),
+        cells=corners[own].astype(np.int64),
         x=flat.geometry.x[own],
         e=basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(3,)),
     )
