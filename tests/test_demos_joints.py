@@ -144,6 +144,15 @@ def test_woodpecker():
     assert found["cone_residual"] < 1e-9
 
 
+def test_crane():
+    """Linear theory of trolley, heavy cable and load; feed-forward alone arrives at rest."""
+    found = main("crane", cells=12, step=1e-2)
+    for name in ("undisturbed", "pulled", "feedback"):
+        assert found[f"{name}_error"] <= 1e-3
+    assert found["undisturbed_left"] <= 2e-4
+    assert found["feedback_left"] <= 0.05 * found["pulled_left"]
+
+
 def test_inverted_pendulum():
     """Angles at samples against linear theory, with an error of second order in the step."""
     coarse, fine = (main("inverted_pendulum", step=step, samples=50) for step in (4e-3, 2e-3))

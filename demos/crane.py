@@ -1,0 +1,119 @@
+"""A crane moves a load on a heavy flexible cable: flatness gives the force, feedback removes sway.
+
+A trolley of mass m runs on a rail. A load of mass M hangs from it on a cable of length L and mass
+rho L. A force on the trolley is set every 20 ms. *Feed-forward*: small motions of the cable are a
+series in the derivatives of the motion y(t) of the load (N. Petit & P. Rouchon, SIAM J. Control
+Optim. 40 (2001) 475),
+
+    w(z, t) = sum c_k(z) y^(2k)(t),    (T c_k')' = rho c_(k-1),    T(z) = g (M + rho z),
+
+z upwards from the load, whose equation of motion is T c_k' = M c_(k-1) at z = 0; the force follows
+from the momentum. So the load arrives at rest. *Feedback*: the load is pulled aside and let go; a
+controller compares position and rate of the trolley, and the sway of the load, with those planned.
+
+Reference: linear theory, 400 elements of a string, exact between samples (matrix exponential).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from command_line import run
+from diagrams import diagram
+from numpy.polynomial import Polynomial
+from reference.crane import motion
+from scipy.integrate import cumulative_simpson
+
+import fem_lie as fl
+
+TROLLEY, LOAD, LINE, LENGTH, GRAVITY = 100.0, 50.0, 2.0, 10.0, 9.81
+WAY, TIME, PERIOD, PULL, TERMS, SMOOTH = 0.2, 8.0, 0.02, 1.0, 6, 12
+GAINS = np.array([150.0, 250.0, -200.0])
+"""Of the trolley's position and rate, and of the sway."""
+
+
+def weights() -> tuple[np.ndarray, np.ndarray]:
+    """Factors of ``y^(2k)`` in the position of the trolley, of ``y^(2k + 2)`` in the force."""
+    z = np.linspace(0.0, LENGTH, 2001)
+    c, position, force = np.ones_like(z), [], []
+    for _ in range(TERMS):
+        momentum = LOAD * c[0] + LINE * cumulative_simpson(c, x=z, initial=0.0)
+        position.append(c[-1])
+        force.append(TROLLEY * c[-1] + momentum[-1])
+        c = cumulative_simpson(momentum / (GRAVITY * (LOAD + LINE * z)), x=z, initial=0.0)
+    return np.array(position), np.array(force)
+
+
+class Control:
+    """Force on the trolley as a function of time and what is measured."""
+
+    def __init__(self, gains: Sequence[float]) -> None:
+        """Smooth motion of the load from 0 to 1 in unit time, with all derivatives needed."""
+        bump = Polynomial([0.0, 1.0]) ** SMOOTH * Polynomial([1.0, -1.0]) ** SMOOTH
+        rise = bump.integ() / bump.integ()(1.0)
+        self._y, self._gains = [rise.deriv(k) for k in range(2 * TERMS + 1)], np.array(gains)
+        self._position, self._force = weights()
+
+    def __call__(self, time: float, measured: np.ndarray) -> float:
+        """Force, for position and rate of the trolley, and sway of the load."""
+        part = min(time / TIME, 1.0)
+        y = np.array([each(part) * WAY / TIME**k for k, each in enumerate(self._y)])
+        top, rate = self._position @ y[:-1:2], self._position @ y[1::2]
+        return float(self._force @ y[2::2] + self._gains @ ([top, rate, y[0] - top] - measured))
+
+
+def crane(control: Control, pull: float, cells: int) -> fl.Scene:
+    """Trolley, cable and load; they start where they hang."""
+    section = fl.Section.from_stiffness([1e7, 1e6, 1e6, 1e-2, 1e-2, 1e-2], mass=LINE)
+    scenes = fl.Scene(gravity=(0, 0, -GRAVITY)), fl.Scene(gravity=(0, 0, -GRAVITY))
+    for scene in scenes:
+        trolley = scene.add(fl.RigidBody(TROLLEY, (1.0, 1.0, 1.0), name="trolley"))
+        line = fl.Beam.straight((0, 0, 0), (0, 0, -LENGTH), section, cells=cells, name="cable")
+        load = fl.RigidBody(LOAD, (1e-2, 1e-2, 1e-2), (0, 0, -LENGTH), name="load")
+        scene.add(line)
+        scene.add(load)
+        centre, end = trolley.point("centre"), load.point("centre")
+        hook = {"axis": (0, 1, 0), "second": (1, 0, 0)}
+        scene.add(fl.joints.Universal(centre, line.point("start"), **hook))
+        scene.add(fl.joints.RigidLink(line.point("end"), end))
+    still, scene = scenes
+    still.add(fl.Clamp(still.bodies[0].point("centre")))
+    still.add(fl.PointLoad(still.bodies[2].point("centre"), force=(pull, 0, 0)))
+    rail = scene.add(fl.joints.Prismatic(fl.ground(), centre, axis=(1, 0, 0)))
+    fl.adaptivity.transfer(fl.statics(still), still, scene)
+    drive = scene.add(fl.PointLoad(centre, force=(1, 0, 0)))
+
+    def update(state: fl.schemes.State, _: np.ndarray) -> tuple[float, list[float]]:
+        x, load = state.position(centre)[0], state.position(end)[0]
+        return control(state.time, np.array([x, state.rate(rail), load - x])), []
+
+    scene.add(fl.schemes.Controller(update, [drive], PERIOD))
+    scene.add(fl.schemes.Sensor("load", lambda state: state.position(end)[0]))
+    return scene
+
+
+def main(
+    cells: int = 20, step: float = 5e-3, duration: float = 16.0, pictures: bool = True
+) -> dict[str, Any]:
+    every, samples = round(PERIOD / step), round(duration / PERIOD)
+    cases = {"undisturbed": (0.0, 0.0), "pulled": (PULL, 0.0), "feedback": (PULL, 1.0)}
+    record, found = {}, {}
+    for name, (pull, on) in cases.items():
+        scene, masses = crane(Control(on * GAINS), pull, cells), (TROLLEY, LOAD, LINE)
+        result = fl.GeneralisedAlpha().run(scene, duration=duration, step=step, save_every=every)
+        found[name] = result.sensor("load")[:-1:every]
+        exact = motion(masses, LENGTH, GRAVITY, pull, Control(on * GAINS), PERIOD, samples)
+        record[f"{name}_error"] = float(np.abs(found[name] - exact).max() / WAY)
+        record[f"{name}_left"] = float(np.ptp(found[name][-150:]) / WAY)
+    if pictures:
+        with diagram("crane.png") as axes:
+            axes.plot(PERIOD * np.arange(samples), np.transpose([*found.values()]), label=[*found])
+            axes.set(xlabel="time [s]", ylabel="position of the load [m]", title="Crane")
+            axes.legend()
+    return record
+
+
+if __name__ == "__main__":
+    run(main, show=True)
