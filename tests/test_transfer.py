@@ -348,3 +348,20 @@ def test_a_drive_is_added_to_a_hinge_that_has_made_turns(position):
     np.testing.assert_allclose(driven.joint_force(spring)[ends, 5], wanted, rtol=1e-8)
     rest = moment * np.array([1.0, 1.1]) - wanted
     np.testing.assert_allclose(driven.joint_force(motor)[ends, 5], rest, atol=1e-6)
+
+
+def test_joints_that_are_added_to_a_transferred_state_are_refused():
+    """With what to do instead."""
+
+    def made() -> fl.Scene:
+        scene = fl.Scene()
+        bar = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2, name="bar"))
+        hinge = scene.add(fl.joints.Revolute(fl.ground(), bar.point("start"), axis=(0, 1, 0)))
+        scene.add(fl.joints.Spring(hinge.angle, stiffness=10.0))
+        return scene
+
+    scene, onto = made(), made()
+    fl.adaptivity.transfer(fl.statics(scene), scene, onto)
+    onto.add(fl.joints.InPlane(fl.ground(), onto.bodies[0].point("end"), axis=(0, 1, 0)))
+    with pytest.raises(ValueError, match=r"add all joints before fl\.adaptivity\.transfer"):
+        fl.GeneralisedAlpha().run(onto, duration=1e-3, step=1e-3)

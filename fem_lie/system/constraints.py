@@ -372,11 +372,11 @@ class Connections:
         """
         if values is None:
             return
-        expected = self.history_variables.shape
-        if values.shape != expected:
+        if values.shape != self.history_variables.shape:
             raise ValueError(
-                f"a scene that continues another must have the same joints: it has "
-                f"history variables of shape {values.shape}, expected {expected}"
+                f"the scene has joints with {len(self.history_variables)} pairs of frames, and "
+                f"continues a state with {len(values)}: add all joints before "
+                "fl.adaptivity.transfer, which sets the state"
             )
         self.history_variables = values
 
