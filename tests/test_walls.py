@@ -28,6 +28,18 @@ def test_a_struck_wall_gains_no_energy():
     assert result.contacts.penetration.max() < 1e-9
 
 
+def test_a_struck_wall_needs_no_smaller_steps():
+    """Redundant contacts left overlaps, which failed a larger wall in all sub-steps, too."""
+    result = fl.GeneralisedAlpha(radius=0.8).run(
+        wall(6, struck=True), duration=0.05, step=5e-3, progress=False
+    )
+    energy = result.kinetic + result.potential
+    assert result.divided == 0
+    assert result.contacts.contacts.max() > 250
+    assert result.contacts.penetration.max() < 1e-11
+    assert np.diff(energy).max() < 1e-12 * energy[0]
+
+
 def test_a_small_pile_reaches_its_residual_in_all_steps():
     result = fl.GeneralisedAlpha(radius=0.8).run(
         scene_of(at_rest(80)), duration=0.6, step=2e-3, save_every=300, progress=False

@@ -27,6 +27,10 @@ parallel planes separate a ball by less than the square of their angle per sweep
 _EXACT = 1e-13
 """Remaining overlap relative to a length, as in :data:`CLOSED`."""
 
+_SUFFICIENT = 1e-2
+"""Remaining overlap relative to a closed gap, if iterations no longer halve it: of contacts that
+share a load, some open by less when others take it, and each redistribution is costly."""
+
 
 @compiled
 def moved(H: Array, by: Array, part: float, out: Array) -> None:
@@ -147,9 +151,9 @@ def _separate(
             later = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * weight * weight))
             _go_on(w, k, (weight - 1.0) / later)
             weight = later
-    if k > MOST_NEWTON and sweeps == SWEEPS and not worst < enough:
+    if sweeps == SWEEPS and not worst < enough:
         gaps = Gaps(rows, responses, w.own, w.near, w.separation, w.nu, touch.closed, w.moved)
-        separate(gaps, k, enough, _NEWTON)
+        separate(gaps, k, max(enough, 0.1 * _SUFFICIENT), _NEWTON)
     moved(H, w.moved, 1.0, H)
 
 
@@ -168,6 +172,7 @@ def resolve_positions(
             becomes active.
     """
     many = w.many[0] > MOST_NEWTON
+    halved = np.inf
     for iteration in range(limits[0]):
         k, worst, grew = 0, 0.0, False
         for at in range(w.many[0]):
@@ -185,8 +190,9 @@ def resolve_positions(
                 worst = max(worst, (-g if w.nu[c] == 0.0 else abs(g)) / touch.closed[c])
         if grew and limits[2]:
             return True
-        if worst < _EXACT / CLOSED:
+        if worst < _EXACT / CLOSED or halved < worst < _SUFFICIENT:
             return False
+        halved = min(halved, 0.5 * worst)
         enough = 0.1 * max(_EXACT, (CLOSED * worst) ** 2 if many else 0.0) / CLOSED
         ahead = k > MOST_NEWTON or iteration >= _SLOW
         _separate(touch, masses, H, w, k, limits[1], enough, ahead)
