@@ -284,6 +284,26 @@ def chain(links):
     return scene, before
 
 
+@pytest.mark.parametrize(
+    ("options", "remedy"),
+    [
+        ({}, "use radius=0.5 or index=fl.schemes.ConstraintIndex.STABILISED_TWO"),
+        ({"radius": 0.5}, ""),
+        ({"index": fl.schemes.ConstraintIndex.STABILISED_TWO}, ""),
+    ],
+    ids=["default", "damped", "stabilised"],
+)
+def test_violated_velocity_constraints_are_reported_once(options, remedy, caplog):
+    """A hundred links with index 3: steps fail, and sub-steps do not remove the cause."""
+    result = fl.GeneralisedAlpha(**options).run(
+        chain(100)[0], duration=0.5, step=2e-3, progress=False
+    )
+    found = [each.getMessage() for each in caplog.records if "violate" in each.getMessage()]
+    assert (result.divided > 0) == bool(remedy)
+    assert len(found) == bool(remedy)
+    assert all(remedy in each and "at time 0.46 " in each for each in found)
+
+
 @pytest.mark.parametrize("options", [{"radius": 0.5}, {}], ids=["damped", "default"])
 def test_a_long_chain_arrives(options, caplog):
     """A hundred links that fall for 0.7 s: with less damping in parts of the steps at its end."""

@@ -19,6 +19,7 @@ from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.loop import PROGRESS
 from fem_lie.solve.alpha.step.node import parameters
 from fem_lie.solve.alpha.step.nodes import State, accept, correct, extrapolate, predict
+from fem_lie.solve.alpha.violation import ViolationWarning
 from fem_lie.solve.convergence import (
     constraint_scaling,
     estimate,
@@ -90,6 +91,7 @@ class RunState(DividedIntegration[Recorder]):
         self.options, self.p = options, parameters(options.radius, step)
         scaling = node_scaling(unknowns)
         self.s = State.start(equations.start.frames, unknowns.kinds, scaling)
+        self._violation = ViolationWarning(scaling, options.radius)
         self._guided, self._moving = bool(equations.supports), unknowns.moving
         self._changing = unknowns.time_dependent
         # compiled loops set the time of force laws that are in their sum
@@ -195,7 +197,9 @@ class RunState(DividedIntegration[Recorder]):
         self._set_size(size)
         # loads at the start: the failed step has changed them
         extrapolate(0.0, s.H, s.motion, s.kinds, s.H.copy(), s.twist1)
+        computed = s.twist1.copy()
         self._make_consistent(time)
+        self._violation.check(time, computed, s.twist1)
         s.H1[:] = s.H  # not the end of the failed step
         self._scale_constraints()
         self.balance.look(time, *self._accepted)
