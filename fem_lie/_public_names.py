@@ -23,7 +23,7 @@ from importlib import import_module
 from typing import Any, NamedTuple
 
 from fem_lie._arguments import explain_class, explained_function
-from fem_lie._renamed import RENAMED
+from fem_lie._renamed import MEANT, RENAMED
 
 PACKAGE = __name__.partition(".")[0]
 
@@ -139,6 +139,8 @@ def unknown_name(namespace: str, name: str) -> AttributeError:
     message = f"{namespace} has no {name!r}"
     if name in RENAMED:
         message += f"; it is {RENAMED[name]} now (fl is fem_lie)"
+    elif name in MEANT:
+        message += f"; expected {MEANT[name]} (fl is fem_lie)"
     elif found := [f"{each}.{name}" for each, at in namespaces().items() if name in origins(at)]:
         message += f"; expected {' or '.join(found)} (fl is fem_lie)"
     return AttributeError(message, name=name, obj=sys.modules[namespace])

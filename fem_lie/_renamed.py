@@ -1,4 +1,4 @@
-"""Public names of earlier versions; the errors for them say the new ones."""
+"""Names of earlier versions and of other codes; the errors for them say the ones that are meant."""
 
 RENAMED = {
     "Choices": "fl.schemes.MatrixTerms",
@@ -50,3 +50,88 @@ RENAMED = {
     "surface": "fl.mesh.parametric_surface",
 }
 """Names of earlier versions, and what they are called now."""
+
+MEANT = {
+    "Ball": "fl.joints.Spherical (joint), fl.RigidBody (body) or fl.contact.Sphere (surface)",
+    "BallJoint": "fl.joints.Spherical",
+    "BC": "fl.Clamp",
+    "BoundaryCondition": "fl.Clamp",
+    "Box": "fl.RigidBody (body) or fl.contact.Box (surface)",
+    "CantileverBeam": "fl.Beam.straight",
+    "Constraint": "fl.joints",
+    "DirichletBC": "fl.Clamp",
+    "FixedJoint": "fl.joints.Fixed",
+    "FixedSupport": "fl.Clamp",
+    "Force": "fl.PointLoad",
+    "Gravity": "fl.Scene(gravity=...)",
+    "Ground": "fl.ground()",
+    "HHT": "fl.GeneralisedAlpha",
+    "Hinge": "fl.joints.Revolute",
+    "HingeJoint": "fl.joints.Revolute",
+    "Load": "fl.PointLoad",
+    "Mass": "fl.RigidBody",
+    "Mesh": "fl.mesh",
+    "Moment": "fl.PointLoad(point, moment=...)",
+    "Newmark": "fl.GeneralisedAlpha",
+    "Pin": "fl.joints.Spherical, or fl.joints.Revolute about one axis",
+    "Plate": "fl.Shell",
+    "PrismaticJoint": "fl.joints.Prismatic",
+    "RectangularSection": "fl.Section.rectangle",
+    "RevoluteJoint": "fl.joints.Revolute",
+    "SphericalJoint": "fl.joints.Spherical",
+    "Support": "fl.Clamp",
+    "buckle": "fl.buckling",
+    "eigenfrequencies": "fl.vibrations",
+    "integrate": "fl.GeneralisedAlpha().run",
+    "modal_analysis": "fl.vibrations",
+    "modes": "fl.vibrations",
+    "run": "fl.GeneralisedAlpha().run",
+    "simulate": "fl.GeneralisedAlpha().run",
+    "static": "fl.statics",
+}
+"""Names that other codes or everyday speech have for public names, and these."""
+
+_RUN = "fl.statics(scene) or fl.GeneralisedAlpha().run(scene, ...)"
+
+_FORCES = "result.joint_force(joint), result.reaction(support), fl.post.section_forces"
+
+ATTRIBUTES = {
+    "acceleration": "the derivative of result.velocity(point): results have no accelerations",
+    "add_body": "scene.add(body)",
+    "add_force": "scene.add(fl.PointLoad(body.point(...), force=...))",
+    "add_joint": "scene.add(joint)",
+    "add_load": "scene.add(load)",
+    "angle": "result.coordinate(joint), or result.rotation(point) for a matrix",
+    "angular_velocity": "result.velocity(point)[:, 3:], in the frame of the point",
+    "buckling": "fl.buckling(scene)",
+    "clamp": "scene.add(fl.Clamp(body.point(...)))",
+    "constraint_force": "result.joint_force(joint)",
+    "contact_force": "fl.post.contact_forces(result, contact)",
+    "contact_forces": "fl.post.contact_forces(result, contact)",
+    "end": "body.point('end')",
+    "eigenfrequencies": "fl.vibrations(scene).hertz",
+    "energy": "result.total_energy, kinetic, elastic or potential",
+    "export": "result.save, result.write_csv or result.write_vtx",
+    "fix": "scene.add(fl.Clamp(body.point(...)))",
+    "force": _FORCES,
+    "forces": _FORCES,
+    "frequencies": "fl.vibrations(scene).hertz",
+    "mises": "fl.post.resultants(result, body), fl.post.solid_stresses(result, body)",
+    "moment": "result.joint_force(joint)[:, 3:], result.reaction(support)[:, 3:]",
+    "plot_energy": "result.page('result.html') draws energies",
+    "reactions_of": "result.reaction(support)",
+    "run": _RUN,
+    "section_forces": "fl.post.section_forces(result, body)",
+    "simulate": _RUN,
+    "solve": _RUN,
+    "start": "body.point('start')",
+    "statics": "fl.statics(scene)",
+    "strain": "fl.post.section_forces(result, body), fl.post.resultants(result, body)",
+    "stress": "fl.post.section_forces(result, body), fl.post.resultants(result, body)",
+    "t": "result.times",
+    "time": "result.times; equilibria have result.factors",
+    "u": "result.displacement(point), result.displacements(body)",
+    "von_mises": "fl.post.resultants(result, body), fl.post.solid_stresses(result, body)",
+    "x": "result.position(point)",
+}
+"""Attributes that other codes have, and where that quantity or action is here."""

@@ -5,10 +5,13 @@ from __future__ import annotations
 import reprlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
+from difflib import get_close_matches
 from html import escape
 from typing import Any, cast
 
 import numpy as np
+
+from fem_lie._renamed import ATTRIBUTES
 
 WIDTH, MOST_LINES = 100, 10
 _FEW = 6  # numbers of an array that are printed
@@ -44,6 +47,17 @@ class Summarised:
         if len(lines) > rows:
             lines = [*lines[: rows - 1], "…"]
         return "\n".join([f"{name}(", *(f"    {each},"[:WIDTH] for each in lines), ")"])
+
+    def __getattr__(self, name: str) -> Any:
+        """Raise ``AttributeError`` with a hint; called for what the object does not have."""
+        if name.startswith("_") or hasattr(type(self), name):
+            return object.__getattribute__(self, name)  # its own error
+        message = f"{type(self).__name__} has no attribute {name!r}"
+        if name in ATTRIBUTES:
+            message += f"; expected {ATTRIBUTES[name]} (fl is fem_lie)"
+        elif near := get_close_matches(name, dir(self), 3):
+            message += f"; expected {' or '.join(each for each in near if each[0] != '_')}"
+        raise AttributeError(message, name=name, obj=self)
 
     def _repr_html_(self) -> str:
         """The same as a table, for notebooks."""

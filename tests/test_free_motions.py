@@ -154,3 +154,18 @@ def test_free_motions_are_named_where_singular_matrices_prevent_convergence(
         warnings.simplefilter("ignore")  # of surfaces that fold on the way
         with pytest.raises(fl.ConvergenceError, match=r"nothing resists \d rigid motion"):
             fl.statics(scene)
+
+
+def test_the_message_names_the_node_that_moves_most():
+    """Of a rod that hangs on a beam by a ball joint, the far end."""
+    scene = fl.Scene()
+    arm = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), SECTION, cells=2, name="arm"))
+    loose = scene.add(fl.Beam.straight((1, 0, 0), (3, 0, 0), SECTION, cells=2, name="loose"))
+    scene.add(fl.Clamp(arm.point("start")))
+    scene.add(fl.joints.Revolute(arm.point("end"), loose.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.PointLoad(loose.point("end"), force=(0, 0, -1)))
+    expected = r"1 rigid motion of loose, with the largest displacement at 'loose.node 2', at \(3, "
+    with pytest.raises(fl.ConvergenceError, match=expected):
+        fl.statics(scene)
+    with pytest.raises(ValueError, match=expected):
+        fl.follow_path(scene)

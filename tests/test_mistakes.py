@@ -134,6 +134,18 @@ MISTAKES = {
         lambda: fl.statics(SCENE).position("arm.tip"),
         "there is no point 'arm.tip'; there are: arm.end, arm.start",
     ),
+    "a body instead of a point of a result": (
+        lambda: fl.statics(SCENE).position(BEAM),
+        r"expected a point of a body, such as body.point\('end'\).*, got the Beam 'arm'",
+    ),
+    "a position instead of a point of a result": (
+        lambda: fl.statics(SCENE).displacement((1, 0.5, 0)),
+        r"expected a point of a body.*, got \(1, 0.5, 0\)",
+    ),
+    "the reaction of a joint": (
+        lambda: fl.statics(SCENE).reaction(fl.joints.Fixed(fl.ground(), END, name="weld")),
+        r"reaction: expected a Clamp.*, got the Fixed 'weld'; result.joint_force",
+    ),
     # wrong numbers
     "a radius above 1": (lambda: fl.GeneralisedAlpha(radius=1.5), r"must be in \[0, 1\], got 1.5"),
     "a step of 0": (lambda: ALPHA.run(SCENE, duration=0.1, step=0.0), "step must be a positive"),

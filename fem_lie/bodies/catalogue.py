@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices, Scalar
+from fem_lie._arrays import Array, Indices, Scalar, shown
 from fem_lie._summary import Summarised
 from fem_lie.bodies.points import require_node
 from fem_lie.lie.node_types import NodeType
 
 if TYPE_CHECKING:
+    from fem_lie.attachments.attachment import AttachmentFrame
     from fem_lie.bodies.body import Body, Point
     from fem_lie.bodies.model import BodyModel
 
@@ -281,7 +282,7 @@ class SceneInfo(Summarised):
         Raises:
             ValueError: There is no such point.
         """
-        attachment = None if isinstance(point, str | int | np.integer) else point.any_attachment
+        attachment = _attachment(point)
         if attachment is None:
             return frames[..., self.node(point), :, :]
         return attachment.frame(frames[..., self._nodes(point), :, :])
@@ -290,7 +291,7 @@ class SceneInfo(Summarised):
         self, point: Point | str | int, frames: Array, v: npt.NDArray[Scalar]
     ) -> npt.NDArray[Scalar]:
         """Twists of a point, (…, 6), from those of all nodes, (…, N, 6); see :meth:`frame`."""
-        attachment = None if isinstance(point, str | int | np.integer) else point.any_attachment
+        attachment = _attachment(point)
         if attachment is None:
             return v[..., self.node(point), :]
         nodes = self._nodes(point)
@@ -314,6 +315,22 @@ class SceneInfo(Summarised):
                 "and 'body.node 0', 'body.node 1', …"
             )
         return int(known[label])
+
+
+def _attachment(point: Point | str | int) -> AttachmentFrame | None:
+    """Attachment frame of a point, or ``None`` if it is a node.
+
+    Raises:
+        TypeError: What is given is no point.
+    """
+    if isinstance(point, str | int | np.integer):
+        return None
+    if not hasattr(type(point), "any_attachment"):
+        raise TypeError(
+            "expected a point of a body, such as body.point('end'), its name, such as 'arm.end', "
+            f"or the number of a node, got {shown(point)}"
+        )
+    return point.any_attachment
 
 
 SCENE_RECORDS = (SceneInfo, BodyInfo, JointInfo, SupportInfo)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, shown
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.scene.supports import Clamp, PrescribedMotion
@@ -40,10 +40,18 @@ def reaction(
         reactions: Forces of all supports, each about its node, shape (k, s, 6).
 
     Raises:
+        TypeError: A support is of another type, such as a joint.
         ValueError: No support is given, or one of them holds nothing.
     """
     if not supports:
         raise ValueError("give at least one clamp, support or prescribed motion")
+    for support in supports:
+        if not isinstance(support, Support):
+            raise TypeError(
+                "reaction: expected a Clamp, a PrescribedMotion, or a point at which a body is "
+                f"held, or its name, got {shown(support)}; result.joint_force(joint) has the force "
+                "of a joint"
+            )
     about = info.frame(_point(supports[0]), frames)[:, 0]
     total, counted = np.zeros((len(about), 6)), set[tuple[str, int]]()
     for support in supports:

@@ -28,7 +28,7 @@ from fem_lie.results.gathering import WholeScene
 from fem_lie.scene import Scene
 from fem_lie.solve.stability.vibrations import largest_elongation, node_lengths, scaled
 from fem_lie.solve.statics.follow import SceneEquilibrium
-from fem_lie.solve.statics.unstable import tangent_csr
+from fem_lie.solve.statics.unstable import HELD, FreeMotions, tangent_csr
 from fem_lie.system.equations import LinearState, Plan
 
 _SEED, _REPEATS = 1, 30  # of the inverse iteration: seed of its first vector, and its length
@@ -94,10 +94,11 @@ class StableEquilibrium(SceneEquilibrium):
             zero = 1
         loose = self._loose_motions()
         if zero or loose:
-            left = f": {loose} motion{'s' * (loose > 1)} of bodies left free" if loose else ""
+            search = FreeMotions(self.equations)
+            free = search.unresisted(search.allowed(self._H), np.zeros(6 * self._moving))
+            why = f": {search.freedom(free)}" if len(free) else f". {HELD}"
             raise ValueError(
-                f"the path has no start: the tangent at load factor {factor:g} is singular{left}. "
-                "Is every body held by clamps, supports or joints, with no motion left free?"
+                f"the path has no start: the tangent at load factor {factor:g} is singular{why}"
             )
 
     def _loose_motions(self) -> int:

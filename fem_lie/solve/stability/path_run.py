@@ -49,6 +49,7 @@ class Record:
     failed_iterations: int = 0
     locating: int = 0
     complete: bool = False
+    at_factor: bool = False
     reason: str = ""
 
 
@@ -128,8 +129,9 @@ class Pursuit:
             show(f"load factor {here.factor:.4g}, {here.negative} negative pivots")
             wanted = self._ends.critical_points
             if wanted is not None and len(found.critical) >= wanted:
-                found.complete = True
-                found.reason = f"{len(found.critical)} critical points are found"
+                found.complete, found.at_factor = True, False
+                count = len(found.critical)
+                found.reason = f"{count} critical point{'s are' if count > 1 else ' is'} found"
 
     def _begin(self, start: Station | None, backwards: bool) -> Station:
         model, ends = self.model, self._ends
@@ -261,7 +263,7 @@ class Pursuit:
             if level is None or not np.isfinite(level) or here.factor == level:
                 continue
             if (here.factor - level) * (new.factor - level) <= 0.0:
-                found.complete = wanted
+                found.complete = found.at_factor = wanted
                 found.reason = f"the load factor {level:g} is reached"
                 if not wanted:
                     found.reason = f"the path leaves the range of load factors at {level:g}"

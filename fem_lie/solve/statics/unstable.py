@@ -126,6 +126,10 @@ POLISHED = 3
 _RESIDUAL = 10.0  # times the work of unbalanced forces: less is due to unfinished iteration
 
 
+HELD = "Is every body held by clamps or joints, with no motion left free?"
+"""Advice where a tangent stiffness is singular."""
+
+
 class SingularStartError(ConvergenceError):
     """A step began with a singular matrix, or a motion is free: no other loading method helps."""
 
@@ -181,6 +185,24 @@ class FreeMotions:
         bodies = unknowns.bodies.items()
         names = ", ".join(body.label for body, own in bodies if np.isin(own, nodes).any())
         return (
-            f"nothing resists {count} rigid motion{'s' * (count > 1)} of {names}. Is every body "
-            "held by clamps or joints, with no motion left free?"
+            f"nothing resists {count} rigid motion{'s' * (count > 1)} of {names}"
+            f"{self._largest(motions[0])}. {HELD}"
         )
+
+    def _largest(self, motion: Array) -> str:
+        """Part of a sentence on the node that moves most, on ranks that have the whole scene."""
+        unknowns = self._equations.unknowns
+        if self._equations.shared.several:
+            return ""
+        moves = np.zeros(6 * unknowns.moving)
+        moves[self._free] = motion
+        steps = np.linalg.norm(moves.reshape(-1, 6)[:, :3], axis=1)
+        rotates = not steps.max() > _ULPS * np.abs(moves).max()
+        if rotates:
+            steps = np.linalg.norm(moves.reshape(-1, 6)[:, 3:], axis=1)
+        node = unknowns.masters[int(steps.argmax())]
+        body, own = next((body, own) for body, own in unknowns.bodies.items() if node in own)
+        (number,) = np.flatnonzero(own == node)
+        at = ", ".join(f"{x:.4g}" for x in body.frames[number, 0])
+        what = "rotation" if rotates else "displacement"
+        return f", with the largest {what} at '{body.name}.node {number}', at ({at}) before loading"
