@@ -5,6 +5,8 @@ A new element is put into the lists of models.py.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from mpi4py import MPI
 
 import models
@@ -22,6 +24,7 @@ from fem_lie._form_cache import compile_expression
 from fem_lie.elements.beams.directors import midpoint_strains
 from fem_lie.elements.beams.element import bending_share, with_bending_flexibility
 from fem_lie.elements.beams.geodesic import GEODESIC, geodesic_energy
+from fem_lie.extend import StrainEnergy, cellwise
 from fem_lie.forms.assembly import Assembly
 from fem_lie.forms.cells import Cells, evaluate
 
@@ -274,3 +277,32 @@ def test_forces_and_energy_are_those_of_the_energy(size):
     r = np.zeros((5, 6))
     np.add.at(r, cells.table.nodes, F)
     np.testing.assert_allclose(r.ravel(), wanted, atol=1e-14 * largest)
+
+
+@dataclass(frozen=True)
+class Stressed(fl.elements.BeamFormulation):
+    """A beam of which the strains of the unloaded configuration are not subtracted."""
+
+    degree: int = 1
+
+    def forms(self, nodal, cells):
+        mesh = nodal.function.function_space.mesh
+        arc = cellwise(mesh, cells.lengths) / ufl.CellVolume(mesh)
+        stretch, curvature = fl.elements.director_strains(nodal)
+        strain = ufl.as_vector([*stretch, *curvature]) / arc - cells.eigenstrain
+        C = cellwise(mesh, cells.stiffness)
+        energy = StrainEnergy(
+            strain, lambda e: ufl.inner(e, C * e) / 2, ufl.dx(mesh, degree=1), weight=arc
+        )
+        return fl.local_frame_forms(energy, nodal)
+
+
+def test_an_element_with_forces_in_the_unloaded_configuration_is_refused():
+    scene = fl.Scene()
+    line = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 4)
+    section = fl.Section.rectangle(0.1, 0.1, fl.Material(1e7, 0.0, 1.0))
+    beam = scene.add(fl.Beam(line, section, formulation=Stressed()))
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, -1.0)))
+    with pytest.raises(ValueError, match=r"Stressed: .* unloaded configuration.*present_values"):
+        fl.statics(scene)

@@ -25,6 +25,10 @@ from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.forms.term import Pairs, Term, add_at
 
+_EXTENSION, _UNSTRESSED = 1e-3, 1e-3
+"""Extension whose forces are the reference for those without load, and the largest fraction: a
+strain of 1e-6."""
+
 _LOCAL_ITERATIONS, _SETTLED = 20, 1e-13
 """Newton's method for local unknowns of cells: most steps, and largest relative change at the end.
 """
@@ -188,6 +192,38 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress, LocalUnknowns):
             self._viscous_tangent = sum_of(forms.viscous_tangent, kernels.tangent_kernel)
             # coefficients of the state, which come first, are stored separately
             self._velocity_at = forms.velocity_at - 12 * cells.shape[1]
+
+    def require_no_stress(self, formulation: object) -> None:
+        """Raise an error if an element of a user has forces in the unloaded configuration.
+
+        They are compared with those of a uniform extension. Elements of the package are not
+        checked: tests do that, and cables may be created stretched.
+
+        Args:
+            formulation: The element.
+
+        Raises:
+            ValueError: There are.
+        """
+        name, module = type(formulation).__name__, type(formulation).__module__
+        if module.startswith("fem_lie."):
+            return
+        kept, forces = self.linearised_values.copy(), np.zeros((2, self.count, 6))
+        for extension, out in zip((0.0, _EXTENSION), forces, strict=True):
+            H = self._frames.frames.copy()
+            H[:, 0] *= 1.0 + extension
+            self.reset_stress(H)
+            self.add_forces(H, out)
+        self.restore(kept)
+        initial, extended = np.abs(forces).max(axis=(1, 2), initial=0.0)
+        if not initial <= _UNSTRESSED * extended:
+            raise ValueError(
+                f"{name}: the element has forces in the unloaded configuration (up to "
+                f"{initial:.3g}; an extension by {_EXTENSION:g} has {extended:.3g}): bodies would "
+                "be under stress before they are loaded. Subtract the strains of that "
+                "configuration from those in the energy: "
+                "strain - fem_lie.extend.present_values(strain, mesh, degree)"
+            )
 
     @property
     def viscosity(self) -> ViscousForces | None:

@@ -83,6 +83,7 @@ class BeamAssembly(Assembly):
         data = CellData(lengths, stiffness, density, eigenstrain, viscosity, slopes)
         forms = formulation.forms(nodal, data)
         super().__init__(nodal, forms, order, np.argsort(permutation), eigenstrain)
+        self.require_no_stress(formulation)
         self._tangent.used = TRAITS[formulation.node_type].unknowns
         if all(body.has_mass for body in bodies):
             elements = formulation.inertia(nodal, data)

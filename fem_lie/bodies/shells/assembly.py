@@ -89,6 +89,7 @@ class SurfaceAssembly(Assembly):
         self.mesh, self.stress = mesh, first.formulation.stress(shell_cells, forms, stiffness)
         cell_order = np.argsort(permutation)
         super().__init__(nodal, forms, order, cell_order, None)
+        self.require_no_stress(first.formulation)
         # a bubble makes W_ss depend on frames: updates between iterates follow it
         plain = first.formulation.quadratic and measures.intermediate is None
         self._nonlinear = forms.local is not None and not plain
