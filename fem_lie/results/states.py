@@ -15,7 +15,7 @@ from fem_lie._summary import Summarised
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.joints.connection import Connection
-from fem_lie.lie.node_types import has_position
+from fem_lie.lie.node_types import NodeType, has_position
 from fem_lie.pictures import bodies
 from fem_lie.pictures.page.colours import NodalColours
 from fem_lie.pictures.page.content import drawn
@@ -227,6 +227,18 @@ class StateSeries(Summarised, Displaced, Written):
         """
         return reaction(supports, self.info, self.frames, self.joint_forces, self.reactions)
 
+    def _magnified(self, frames: Array, factor: float) -> Array:
+        """Frames (k, N, 4, 3) for pictures, with displacements and rotations times a factor."""
+        if number(factor, "magnified") == 1.0:
+            return frames
+        start = self.info.undeformed
+        found = start + factor * (frames - start)
+        framed = self.info.node_types == NodeType.FRAME
+        R0, R = (np.swapaxes(H[..., framed, 1:, :], -1, -2) for H in (start, frames))
+        turned = lie.so3_log(R @ np.swapaxes(R0, -1, -2))
+        found[:, framed, 1:] = np.swapaxes(lie.so3_exp(factor * turned) @ R0, -1, -2)
+        return np.asarray(found)
+
     def animate(
         self,
         path: str | os.PathLike[str],
@@ -314,9 +326,12 @@ class StateSeries(Summarised, Displaced, Written):
     def _instants(self, images: int) -> Indices:
         """Indices of the states in an animation."""
 
-    def _traces(self, points: Sequence[Point | str | int]) -> list[Array]:
-        """Paths of points through all states."""
-        return [self.position(point) for point in points]
+    def _traces(self, points: Sequence[Point | str | int], magnified: float = 1.0) -> list[Array]:
+        """Paths of points through all states, with displacements times a factor."""
+        if magnified == 1.0:
+            return [self.position(point) for point in points]
+        more = magnified - 1.0
+        return [self.position(point) + more * self.displacement(point) for point in points]
 
 
 class States(Protocol):

@@ -49,6 +49,22 @@ class Line(LineSurface):
     Attributes:
         body: A beam, a rod, a cable or a net.
         radius: Radius of the cross-section.
+
+    Example:
+        A ball that falls onto a beam.
+
+        >>> rubber = fl.Material(E=1e7, nu=0.3, density=1000.0)
+        >>> scene = fl.Scene(gravity=(0, 0, -9.81))
+        >>> section = fl.Section.circle(0.02, rubber)
+        >>> beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4))
+        >>> ends = [scene.add(fl.Clamp(beam.point(end))) for end in ("start", "end")]
+        >>> ball = scene.add(fl.RigidBody(0.1, (1e-4, 1e-4, 1e-4), position=(0.5, 0, 0.08)))
+        >>> line = fl.contact.Line(beam, 0.02)
+        >>> sphere = fl.contact.Sphere(ball.point("centre"), 0.05)
+        >>> touch = scene.add(fl.contact.Contact(line, sphere, fl.contact.Penalty(1e4)))
+        >>> result = fl.GeneralisedAlpha().run(scene, duration=0.1, step=5e-4)
+        >>> bool(fl.post.contact_forces(result, touch).total[:, 2].min() < -1.0)
+        True
     """
 
     body: LineBody

@@ -40,7 +40,11 @@ Found: TypeAlias = tuple[int, float, bool]
 
 
 class CoarseElementsWarning(UserWarning):
-    """Elements rotate almost to their limit, or strain beyond the range of their law."""
+    """Elements rotate almost to their limit, or strain beyond the range of their law.
+
+    A strain of 10 % is the range of the linear law of sections. It is reported for elements with a
+    law of their own, too: with a law that holds further, filter the warning.
+    """
 
 
 class Rotation(NamedTuple):
