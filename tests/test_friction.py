@@ -179,9 +179,81 @@ def test_a_restart_agrees_to_the_last_bit(tmp_path, every):
     resumed = scheme.resume(thrown(), tmp_path / "run.h5", progress=False)
     for name in ("frames", "balance"):
         np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
+    assert len(whole.friction.each) > 50
+    np.testing.assert_array_equal(resumed.friction.each, whole.friction.each)
     # slips with μ g at first, and rolls with 5/7 of its speed in the end
     speed = np.diff(whole.frames[:, 0, 0, 0]) / 1e-3
     assert speed[-1] == pytest.approx(5 / 7 * 0.3, rel=5e-2)
+
+
+def on_the_slope(step) -> tuple[fl.Scene, fl.Result]:
+    """A block that slides down 30° with μ = 0.3, from its equilibrium across the slope."""
+    law, angle = fl.contact.Penalty(1e5, damping=100.0, friction=0.3), np.radians(30)
+    scene, _ = on_slope(30, block, law, GRAVITY * np.cos(angle) / 4e5)
+    return scene, fl.GeneralisedAlpha().run(scene, duration=0.3, step=step, progress=False)
+
+
+CHOSEN = fl.schemes.AdaptiveStep(tolerance=1e-5)
+
+
+@pytest.mark.parametrize("step", [1e-3, CHOSEN], ids=["equal", "chosen"])
+def test_forces_and_the_energy_balance_have_friction(step, tmp_path):
+    """Coulomb's law by the force; the work ``μ N`` times the way is dissipated."""
+    scene, result = on_the_slope(step)
+    (contact,) = scene.contacts
+    normal, x = GRAVITY * np.cos(np.radians(30)), result.frames[:, 0, 0, 0]
+    found = fl.post.contact_forces(result, contact)
+    np.testing.assert_allclose(found.total[-1], [-0.3 * normal, 0.0, normal], atol=1e-4)
+    assert set(found.touching[1:]) == {4}
+    assert result.balance[-1, 1] == pytest.approx(0.3 * normal * (x[-1] - x[0]), rel=1e-3)
+    assert result.energy_error < 1e-4
+    result.save(tmp_path / "slides.h5")
+    read = fl.post.contact_forces(fl.Result.load(tmp_path / "slides.h5"), contact)
+    np.testing.assert_array_equal(read.forces, found.forces)
+
+
+def test_the_stored_energy_of_a_contact_that_opens_is_dissipated():
+    """A ball that bounces with spin: the springs of friction are stretched when it leaves."""
+    body = fl.RigidBody(1.0, 0.4 * SIZE**2 * np.eye(3), (0, 0, SIZE + 1e-3))
+    body.add_velocity((0.5, 0, -0.5))
+    scene = fl.Scene()
+    scene.add(body)
+    scene.add(fl.contact.Contact(ball(body.point("centre")), FLOOR, LAW))
+    result = fl.GeneralisedAlpha(radius=1.0).run(scene, duration=0.03, step=1e-4, progress=False)
+    assert result.position(body.point("centre"))[-1, 2] > SIZE
+    assert result.balance[-1, 1] > 0.02 * result.kinetic[0]
+    assert result.energy_error < 1e-3
+
+
+@pytest.mark.parametrize("how", [fl.statics, fl.follow_path], ids=["steps", "path"])
+def test_contact_forces_with_friction_are_in_equilibrium(how):
+    """A block that springs hold on a slope: contact forces carry its weight."""
+    scene, _ = on_slope(10, block, fl.contact.Penalty(1e5, friction=0.5), 1e-5)
+    (contact,) = scene.contacts
+    result = how(scene)
+    weight = np.asarray(scene.gravity)  # of 1 kg
+    loaded = np.flatnonzero(result.factors)
+    found = fl.post.contact_forces(result, contact, loaded.tolist())
+    expected = np.outer(result.factors[loaded], -weight)
+    np.testing.assert_allclose(found.total, expected, rtol=0, atol=1e-6)
+
+
+def test_friction_along_a_line_is_in_the_forces_and_the_balance():
+    scene = sliding_beam(line=True)
+    result = run(scene, 0.04, 2e-4)
+    found = fl.post.contact_forces(result, scene.contacts[0])
+    lost = result.momentum[0, :2] - result.momentum[-1, :2]
+    impulse = -np.trapezoid(found.total[:, :2], result.times, axis=0)
+    np.testing.assert_allclose(impulse, lost, rtol=0.05)
+    assert result.balance[-1, 1] > 0.0
+    assert result.energy_error < 2e-3
+
+
+def test_states_between_steps_have_no_friction_forces():
+    scene, _ = on_slope(30, block, fl.contact.Penalty(1e5, friction=0.3))
+    result = run(scene, 0.01, 1e-3, save_at=[0.0, 0.0055])
+    with pytest.raises(ValueError, match=r"no friction forces of Contact.*save_every"):
+        fl.post.contact_forces(result, scene.contacts[0])
 
 
 LAW = fl.contact.Penalty(1e5, friction=0.3)

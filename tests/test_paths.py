@@ -145,6 +145,7 @@ def test_path_ends_where_it_should(deep):
     assert not ranged.complete and "leaves the range" in ranged.reason
     assert ranged.factors[-1] == 0.6
     first = fl.follow_path(scene, fl.stability.PathEnds(critical_points=1))
+    assert first.reason == "1 critical point is found"
     assert first.complete and len(first.critical) == 1
 
 

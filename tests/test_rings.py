@@ -122,6 +122,11 @@ def test_friction_is_that_of_coulomb():
     speed = (x[-1] - x[-41]) / (result.times[-1] - result.times[-41])
     middle = 0.5 * (result.times[-1] + result.times[-41])
     assert 1.0 - speed == pytest.approx(friction * 9.81 * middle, rel=0.05)
+    lost = 0.5 * 0.02 * (1.0 - speed**2)
+    assert result.balance[-40:, 1].mean() == pytest.approx(lost, rel=0.05)
+    along = fl.post.contact_forces(result, scene.contacts[0]).total[20:, 0]
+    # the bead drags the rope along
+    assert along.mean() == pytest.approx(friction * 9.81 * 0.02, rel=0.1)
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])

@@ -142,4 +142,6 @@ class Contact:
             ValueError: The contact law is :class:`~fem_lie.contact.Impact`, which has impulses
                 instead.
         """
-        return self.pair.term(nodes)
+        term = self.pair.term(nodes)
+        term.key = self.key(nodes)
+        return term

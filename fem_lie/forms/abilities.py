@@ -10,7 +10,12 @@ from abc import ABC, abstractmethod
 from math import ceil
 from typing import NamedTuple
 
+import numpy as np
+
 from fem_lie._arrays import Array, Indices
+
+FRICTION_COLUMNS = 9
+"""Columns of :meth:`PathDependence.friction_forces`."""
 
 
 class PassedThroughError(ArithmeticError):
@@ -146,9 +151,27 @@ class PathDependence(ABC):
 
     Attributes:
         friction: Whether they also depend on the motion of nodes since the last accepted state.
+        key: Number that identifies the contact in results.
     """
 
     friction: bool = False
+    key: int = 0
+
+    @property
+    def dissipated(self) -> float:
+        """Energy dissipated by friction in all accepted steps, J; default: none.
+
+        Conserving schemes account for it by :class:`StepForces` instead.
+        """
+        return 0.0
+
+    def friction_forces(self, H: Array) -> Array:
+        """Friction forces in the last accepted state, with frames ``H``, shape (k, 9).
+
+        Numbers of both points, gap, position and force on the first side (3 each), global
+        components; default: none.
+        """
+        return np.empty((0, FRICTION_COLUMNS))
 
     @abstractmethod
     def accept(self, H: Array) -> None:

@@ -19,6 +19,7 @@ from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.ranks.shared_factors import Subdomains
 from fem_lie.results.files.tables import Columns
 from fem_lie.results.files.written import Rows, Saved
+from fem_lie.results.record import FrictionForces
 from fem_lie.results.states import StateSeries, evenly, label_of, nearest
 from fem_lie.scene.rotation import Rotation
 
@@ -50,6 +51,7 @@ class StaticResult(StateSeries, Saved):
         load_steps: Number of accepted steps, including those between the returned states.
         failed_steps: Number of rejected steps.
         load_maxima: Load factors, approximately, at which the load had a maximum along the path.
+        friction: Friction forces of contacts by penalty, if there are any.
         subdomains: Statistics of the domain decomposition, if it was used.
     """
 
@@ -69,6 +71,7 @@ class StaticResult(StateSeries, Saved):
     load_steps: int = field(default=0, kw_only=True)
     failed_steps: int = field(default=0, kw_only=True)
     load_maxima: tuple[float, ...] = field(default=(), kw_only=True)
+    friction: FrictionForces | None = field(default=None, kw_only=True)
     subdomains: Subdomains | None = field(default=None, kw_only=True)
 
     def _summary(self) -> Iterator[tuple[str, object]]:
@@ -81,7 +84,7 @@ class StaticResult(StateSeries, Saved):
         yield from (("stable", bool(self.stable[-1])),) if len(self.negative_pivots) else ()
         yield "seconds", self.seconds
 
-    _PARTS: ClassVar[tuple[type, ...]] = (*SCENE_RECORDS, Rotation)
+    _PARTS: ClassVar[tuple[type, ...]] = (*SCENE_RECORDS, Rotation, FrictionForces)
     _NOT_SAVED: ClassVar[tuple[str, ...]] = ("subdomains",)
 
     def _rows(self) -> Rows:
@@ -131,6 +134,7 @@ class StaticResult(StateSeries, Saved):
         trace: Sequence[Point | str | int] = (),
         frames: bool = False,
         arrows: Arrows | None = None,
+        magnified: float = 1.0,
         title: str = "",
         units: Units = SI,
     ) -> None:
@@ -144,6 +148,8 @@ class StaticResult(StateSeries, Saved):
             frames: Whether to draw the nodal frames of the last state.
             arrows: Forces in the last state, such as :meth:`~fem_lie.post.ContactForces.arrows`
                 returns.
+            magnified: Factor of displacements and rotations from the undeformed configuration, also
+                of the paths of ``trace``; forces stay at their positions in the state.
             title: Title of the picture.
             units: Units of the axes.
 
@@ -151,8 +157,9 @@ class StaticResult(StateSeries, Saved):
             ValueError: There is no such state.
         """
         rows = self._instants(_DRAWN) if at is None else [self._row(state) for state in at]
-        drawn = np.concatenate([self.info.undeformed[np.newaxis], self.frames[rows]])
-        paths = self._traces(trace)
+        moved = self._magnified(self.frames[rows], magnified)
+        drawn = np.concatenate([self.info.undeformed[np.newaxis], moved])
+        paths = self._traces(trace, magnified)
         canvas = Canvas(title, units)
         bodies.draw(
             self.info, drawn, path, paths=paths, triads=frames, arrows=arrows, canvas=canvas
@@ -184,11 +191,14 @@ class StaticResult(StateSeries, Saved):
         """Indices of at most so many evenly spaced states."""
         return evenly(len(self.factors), images)
 
-    def _traces(self, points: Sequence[Point | str | int]) -> list[Array]:
+    def _traces(self, points: Sequence[Point | str | int], magnified: float = 1.0) -> list[Array]:
         """Paths of points through all states, starting from the undeformed configuration."""
         rest = self.info.undeformed
         starts = [self.info.frame(point, rest)[np.newaxis, 0] for point in points]
-        return [np.vstack(parts) for parts in zip(starts, super()._traces(points), strict=True)]
+        return [
+            np.vstack(parts)
+            for parts in zip(starts, super()._traces(points, magnified), strict=True)
+        ]
 
 
 _DRAWN = 7  # states in a picture, without the undeformed configuration

@@ -32,9 +32,9 @@ from fem_lie.results.files.storage import (
     unfinished,
     write_in_memory,
 )
-from fem_lie.results.record import ContactSteps, StepHistory
+from fem_lie.results.record import ContactSteps, FrictionForces, StepHistory
 
-Record = TypeVar("Record", StepHistory, ContactSteps)
+Record = TypeVar("Record", StepHistory, ContactSteps, FrictionForces)
 
 _FORMAT, _VERSION = "fem_lie results", 12
 _NUMBERS = "numbers"
@@ -52,6 +52,7 @@ class Stored(NamedTuple):
         info: Bodies and joints.
         steps: History of the steps, if the step size was variable.
         contacts: History of contacts with impacts, if there are any.
+        friction: Friction forces of contacts by penalty, if there are any.
     """
 
     arrays: dict[str, Array]
@@ -59,6 +60,13 @@ class Stored(NamedTuple):
     info: SceneInfo
     steps: StepHistory | None
     contacts: ContactSteps | None
+    friction: FrictionForces | None
+
+    @property
+    def records(self) -> tuple[StepHistory | ContactSteps | FrictionForces, ...]:
+        """Those of the last three that there are."""
+        given = self.steps, self.contacts, self.friction
+        return tuple(record for record in given if record is not None)
 
 
 def write(path: str | os.PathLike[str], result: Stored) -> None:
@@ -71,10 +79,9 @@ def write(path: str | os.PathLike[str], result: Stored) -> None:
         file[CHECKSUMS] = row_checksums(result.arrays)
         file[COUNT] = np.full(2, len(file[CHECKSUMS]))
         file.attrs[_NUMBERS] = _packed(result.numbers)
-        for group, record in (("steps", result.steps), ("contacts", result.contacts)):
-            if record is not None:
-                for field in fields(record):
-                    file[f"{group}/{field.name}"] = getattr(record, field.name)
+        for record in result.records:
+            for field in fields(record):
+                file[f"{_GROUPS[type(record)]}/{field.name}"] = getattr(record, field.name)
         _write_info(file, result.info)
         seal(file)
 
@@ -163,11 +170,15 @@ def finish(path: Path, numbers: dict[str, float]) -> None:
         file.attrs.modify(_NUMBERS, _packed(numbers))
 
 
-_GROUPS: dict[type, str] = {StepHistory: "steps", ContactSteps: "contacts"}
+_GROUPS: dict[type, str] = {
+    StepHistory: "steps",
+    ContactSteps: "contacts",
+    FrictionForces: "friction",
+}
 
 
-def add(path: Path, record: StepHistory | ContactSteps) -> None:
-    """Add the history of steps or contacts to a file that :func:`create` made."""
+def add(path: Path, record: StepHistory | ContactSteps | FrictionForces) -> None:
+    """Add the history of steps, contacts or friction to a file that :func:`create` made."""
     import h5py
 
     group = _GROUPS[type(record)]
@@ -268,13 +279,14 @@ def _with_info(file: Any, arrays: dict[str, Array], numbers: dict[str, float], m
     """Contents of a file of any version, with these arrays and statistics."""
     steps = _read_record(file, "steps", StepHistory)
     contacts = _read_record(file, "contacts", ContactSteps)
+    friction = _read_record(file, "friction", FrictionForces)
     info = SceneInfo(
         tuple(_read_body(group) for group in _groups(file, "bodies")),
         tuple(_read_joint(group) for group in _groups(file, "joints")),
         float(mass),
         SupportInfo(**{f.name: file[f"supports/{f.name}"][()] for f in fields(SupportInfo)}),
     )
-    return Stored(arrays, numbers, info, steps, contacts)
+    return Stored(arrays, numbers, info, steps, contacts, friction)
 
 
 def _read_record(file: Any, name: str, kind: type[Record]) -> Record | None:

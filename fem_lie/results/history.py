@@ -27,6 +27,7 @@ from fem_lie.results.record import (
     RECORDED_BY,
     Balanced,
     ContactSteps,
+    FrictionForces,
     Record,
     StepHistory,
     if_recorded,
@@ -83,6 +84,8 @@ class Result(Balanced, StateSeries):
         steps: All steps and their error estimates, if the step size was variable or errors were
             requested.
         contacts: Statistics and forces of contacts with impacts in each step, if there are any.
+        friction: Friction forces of contacts by penalty, if there are any; ``None`` for states
+            between steps.
         subdomains: Statistics of the domain decomposition, if it was used; not stored in files.
     """
 
@@ -108,6 +111,7 @@ class Result(Balanced, StateSeries):
     info: SceneInfo
     steps: StepHistory | None = None
     contacts: ContactSteps | None = None
+    friction: FrictionForces | None = None
     divided: int = 0
     subdomains: Subdomains | None = None
 
@@ -229,7 +233,7 @@ class Result(Balanced, StateSeries):
             OSError: The file cannot be written, for example because the disk is full.
         """
         numbers = {name: getattr(self, name) for name in NUMBERS}
-        stored = Stored(self._kept, numbers, self.info, self.steps, self.contacts)
+        stored = Stored(self._kept, numbers, self.info, self.steps, self.contacts, self.friction)
         write_once(path, partial(write, path, stored))
 
     @classmethod
@@ -246,7 +250,8 @@ class Result(Balanced, StateSeries):
         before_reading(path)
         found = read(path, _ARRAYS)
         values: dict[str, Any] = {**found.arrays, **found.numbers}
-        return cls(**values, info=found.info, steps=found.steps, contacts=found.contacts)
+        values |= {"steps": found.steps, "contacts": found.contacts, "friction": found.friction}
+        return cls(**values, info=found.info)
 
     def _rows(self) -> Rows:
         return Rows("time", self.times)
@@ -327,6 +332,7 @@ class Result(Balanced, StateSeries):
         trace: Sequence[Point | str | int] = (),
         frames: bool = False,
         arrows: Arrows | None = None,
+        magnified: float = 1.0,
         title: str = "",
         units: Units = SI,
     ) -> None:
@@ -338,11 +344,14 @@ class Result(Balanced, StateSeries):
             trace: Points whose paths are drawn.
             frames: Whether to draw the nodal frames at the last of the times.
             arrows: Forces at that time, such as :meth:`~fem_lie.post.ContactForces.arrows` returns.
+            magnified: Factor of displacements and rotations from the undeformed configuration, also
+                of the paths of ``trace``; forces stay at their positions in the state.
             title: Title of the picture.
             units: Units of the axes.
         """
         rows = self._instants(_DRAWN) if times is None else [self.index(time) for time in times]
-        drawn, paths = self.frames[rows], self._traces(trace)
+        drawn = self._magnified(self.frames[rows], magnified)
+        paths = self._traces(trace, magnified)
         canvas = Canvas(title, units)
         bodies.draw(
             self.info, drawn, path, paths=paths, triads=frames, arrows=arrows, canvas=canvas
@@ -370,5 +379,5 @@ class Result(Balanced, StateSeries):
 _ARRAYS = tuple(
     field.name
     for field in fields(Result)
-    if field.name not in (*NUMBERS, "info", "steps", "contacts", "subdomains")
+    if field.name not in (*NUMBERS, "info", "steps", "contacts", "friction", "subdomains")
 )

@@ -6,7 +6,7 @@ more.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from enum import Flag, auto
 from typing import Any, TypeVar
@@ -309,3 +309,29 @@ class ContactSteps(Summarised):
         for each in fields(self)[:-1]:
             if (shape := getattr(self, each.name).shape) != self.times.shape:
                 raise ValueError(f"{each.name} has the shape {shape}, not {self.times.shape}")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FrictionForces(Summarised):
+    """Friction forces of contacts by penalty in all recorded states.
+
+    Frames do not determine them, since they depend on the path.
+
+    Attributes:
+        each: Points with friction, one state after the other: index of the state, number of the
+            contact, numbers of both points, gap, position (3), friction force on the first side
+            (3), global components; see :func:`~fem_lie.post.contact_forces`, shape (k, 11).
+    """
+
+    each: Array
+
+    @classmethod
+    def of_states(cls, states: Sequence[Array | None]) -> FrictionForces | None:
+        """Record of all states from the rows of each; ``None`` if no contact has friction."""
+        rows = [with_state(k, each) for k, each in enumerate(states) if each is not None]
+        return cls(np.concatenate(rows)) if rows else None
+
+
+def with_state(index: int, rows: Array) -> Array:
+    """Rows of :class:`FrictionForces` of a state from those without its index."""
+    return np.column_stack([np.full(len(rows), float(index)), rows])

@@ -280,7 +280,7 @@ class EnergyBalance(Stateful):
         table: Arguments of that function.
     """
 
-    STATE = attributes("total", "_stored", "_time", "_last")
+    STATE = attributes("total", "_stored", "_time", "_last", "_dissipated")
 
     def __init__(self, system: System) -> None:
         """Start an empty balance of the equations ``system``."""
@@ -304,6 +304,7 @@ class EnergyBalance(Stateful):
         self._row, self._wrenches = z(SIZE), z((rows, 6))
         self._undriven = z(system.m)
         self._stored, self._time = z(1), z(1)
+        self._dissipated = z(1)
 
     def rest(self) -> None:
         """Switch the balance off, as no result asks for it."""
@@ -320,7 +321,16 @@ class EnergyBalance(Stateful):
             multipliers: Lagrange multipliers, shape (m,).
         """
         self.total[:] = 0.0
+        self._dissipated[0] = self._system.terms.dissipated
         self.look(time, H, v, a, multipliers)
+
+    @property
+    def so_far(self) -> Array:
+        """:attr:`total` with what friction has dissipated up to the accepted state, (15,)."""
+        dissipated = self._system.terms.dissipated
+        self.total[DAMPING] += dissipated - self._dissipated[0]
+        self._dissipated[0] = dissipated
+        return self.total
 
     def look(self, time: float, H: Array, v: Array, a: Array, multipliers: Array) -> None:
         """Evaluate the actions at the current time of the equations."""

@@ -85,6 +85,7 @@ class Anchors(NamedTuple):
         weights: ``w``, negative on the second side, shape (m, 8).
         arms: ``c``, with the sign of the side, shape (m, 8, 3).
         fixed: ``o``, contribution of ground, shape (m, 3).
+        forces: Friction forces on the second side in the state of the anchors, shape (m, 3), N.
     """
 
     keys: Indices
@@ -92,9 +93,10 @@ class Anchors(NamedTuple):
     weights: Array
     arms: Array
     fixed: Array
+    forces: Array
 
 
-_COLUMNS = 2 + SLOTS + SLOTS + 3 * SLOTS + 3
+_COLUMNS = 2 + SLOTS + SLOTS + 3 * SLOTS + 3 + 3
 
 
 def empty_anchors(m: int) -> Anchors:
@@ -104,6 +106,7 @@ def empty_anchors(m: int) -> Anchors:
         np.full((m, SLOTS), UNUSED),
         np.zeros((m, SLOTS)),
         np.zeros((m, SLOTS, 3)),
+        np.zeros((m, 3)),
         np.zeros((m, 3)),
     )
 
@@ -119,14 +122,15 @@ def packed(anchors: Anchors) -> Array:
 def unpacked(numbers: Array) -> Anchors:
     """Anchors from the array that :func:`packed` returned."""
     rows = numbers.reshape(-1, _COLUMNS)
-    ends = np.cumsum([2, SLOTS, SLOTS, 3 * SLOTS])
-    keys, nodes, weights, arms, fixed = np.split(rows, ends, axis=1)
+    ends = np.cumsum([2, SLOTS, SLOTS, 3 * SLOTS, 3])
+    keys, nodes, weights, arms, fixed, forces = np.split(rows, ends, axis=1)
     return Anchors(
         keys.astype(np.int64),
         nodes.astype(np.int64),
         weights.copy(),
         arms.reshape(-1, SLOTS, 3).copy(),
         fixed.copy(),
+        forces.copy(),
     )
 
 
@@ -194,6 +198,52 @@ def stretch_of(H: Array, anchors: Anchors, q: int) -> Vector:
             u = plus(u, scaled(anchors.weights[q, s], load_row(H[node], 0)))
             u = plus(u, global_components(H[node], load_row(anchors.arms[q], s)))
     return u
+
+
+@compiled
+def slip_work(H: Array, anchors: Anchors, now: Indices, forces: Array, springs: Array) -> float:
+    """Energy dissipated by slip since the anchors were set, by the trapezoidal rule, J.
+
+    The work ``½ (τ₀ + τ₁)·(u₁ − e₀)`` on both sides is stored, ``½ k (e₁² − e₀²)``, or dissipated,
+    ``½ (τ₀ + τ₁)·(u₁ − e₁)``. The springs of contacts that opened have ``τ₁ = e₁ = 0``.
+
+    Args:
+        H: Frames at the end of the step.
+        anchors: Anchors at its start.
+        now: Index of each of their pairs in the next two arguments, −1: none.
+        forces: Friction forces on the second side at the end, shape (m, 3).
+        springs: Elongations of the springs there, shape (m, 3).
+    """
+    total = 0.0
+    for q in range(now.shape[0]):
+        slip, force, e = stretch_of(H, anchors, q), load_row(anchors.forces, q), now[q]
+        if e >= 0:
+            slip = minus(slip, load_row(springs, e))
+            force = plus(force, load_row(forces, e))
+        total += 0.5 * dot(force, slip)
+    return total
+
+
+@compiled
+def set_rows(H: Array, at: ContactPoints, anchors: Anchors, which: Indices, out: Array) -> None:
+    """Numbers of points, gaps, positions, and the friction forces that the anchors store.
+
+    Args:
+        H: Frames.
+        at: Pairs of points.
+        anchors: Anchors set at these frames.
+        which: Index of the anchors of each pair, −1: none.
+        out: Rows of pairs with anchors are set, shape (m, 9).
+    """
+    for e in range(at.pairs.shape[0]):
+        if which[e] < 0:
+            continue
+        i, j = at.pairs[e]
+        point = contact_point(H, at.a, at.b, i, j, at.kind)
+        out[e, 0], out[e, 1], out[e, 2] = i, j, point.gap
+        X, f = touched(at.a, i, point), load_row(anchors.forces, which[e])
+        for k in range(3):
+            out[e, 3 + k], out[e, 6 + k] = X[k], -f[k]
 
 
 class Traction(NamedTuple):

@@ -17,6 +17,8 @@ from fem_lie.contact.laws.anchors import (
     limit,
     packed,
     set_anchors,
+    set_rows,
+    slip_work,
     stretch_of,
     traction,
     tractions,
@@ -32,7 +34,7 @@ from fem_lie.contact.laws.derivatives import (
 from fem_lie.contact.sides.kinematics import SLOTS, contact_point
 from fem_lie.contact.sides.table import ContactPoints
 from fem_lie.contact.sides.two_sides import Sides, Stations
-from fem_lie.forms.abilities import Done, Ends
+from fem_lie.forms.abilities import FRICTION_COLUMNS, Done, Ends
 from fem_lie.lie.tuples import Vector, combined, dot, load_row, scaled
 
 
@@ -115,7 +117,12 @@ def _others(nodes: Indices, own: Indices) -> bool:
 
 
 class Friction:
-    """Tangential springs that slip, between anchors on both sides."""
+    """Tangential springs that slip, between anchors on both sides.
+
+    Attributes:
+        dissipated: Energy dissipated by slip in all accepted steps, except in those of conserving
+            schemes, which account for it themselves, J.
+    """
 
     def __init__(self, sides: Sides, law: CoulombLaw, types: Indices, H: Array) -> None:
         """Set anchors for all pairs that are near each other.
@@ -129,6 +136,7 @@ class Friction:
         self._sides, self._law, self._types = sides, law, types
         self._anchors = empty_anchors(0)
         self._ahead: tuple[Indices, Array] | None = None
+        self.dissipated = 0.0
         self.accept(H)
 
     def _tractions(self, H: Array) -> tuple[Stations, Indices, Array]:
@@ -160,15 +168,32 @@ class Friction:
     def accept(self, H: Array) -> None:
         """Set new anchors at frames ``H``, with springs that keep their present elongation."""
         (at, keys, a, b), _, τ = self._tractions(H)
+        over_step = self._ahead is not None
         if self._ahead is not None:
             known, over = self._ahead
             # pairs without anchors have index −1, the last row
             τ = np.concatenate([over, np.zeros((1, 3))])[found(known, keys)]
             self._ahead = None
+        springs: Array = np.asarray(τ / self._law.holding)
+        forces = at.weight[: len(τ), np.newaxis] * τ
+        if not over_step:
+            now = found(keys, self._anchors.keys)
+            self.dissipated += slip_work(H, self._anchors, now, forces, springs)
         anchors = empty_anchors(len(at.pairs))
-        set_anchors(H, at, a, b, np.asarray(τ / self._law.holding), anchors)
-        anchors.keys[:] = keys
+        set_anchors(H, at, a, b, springs, anchors)
+        anchors.keys[:], anchors.forces[:] = keys, forces
         self._anchors = anchors
+
+    def rows(self, H: Array) -> Array:
+        """Friction forces in the last accepted state, with frames ``H``, shape (k, 9).
+
+        Columns are those of :meth:`~fem_lie.forms.abilities.PathDependence.friction_forces`.
+        """
+        at, keys, *_ = self._sides.stations(H)
+        which = found(self._anchors.keys, keys)
+        rows = np.zeros((len(keys), FRICTION_COLUMNS))
+        set_rows(H, at, self._anchors, which, rows)
+        return rows[rows[:, 6:].any(axis=1)]
 
     # --- over a step of points and balls ---
 
@@ -196,10 +221,10 @@ class Friction:
 
     @property
     def linearised_values(self) -> Array:
-        """All anchors as a flat array, for checkpoints."""
-        return packed(self._anchors)
+        """The dissipated energy and all anchors as a flat array, for checkpoints."""
+        return np.concatenate([[self.dissipated], packed(self._anchors)])
 
     def restore(self, values: Array) -> None:
         """Restore the anchors that :attr:`linearised_values` returned."""
         self._ahead = None
-        self._anchors = unpacked(values)
+        self.dissipated, self._anchors = float(values[0]), unpacked(values[1:])

@@ -17,9 +17,11 @@ class ContactTerm(Term):
 
     Attributes:
         ignores: Whether pairs that overlap at the start are ignored until they separate.
+        key: Number that identifies the contact in results, see :meth:`.Contact.key`.
     """
 
     ignores: bool = False
+    key: int = 0
 
     @abstractmethod
     def accept(self, H: Array) -> None:
@@ -35,7 +37,7 @@ class ContactTerm(Term):
 
         Returns:
             Pairs of points (k, 2), gaps (k,), closest points of the first surface (k, 3), and
-            contact forces on it (k, 3), in global components.
+            contact forces on it without friction (k, 3), in global components.
         """
 
 
@@ -111,7 +113,7 @@ class Penalty(ContactLaw):
             overlap. Below this limit tangential springs hold, whose state is kept from step to
             step. Lines have no friction in conserving schemes.
         holding: Stiffness of the tangential springs; default: k.
-        restitution: Not used. A penalty has damping instead.
+        restitution: An error that names ``damping``: a penalty has no restitution.
     """
 
     stiffness: float | None = None

@@ -308,6 +308,15 @@ class PenaltyForces(
         if self._friction is not None:
             self._friction.accept(H)
 
+    @property
+    def dissipated(self) -> float:
+        """Energy dissipated by friction."""
+        return 0.0 if self._friction is None else self._friction.dissipated
+
+    def friction_forces(self, H: Array) -> Array:
+        """Friction forces in the last accepted state, shape (k, 9)."""
+        return super().friction_forces(H) if self._friction is None else self._friction.rows(H)
+
     def check_passage(self, start: Array, end: Array) -> None:
         """Raise ``PassedThroughError`` if surfaces passed through each other in the step."""
         if (found := self._sides.passed(start, end)) is not None:

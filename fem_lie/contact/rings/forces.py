@@ -64,6 +64,7 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         self._springs: Array = np.zeros(count)
         self._found, self._over = kernels.held(count), kernels.held(count)
         self._ahead: Array | None = None
+        self._dissipated = 0.0
         self._grounded = bool((self._ropes.rings == GROUND).any())
         self._size = min(4 + 2 * _BEYOND, len(self._path))
         self._first = np.full(count, -1, dtype=np.int64)
@@ -207,12 +208,13 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
 
     @property
     def linearised_values(self) -> Array:
-        """State: positions on the rope, and friction springs."""
-        return np.concatenate([self._feet, self._springs])
+        """State: dissipated energy, positions on the rope, and friction springs."""
+        return np.concatenate([[self._dissipated], self._feet, self._springs])
 
     def restore(self, values: Array) -> None:
         """Restore the state that :attr:`linearised_values` returned."""
-        self._feet, self._springs = (part.copy() for part in np.split(values, 2))
+        self._dissipated = float(values[0])
+        self._feet, self._springs = (part.copy() for part in np.split(values[1:], 2))
 
     def accept(self, H: Array) -> None:
         """Accept frames; after a step, with the positions at which its forces have done work."""
@@ -221,8 +223,24 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
             self._ahead = None
             return
         self._forces(H, np.zeros((len(H), 6)))
-        self._springs = np.asarray(self._found.tractions / self._law.holding)
-        self._feet = self._found.ends.copy()
+        τ, holding = self._found.tractions, self._law.holding
+        springs = np.asarray(τ / holding)
+        slip = self._springs + self._found.slips - springs
+        self._dissipated += 0.5 * float((holding * self._springs + τ) @ slip)
+        self._springs, self._feet = springs, self._found.ends.copy()
+
+    @property
+    def dissipated(self) -> float:
+        """Energy dissipated by friction, by the trapezoidal rule."""
+        return self._dissipated
+
+    def friction_forces(self, H: Array) -> Array:
+        """Friction forces on the rope in the last accepted state, shape (k, 9)."""
+        pairs, gaps, positions, _ = self._touching(H)
+        forces = np.empty((len(gaps), 3))
+        kernels.set_friction(H, self._ropes, self._feet, self._law.holding * self._springs, forces)
+        rows: Array = np.column_stack([pairs, gaps, positions, forces])
+        return rows[forces.any(axis=1)]
 
     def update_stress(self, H: Array, h: Array) -> None:
         """Do nothing: positions change when frames are accepted."""
@@ -248,11 +266,17 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
             without friction, (r, …).
         """
         self.accept(H)
+        return self._touching(H)
+
+    def _touching(self, H: Array) -> tuple[Indices, Array, Array, Array]:
+        """Contact forces of the rings in the last accepted state, with frames ``H``."""
         count = len(self._feet)
         X, positions = np.empty((2, count, 3))
         kernels.set_positions(H, self._ropes, self._feet, X, positions)
         pairs = np.stack([self._pieces(self._feet), np.arange(count)], axis=1)
-        return pairs, -self._found.distances, positions, self._law.k * (X - positions)
+        Δ = X - positions
+        gaps: Array = -np.linalg.norm(Δ, axis=1)
+        return pairs, gaps, positions, self._law.k * Δ
 
 
 def _ropes_of(rope: Rope, rings: Rings, nodes: Nodes, types: Indices) -> Ropes:

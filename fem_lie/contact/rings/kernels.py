@@ -90,6 +90,17 @@ def set_feet(H: Array, ropes: Ropes, kept: Array, out: Array) -> None:
         out[k] = foot(H, ropes, kept[k], position(H, points.at.a, 0), points.C)
 
 
+@compiled
+def set_friction(H: Array, ropes: Ropes, feet: Array, tractions: Array, out: Array) -> None:
+    """Set the friction forces ``τ P'/s`` on the rope at positions ``feet``, shape (r, 3)."""
+    points = ring_point()
+    for k in range(feet.shape[0]):
+        set_ring(ropes, k, points)
+        s = set_position(H, ropes, feet[k], points)
+        t = load_row(points.at.sliding.slopes[0], 0)
+        store_row(out, k, scaled(tractions[k] / s, t))
+
+
 @inlined_uncounted
 def _forces_of(
     law: CoulombLaw, points: RingPoint, separation: Vector, s: float, τ: float

@@ -11,6 +11,7 @@ from fem_lie._arrays import Array, Flags, Indices, instance
 from fem_lie._summary import Summarised
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.laws.law import ContactTerm
+from fem_lie.forms.abilities import FRICTION_COLUMNS
 from fem_lie.pictures.bodies import Arrows
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
@@ -27,8 +28,9 @@ class ContactForces(Summarised):
             plane or a hollow sphere is on the second side.
         gaps: Gaps, negative where surfaces overlap, shape (k,).
         positions: Closest point of the first side, global components, shape (k, 3).
-        forces: Contact force on the first side, global components, shape (k, 3); for impacts the
-            impulse of the last step divided by the step size.
+        forces: Contact force on the first side with friction, global components, shape (k, 3); for
+            impacts the impulse of the last step divided by the step size. Friction of a penalty
+            along lines acts at Gauss points of its own, which are rows of their own.
         count: T.
         impulses: For impacts: impulse in the last step, shape (k, 3).
         slips: For impacts: tangential velocity of the first side, shape (k, 3).
@@ -89,15 +91,17 @@ def contact_forces(
 
     Raises:
         ValueError: A body of the contact is not in the result, or there is no such state, or the
-            contact has impacts and the result has none.
+            result has no impulses or no friction forces of the contact.
     """
     require_states(result)
     instance(contact, Contact, "contact", "a Contact")
     nodes = {body: nodes_in(result.info, body) for body in contact.bodies}
     count = len(result.frames)
     chosen = range(count) if states is None else [state_number(state, count) for state in states]
+    key = contact.key(nodes.__getitem__)
     if contact.law.impulsive:
-        return _of_impacts(result, contact.key(nodes.__getitem__), chosen)
+        return _of_impacts(result, key, chosen)
+    friction = _friction_of(result, contact, key)
     term = contact.term(nodes.__getitem__)
     if not term.ignores:
         found = [_in_state(term, result, k) for k in chosen]
@@ -105,6 +109,10 @@ def contact_forces(
         # ignored pairs depend on all earlier states
         every = [_in_state(term, result, k) for k in range(max(chosen, default=-1) + 1)]
         found = [every[k] for k in chosen]
+    found = [
+        _with_friction(each, friction[friction[:, 0] == k])
+        for k, each in zip(chosen, found, strict=True)
+    ]
     rows = np.repeat(np.arange(len(found)), [len(each[0]) for each in found])
     points, gaps, positions, forces = (np.concatenate(part) for part in zip(*found, strict=True))
     return ContactForces(rows, points, gaps, positions, forces, len(found))
@@ -121,6 +129,38 @@ def _in_state(
     if isinstance(result, Result):
         v[:] = result.velocities[k]
     return term.touching(H, v)
+
+
+def _friction_of(result: Result | StaticResult, contact: Contact, key: int) -> Array:
+    """Rows of :class:`~fem_lie.results.record.FrictionForces` of a contact by penalty."""
+    if not contact.has_friction:
+        return np.empty((0, 2 + FRICTION_COLUMNS))
+    if result.friction is None:
+        raise ValueError(
+            f"contact_forces: the result has no friction forces of {contact.label}. They are "
+            "recorded at the ends of steps of undivided scenes: expected a result of a run with "
+            "save_every=..., not with times between steps, and with Record.FORCES"
+        )
+    rows = result.friction.each
+    return rows[rows[:, 1] == key]
+
+
+def _with_friction(
+    normal: tuple[Indices, Array, Array, Array], friction: Array
+) -> tuple[Indices, Array, Array, Array]:
+    """Contact points of a state with friction forces, which may act at other points."""
+    points, gaps, positions, forces = normal
+    pairs = friction[:, 2:4].astype(np.int64)
+    same = (pairs[:, np.newaxis] == points).all(axis=2)
+    at, here = np.nonzero(same)
+    np.add.at(forces, here, friction[at, 8:])
+    others = ~same.any(axis=1)
+    return (
+        np.concatenate([points, pairs[others]]),
+        np.concatenate([gaps, friction[others, 4]]),
+        np.concatenate([positions, friction[others, 5:8]]),
+        np.concatenate([forces, friction[others, 8:]]),
+    )
 
 
 def _of_impacts(result: Result | StaticResult, key: int, chosen: Sequence[int]) -> ContactForces:

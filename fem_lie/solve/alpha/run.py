@@ -363,7 +363,7 @@ class Run(Newton):
         if self._filled == self.index > 0:
             history.show_progress(self.index)
             return True
-        kept = history.record(self.index, *self._recorded, self.balance.total)
+        kept = history.record(self.index, *self._recorded, self.balance.so_far)
         if kept and self.index and self._contacts is not None:
             self._contacts.record(self.s.H, self.index * self.h)
         return kept

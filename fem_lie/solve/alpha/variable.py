@@ -373,7 +373,7 @@ class AlphaSteps(Run):
 
     def record(self, recorder: GrowingRecorder, index: int, iterations: int) -> None:
         """Record the current state in the next row."""
-        recorder.fill(0.0, *self._accepted, self.balance.total)
+        recorder.fill(0.0, *self._accepted, self.balance.so_far)
 
     # --- what changes in a step ---
 

@@ -31,7 +31,7 @@ from fem_lie._state import HasState
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.results import file as results_file
 from fem_lie.results.files.storage import ResultRows, write_all
-from fem_lie.results.record import ContactSteps, StepHistory
+from fem_lie.results.record import ContactSteps, FrictionForces, StepHistory
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.plan import Plan, unpacked
 from fem_lie.solve.recording.whole_state import MovingState
@@ -263,7 +263,7 @@ class Checkpoints:
         with self._writing("counts and seconds of the run cannot be written"):
             results_file.finish(self._path, numbers)
 
-    def add(self, record: StepHistory | ContactSteps) -> None:
+    def add(self, record: StepHistory | ContactSteps | FrictionForces) -> None:
         """Write the log of the steps to the file."""
         with self._writing("the log of the steps cannot be written"):
             results_file.add(self._path, record)

@@ -23,7 +23,7 @@ from fem_lie.ranks.files import read_together, write_once
 from fem_lie.ranks.together import all_arrive, several
 from fem_lie.results.files.storage import ResultRows
 from fem_lie.results.gathering import Gathering
-from fem_lie.results.record import ContactSteps, StepHistory, row_shapes
+from fem_lie.results.record import ContactSteps, FrictionForces, StepHistory, row_shapes
 from fem_lie.scene import Scene
 from fem_lie.solve.recording.checkpoints import Checkpoints, Restartable
 from fem_lie.solve.recording.fingerprint import Fingerprint
@@ -149,6 +149,6 @@ class PartsFile(Checkpoints):
         """Write the totals of the run to the file."""
         write_once(self._path, partial(super().finish, numbers))
 
-    def add(self, record: StepHistory | ContactSteps) -> None:
+    def add(self, record: StepHistory | ContactSteps | FrictionForces) -> None:
         """Write the log of the steps to the file."""
         write_once(self._path, partial(super().add, record))

@@ -13,7 +13,14 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.results import Result
 from fem_lie.results.gathering import gathered
-from fem_lie.results.record import ContactSteps, Record, StepHistory
+from fem_lie.results.record import (
+    ContactSteps,
+    FrictionForces,
+    Record,
+    StepHistory,
+    with_others,
+    with_state,
+)
 from fem_lie.solve.recording.checkpoints import Checkpoints, Restartable
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.result_row import ResultRow
@@ -200,7 +207,7 @@ class History(Window):
         kept = state | self._saved_state()
         self._store.write(index, self._gone, self.seconds, kept)
 
-    def add(self, record: StepHistory | ContactSteps) -> None:
+    def add(self, record: StepHistory | ContactSteps | FrictionForces) -> None:
         """Write the log of the steps, if results go to a file.
 
         Args:
@@ -268,6 +275,8 @@ class Recorder(History):
         self.count = 0 if store is None or not store.state else int(store.state["count"])
         self.scene = self._filled.scene
         self.whole = not self._held and equations.arrays.complete
+        known = {} if store is None else store.state
+        self._friction = [known["friction"]] if "friction" in known else []
 
     def record(
         self,
@@ -304,6 +313,10 @@ class Recorder(History):
     ) -> Result:
         """Result of the states recorded so far, of all parts of a divided scene; see the base."""
         found = super().result(factorisations, seconds, refreshes, divided)
+        if self._friction:
+            friction = FrictionForces(np.concatenate(self._friction))
+            self.add(friction)
+            found = with_others(found, {"friction": friction})
         # a file has the results of all parts
         return gathered(found, self._equations.part if self._store is None else None)
 
@@ -336,6 +349,11 @@ class Recorder(History):
             self.reactions[row] = report.reactions
         if Record.ENERGIES in self.filled:
             self.elastic[row] += report.elastic
+        # rows of states between steps would be interpolated
+        if Record.FORCES in self.filled and self._wanted is None:
+            friction = equations.history_variables.friction_forces(H)
+            if friction is not None:
+                self._friction.append(with_state(self._gone + row, friction))
         self.times[row], self.iterations[row] = time, self.count
         self.row += 1
 
@@ -346,4 +364,7 @@ class Recorder(History):
             index: Number of the step.
             state: State of the run.
         """
-        super().write_checkpoint(index, state | {"count": np.array(self.count)})
+        kept = state | {"count": np.array(self.count)}
+        if self._friction:
+            kept["friction"] = np.concatenate(self._friction)
+        super().write_checkpoint(index, kept)

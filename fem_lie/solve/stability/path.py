@@ -32,7 +32,7 @@ from fem_lie.solve.stability.path_options import (
 from fem_lie.solve.stability.path_run import Pursuit
 from fem_lie.solve.stability.path_step import Walker
 from fem_lie.solve.stability.stations import whole_station
-from fem_lie.solve.statics.follow import check_proportion
+from fem_lie.solve.statics.follow import check_proportion, friction_in
 
 _MODES = 2
 
@@ -87,7 +87,7 @@ def follow_path(
     watch = Stopwatch()
     run = Pursuit(walker, ends, resolution, options.locate, control)
     run.follow(start, backwards)
-    if chosen and run.found.complete:
+    if chosen and run.found.at_factor:
         run.found.reason += ", where paths end by default: until=... goes on beyond, to loads above"
         _log.info("%s", run.found.reason)
     return _result(run, observe or {}, watch.seconds)
@@ -141,6 +141,7 @@ def _result(run: Pursuit, observe: Mapping[str, Observer], seconds: float) -> Eq
         reason=found.reason,
         load_steps=found.load_steps,
         failed_steps=found.failed_steps,
+        friction=friction_in(equations, [s.state for s in found.stations]),
         locating_iterations=found.locating,
         stations=tuple(whole_station(model, station) for station in found.stations),
     )

@@ -19,6 +19,7 @@ from fem_lie.ranks.shared_factors import Subdomains
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.gathering import gathered
 from fem_lie.results.path import EquilibriumState
+from fem_lie.results.record import FrictionForces
 from fem_lie.scene import Scene
 from fem_lie.scene.load import StrainLoad
 from fem_lie.scene.rotation import Rotation
@@ -414,6 +415,22 @@ class _AtFactor(Iterated):
         return Verdict.CONVERGED if size < _SETTLED else Verdict.GOES_ON
 
 
+def friction_in(equations: Equations, states: Sequence[EquilibriumState]) -> FrictionForces | None:
+    """Friction forces of contacts by penalty in states; ``None`` if there are none.
+
+    Args:
+        equations: Equations of the scene.
+        states: The states.
+    """
+    history = equations.history_variables
+    present, rows = history.saved_state(), list[Array | None]()
+    for state in states:
+        history.restore(state.saved)
+        rows.append(history.friction_forces(state.frames))
+    history.restore(present)
+    return FrictionForces.of_states(rows)
+
+
 def _result(
     model: SceneEquilibrium, path: Path, levels: Sequence[float], seconds: float
 ) -> StaticResult:
@@ -440,5 +457,6 @@ def _result(
         factorisations=model.factorisations,
         subdomains=model.subdomains,
         load_maxima=maxima(path.factors),
+        friction=friction_in(equations, states),
     )
     return gathered(result, equations.part)

@@ -19,6 +19,7 @@ from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.parts.part_scene import divided
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.gathering import gathered
+from fem_lie.results.record import FrictionForces
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.convergence import Verdict
@@ -26,6 +27,7 @@ from fem_lie.solve.iteration import Criterion, Iterated, Polishing, QuadraticRat
 from fem_lie.solve.progress_bars import Reach, Stopwatch, load_bar
 from fem_lie.solve.refactorisation import Refactorisation
 from fem_lie.solve.statics.unstable import (
+    HELD,
     POLISHED,
     FreeMotions,
     SingularStartError,
@@ -141,6 +143,7 @@ class LoadSteps(Iterated):
         self._reactions: list[Array] = []
         self._counts: list[int] = []
         self._pivots: list[int] = []
+        self._friction: list[Array | None] = []
         self._failed, self._failed_steps, self._to_check = 0, 0, True
         self._watch = Stopwatch()
 
@@ -164,6 +167,7 @@ class LoadSteps(Iterated):
             factorisations=self._solver.factorisations,
             load_steps=k,
             failed_steps=self._failed_steps,
+            friction=FrictionForces.of_states(self._friction),
             subdomains=self._solver.subdomains,
         )
 
@@ -242,13 +246,10 @@ class LoadSteps(Iterated):
 
     def advice(self) -> str:
         """Advice in the error message."""
-        if not np.isfinite(self.last):
-            return (
-                "The matrix is singular: is every body held by clamps or joints, with no motion "
-                "left free?"
-            )
         if not self._factors and (free := self._free_at_start()):
             return free
+        if not np.isfinite(self.last):
+            return f"The matrix is singular. {HELD}"
         if not self._options.linearised_stress:
             return "Try Newton(linearised_stress=True), or more load_steps."
         return (
@@ -259,7 +260,7 @@ class LoadSteps(Iterated):
     def _free_at_start(self) -> str:
         """Message on rigid motions that nothing resists in the first state, if there are any."""
         search = FreeMotions(self.equations)
-        if not search.possible or not len(allowed := search.allowed(self.H)):
+        if not len(allowed := search.allowed(self.H)):
             return ""
         self._fill(self._factor)
         free = search.unresisted(allowed, np.zeros_like(self._r))
@@ -280,6 +281,7 @@ class LoadSteps(Iterated):
         self._reactions.append(report.reactions)
         self._counts.append(self.iterations)
         self._pivots.append(pivots)
+        self._friction.append(self.equations.history_variables.friction_forces(self.H))
         return True
 
     def _reach(self, factor: float, preload: float = 1.0) -> int | None:

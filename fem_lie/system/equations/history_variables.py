@@ -157,6 +157,16 @@ class HistoryVariables:
         else:
             self._system.load_cases.scale(item, factor)
 
+    def friction_forces(self, H: Array) -> Array | None:
+        """Friction forces of contacts by penalty in the accepted state ``H``, shape (k, 10).
+
+        See :meth:`~fem_lie.system.terms.all_terms.Terms.friction_forces`. ``None`` if no contact
+        has friction, and for a part of a scene, whose points have other numbers.
+        """
+        if self._system.shared.several or not self._terms.has_friction:
+            return None
+        return self._terms.friction_forces(H)
+
     def saved_state(self) -> dict[str, Array]:
         """State of the history variables."""
         kept = {f"stress.{k}": part for k, part in enumerate(self._terms.linearised_values())}

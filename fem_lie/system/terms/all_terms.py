@@ -9,6 +9,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.contact.contact import Contact
+from fem_lie.forms.abilities import FRICTION_COLUMNS
 from fem_lie.forms.cell_forms import FormArrays, add_forces, energy_of, joined, of_some_cells
 from fem_lie.forms.term import AttachedForms, Pairs, Term
 from fem_lie.lie.node_types.inertia import Inertia
@@ -190,6 +191,28 @@ class Terms:
         """Accept frames ``H`` as the state from which the next step starts."""
         for each in self._paths:
             each.accept(H)
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether any forces depend on the motion since the last accepted state."""
+        return any(each.friction for each in self._paths)
+
+    @property
+    def dissipated(self) -> float:
+        """Energy dissipated by friction in all accepted steps."""
+        return sum(each.dissipated for each in self._paths)
+
+    def friction_forces(self, H: Array) -> Array:
+        """Friction forces in the last accepted state with frames ``H``, shape (k, 10).
+
+        The key of the contact, then the columns of
+        :meth:`~fem_lie.forms.abilities.PathDependence.friction_forces`.
+        """
+        found = [np.empty((0, 1 + FRICTION_COLUMNS))]
+        for each in self._paths:
+            forces = each.friction_forces(H)
+            found.append(np.column_stack([np.full(len(forces), float(each.key)), forces]))
+        return np.concatenate(found)
 
     def linearised_values(self) -> list[Array]:
         """Copies of the history variables of the terms."""

@@ -98,11 +98,20 @@ class AttachedPath(PathDependence):
 
     def __init__(self, of: PathDependence, nodes: AttachedNodes) -> None:
         """Store the path dependence and the nodes."""
-        self._of, self._nodes, self.friction = of, nodes, of.friction
+        self._of, self._nodes, self.friction, self.key = of, nodes, of.friction, of.key
 
     def accept(self, H: Array) -> None:
         """Accept the state with frames ``H``."""
         self._of.accept(self._nodes.frames(H))
+
+    @property
+    def dissipated(self) -> float:
+        """Energy dissipated by friction."""
+        return self._of.dissipated
+
+    def friction_forces(self, H: Array) -> Array:
+        """Friction forces in the last accepted state, shape (k, 9)."""
+        return self._of.friction_forces(self._nodes.frames(H))
 
 
 class AttachedPassage(PassageCheck):
