@@ -196,8 +196,8 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress, LocalUnknowns):
     def require_no_stress(self, formulation: object) -> None:
         """Raise an error if an element of a user has forces in the unloaded configuration.
 
-        They are compared with those of a uniform extension. Elements of the package are not
-        checked: tests do that, and cables may be created stretched.
+        They are compared with those of a uniform extension. Elements of the package are not checked
+        here: tests do that.
 
         Args:
             formulation: The element.

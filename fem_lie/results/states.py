@@ -203,6 +203,9 @@ class StateSeries(Summarised, Displaced, Written):
     def joint_force(self, joint: Connection | str) -> Array:
         """Force and moment of a joint on its point ``a``, in its axes there, shape (k, 6).
 
+        The moment is about the joint; the opposite of both acts on ``b``. The axes e₁, e₂, e₃
+        rotate with ``a``; at the start they are the last three rows of ``joint.frame()``.
+
         Args:
             joint: A joint of the scene, or its name.
 
@@ -331,7 +334,9 @@ class StateSeries(Summarised, Displaced, Written):
         if magnified == 1.0:
             return [self.position(point) for point in points]
         more = magnified - 1.0
-        return [self.position(point) + more * self.displacement(point) for point in points]
+        return [
+            np.asarray(self.position(point) + more * self.displacement(point)) for point in points
+        ]
 
 
 class States(Protocol):

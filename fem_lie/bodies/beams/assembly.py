@@ -13,7 +13,7 @@ from fem_lie._arrays import Array, Indices, instance
 from fem_lie.elements.beams.element import BeamFormulation, CellData, cellwise
 from fem_lie.forms.assembly import Assembly, NodalInertia
 from fem_lie.forms.frames import NodalFrames
-from fem_lie.lie.node_types import TRAITS
+from fem_lie.lie.node_types import TRAITS, NodeType
 from fem_lie.sections.material import Damping
 
 if TYPE_CHECKING:
@@ -83,7 +83,9 @@ class BeamAssembly(Assembly):
         data = CellData(lengths, stiffness, density, eigenstrain, viscosity, slopes)
         forms = formulation.forms(nodal, data)
         super().__init__(nodal, forms, order, np.argsort(permutation), eigenstrain)
-        self.require_no_stress(formulation)
+        # cables, whose nodes have no frames, may be created stretched
+        if formulation.node_type is NodeType.FRAME:
+            self.require_no_stress(formulation)
         self._tangent.used = TRAITS[formulation.node_type].unknowns
         if all(body.has_mass for body in bodies):
             elements = formulation.inertia(nodal, data)

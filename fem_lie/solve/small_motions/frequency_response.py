@@ -191,7 +191,7 @@ def _gravity(loads: Sequence[Excitation]) -> Array:
 
 
 def _with_inactive(scene: Scene, parts: tuple[list[Excitation], ...]) -> Scene:
-    """The scene with the loads at amplitude zero: they may act on rotations that are held else."""
+    """The scene with the loads at amplitude zero: they may act on rotations held otherwise."""
     # every load is a dataclass, which its base class does not say
     harmonic: list[Any] = [load for part in parts for load in _of_bodies(part)]
     added = [replace(load, history=_zero) for load in harmonic]
