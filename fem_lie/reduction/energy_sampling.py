@@ -29,6 +29,7 @@ import scipy.optimize
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices, instance, positive
+from fem_lie.lie.node_types import rigid_motions
 from fem_lie.reduction.basis import Basis, ReducedStates
 
 
@@ -156,6 +157,8 @@ class ReducedCells:
 
 _ROUND_OFF = 1e-12
 
+_RIGID = 1e-9  # part of a mode beyond rigid motions below which it has no strain
+
 
 class CellSample(NamedTuple):
     """Weighted cells that replace all cells of a reduced-order body.
@@ -220,19 +223,29 @@ def ecsw(states: ReducedStates, tolerance: float) -> CellSample:
     raise ValueError(f"no weights have an error of {tolerance:g}: give a larger tolerance")
 
 
+def _has_rigid_motion(basis: Basis) -> bool:
+    """Whether a combination of the modes moves the body as a rigid one."""
+    frames = basis.body.frames
+    centre, size = frames[:, 0].mean(axis=0), np.ptp(frames[:, 0], axis=0).max()
+    weight = np.repeat([1.0, size], 3)  # all in lengths
+    rigid = rigid_motions(basis.body.model.node_types, frames, centre) * weight[:, np.newaxis]
+    rigid = rigid.reshape(-1, 6) / weight
+    modes = (basis.modes * weight).reshape(len(basis), -1).T
+    modes /= np.maximum(np.linalg.norm(modes, axis=0), np.finfo(np.float64).tiny)
+    left = modes - rigid @ np.linalg.lstsq(rigid, modes, rcond=_RIGID)[0]
+    return bool(np.linalg.svd(left, compute_uv=False)[-1] < _RIGID)
+
+
 def forces_of_training(cells: ReducedCells, states: ReducedStates) -> Array:
     """Reduced forces of each cell in all states, in the energy norm at rest, shape (k m, s).
 
     The forces of each state are divided by the norm of their sum; states without strain are
     omitted.
     """
+    if _has_rigid_motion(states.basis):
+        raise ValueError("the basis has rigid-body modes, which have no stiffness: omit them")
     _, stiffness = cells.forces_and_matrix(np.zeros(len(states.basis)))
-    try:
-        root = np.linalg.cholesky(stiffness)
-    except np.linalg.LinAlgError:
-        raise ValueError(
-            "the basis has rigid-body modes, which have no stiffness: omit them"
-        ) from None
+    root = np.linalg.cholesky(stiffness)
     found = [
         scipy.linalg.solve_triangular(root, cells.of_each(each).T, lower=True)
         for each in states.coordinates
