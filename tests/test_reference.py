@@ -68,7 +68,7 @@ def callables():
                 yield pytest.param(thing, id=f"{space.short}.{name}")
 
 
-@pytest.mark.parametrize("thing", callables())
+@pytest.mark.parametrize("thing", list(callables()))
 def test_all_parameters_are_documented(thing):
     assert undocumented(thing) == []
 
@@ -90,7 +90,7 @@ def methods():
     ]
 
 
-@pytest.mark.parametrize(("cls", "method", "function"), methods())
+@pytest.mark.parametrize(("cls", "method", "function"), list(methods()))
 def test_all_parameters_of_methods_are_documented(cls, method, function):
     """A base class may document them."""
     definitions = [vars(base)[method] for base in cls.__mro__ if method in vars(base)]

@@ -375,7 +375,7 @@ def _check(made: object) -> None:
         scene().add(made)
 
 
-@pytest.mark.parametrize(("name", "argument", "wrong"), _tries())
+@pytest.mark.parametrize(("name", "argument", "wrong"), list(_tries()))
 def test_the_message_names_what_was_given_and_what_is_wanted(name, argument, wrong):
     make, arguments = CASES[name]
     given = {key: value for key, (value, _) in arguments.items()} | {argument: wrong}

@@ -50,12 +50,18 @@ def main(cells: int = 32) -> dict[str, Any]:
     ksp.getPC().setFactorSolverType("mumps")
     dT, sizes = fem.Function(S), []
     while not sizes or (sizes[-1] > 1e-9 and len(sizes) < 20):
-        A = petsc.assemble_matrix_block(a, bcs)
-        A.assemble()
-        b = petsc.assemble_vector_block([beam.residual, fem.form(heat)], a, bcs)
-        x = b.duplicate()
+        blocks = [[petsc.assemble_matrix(form, bcs) for form in row] for row in a]
+        for block in (*blocks[0], *blocks[1]):
+            block.assemble()
+        parts = [petsc.assemble_vector(form) for form in (beam.residual, fem.form(heat))]
+        for part in parts:
+            part.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
+            petsc.set_bc(part, bcs)
+        A = PETSc.Mat().createNest(blocks).convert("aij")
+        x, b = A.createVecs()
+        b.array[:] = -np.concatenate([part.array for part in parts])
         ksp.setOperators(A)
-        ksp.solve(-b, x)
+        ksp.solve(b, x)
         sizes.append(x.norm(PETSc.NormType.NORM_INFINITY))
         owned = 6 * V.dofmap.index_map.size_local
         for f, values in ((q.increment, x.array_r[:owned]), (dT, x.array_r[owned:])):
