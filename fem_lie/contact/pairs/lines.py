@@ -63,7 +63,7 @@ class Line(LineSurface):
         >>> sphere = fl.contact.Sphere(ball.point("centre"), 0.05)
         >>> touch = scene.add(fl.contact.Contact(line, sphere, fl.contact.Penalty(1e4)))
         >>> result = fl.GeneralisedAlpha().run(scene, duration=0.1, step=5e-4)
-        >>> bool(fl.post.contact_forces(result, touch).total[:, 2].min() < -1.0)
+        >>> bool(fl.post.contact_forces(result, touch).total[:, 2].max() > 1.0)  # on the ball
         True
     """
 
