@@ -71,6 +71,13 @@ class Factors(NamedTuple):
     lower: Triangle
     upper: Triangle
 
+    @classmethod
+    def none(cls) -> Factors:
+        """No factors, where others solve the equations."""
+        number, whole = np.empty(0), np.empty(0, dtype=np.int64)
+        triangle = number, whole, whole
+        return cls(number, number, whole, whole, number, triangle, triangle)
+
     @property
     def plain(self) -> PlainFactors:
         """Plain tuple of the fields, which makes calls of compiled functions faster."""

@@ -66,17 +66,20 @@ _PACKAGE, _ON_RANKS = "pc_factor_mat_solver_type", "mumps"
 _log = logging.getLogger(__name__)
 
 
-def divided(scene: Scene, prefix: str, *, supported: bool = True) -> ScenePart | None:
+def divided(
+    scene: Scene, prefix: str, refused: Mapping[str, bool] | None = None
+) -> ScenePart | None:
     """The part of a scene that this rank has, if the scene is divided among all ranks.
 
     Small scenes, those that cannot be divided, and those with what is not divided yet (impacts,
     redundant constraints, joints that have turned before) are not: then all ranks have the whole
-    scene. It is the same with options for subdomains, or for a package that factorises on one rank.
+    scene, and the log says why. It is the same with options for subdomains, or for a package that
+    factorises on one rank.
 
     Args:
         scene: The scene, the same on all ranks.
         prefix: Prefix of PETSc's options.
-        supported: Whether the solver supports parts.
+        refused: What the solver does not divide, and whether it is asked for.
     """
     if not several():
         return None
@@ -88,16 +91,20 @@ def divided(scene: Scene, prefix: str, *, supported: bool = True) -> ScenePart |
     dimension = 0 if asked else 1 if lines >= least else 2
     counted = [body.model for body in scene.bodies if body.model.dimension >= dimension]
     unknowns = sum(int((~model.held).sum()) for model in counted)
-    others = (
-        not supported
-        or scene.redundant is not RedundantConstraints.REFUSE
-        or bool(scene.impacts)
-        or scene.began.turned is not None
-        or options.hasName(_DOMAINS)
-        or options.getString(_PACKAGE, _ON_RANKS) != _ON_RANKS
-    )
-    if unknowns < limit or others:
+    if unknowns < limit:
         _log.info("%d unknowns to divide: every rank has the whole scene", unknowns)
+        return None
+    reasons = {
+        **(refused or {}),
+        "redundant constraints": scene.redundant is not RedundantConstraints.REFUSE,
+        "impacts": bool(scene.impacts),
+        "joints that have turned before": scene.began.turned is not None,
+        f"option {_DOMAINS}": options.hasName(_DOMAINS),
+        f"option {_PACKAGE}": options.getString(_PACKAGE, _ON_RANKS) != _ON_RANKS,
+    }
+    if any(reasons.values()):
+        found = ", ".join(reason for reason, asked_for in reasons.items() if asked_for)
+        _log.info("every rank has the whole scene, as these are not divided: %s", found)
         return None
     try:
         part = part_of(scene, MPI.COMM_WORLD)

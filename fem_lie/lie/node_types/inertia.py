@@ -233,7 +233,16 @@ def local_twists(H: Array, qdot: Array, turning: Array, out: Array) -> None:
             out[i, 3 + a] = spin
 
 
-def turning_of(inertia: Inertia, held: Flags) -> Array:
+def director_inertia(inertia: Inertia, count: int) -> Array:
+    """Inertia of the directors of each of ``count`` nodes by itself, (n, 3, 3)."""
+    found = np.zeros((count, 3, 3))
+    rows = np.repeat(np.arange(len(inertia.indptr[1:])), np.diff(inertia.indptr))
+    own = rows == inertia.indices
+    found[rows[own]] = inertia.blocks[own, 1:, 1:]
+    return found
+
+
+def turning_of(E: Array, held: Flags) -> Array:
     """Linear map from rates of directors, not necessarily rigid, to an angular velocity.
 
     ω has the angular momentum of the rates: ``J ω = Σ E_kl e_k × Rᵀḋ_l`` with the node's own
@@ -242,20 +251,15 @@ def turning_of(inertia: Inertia, held: Flags) -> Array:
     rotation is held.
 
     Args:
-        inertia: Inertia of the nodes.
+        E: Inertia of the directors of each node by itself, :func:`director_inertia`, (n, 3, 3).
         held: Mask of unknowns that are zero, shape (n, 6).
 
     Returns:
         Shape (n, 3, 3, 3): component of ω, director, component of its rate in the frame.
     """
-    count = len(held)
-    E = np.zeros((count, 3, 3))
-    rows = np.repeat(np.arange(len(inertia.indptr[1:])), np.diff(inertia.indptr))
-    own = rows == inertia.indices
-    E[rows[own]] = inertia.blocks[own, 1:, 1:]
     # nodes without own inertia share one map; position nodes do not rotate
     some = E.any(axis=(1, 2)) & ~held[:, 3:].all(axis=1)
-    found = np.repeat(_turning(np.zeros((1, 3, 3))), count, axis=0)
+    found = np.repeat(_turning(np.zeros((1, 3, 3))), len(held), axis=0)
     found[some] = _turning(E[some])
     found[held[:, 3:]] = 0.0
     return found

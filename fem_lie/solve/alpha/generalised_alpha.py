@@ -30,7 +30,7 @@ from fem_lie.solve.impacts.step_end import refuse_impacts
 from fem_lie.solve.motion.integration import Driver
 from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.motion.variable_steps import Stepper
-from fem_lie.solve.recording.parts_file import may_write
+from fem_lie.solve.recording.parts_file import not_written
 from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan
 from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
@@ -87,10 +87,13 @@ class GeneralisedAlpha(Options, Integrator):
         self, scene: Scene, plan: Plan, file: str | os.PathLike[str] | None
     ) -> Equations | None:
         """Equations of the part of this rank, for equal steps without secants."""
-        supported = isinstance(plan, EqualSteps) and not (self.policy.secants or scene.switched)
-        supported = supported and (file is None or may_write(scene, plan))
-        prefix = self.petsc_options_prefix
-        part = divided(scene.without_impacts(), prefix, supported=supported)
+        refused = {
+            "steps of different sizes": not isinstance(plan, EqualSteps),
+            "secants": self.policy.secants > 0,
+            "joints that are inactive or switched": bool(scene.switched),
+        }
+        refused |= not_written(scene, plan, file)
+        part = divided(scene.without_impacts(), self.petsc_options_prefix, refused)
         return None if part is None else self._equations(scene, part)
 
     def _free(self, scene: Scene) -> bool:

@@ -34,6 +34,7 @@ Romero & Armero, IJNME 54 (2002) 1683; Betsch & Leyendecker, IJNME 67 (2006) 499
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -45,16 +46,17 @@ from fem_lie.bodies.model import MassMatrix
 from fem_lie.forms.term import Term
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import POSITION_GRADIENT
+from fem_lie.parts.part_scene import ScenePart, divided
 from fem_lie.scene import Scene
 from fem_lie.solve.conserving.model import has_vector_nodes, rotations_without_inertia
 from fem_lie.solve.conserving.python_forces.forces import acts_in_the_middle
 from fem_lie.solve.conserving.run import Run
-from fem_lie.solve.conserving.run_state import Options
+from fem_lie.solve.conserving.run_state import PREFIX, Options
 from fem_lie.solve.conserving.variable import ConservingSteps
 from fem_lie.solve.motion.integrator import Integrator, check_until_round_off, refuse
 from fem_lie.solve.motion.policies import Automatic, RefactorisationPolicy
 from fem_lie.solve.motion.variable_steps import Stepper
-from fem_lie.solve.recording.plan import ChosenSteps
+from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan
 from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
 
@@ -157,17 +159,32 @@ class EnergyMomentum(Integrator):
     def _equations(self, scene: Scene) -> Equations:
         return self.equations(scene)
 
-    def equations(self, scene: Scene) -> Equations:
+    def _divided_equations(
+        self, scene: Scene, plan: Plan, file: str | os.PathLike[str] | None
+    ) -> Equations | None:
+        """Equations of the part of this rank, for equal steps without secants and contacts."""
+        refused = {
+            "steps of different sizes": not isinstance(plan, EqualSteps),
+            "secants": self.policy.secants > 0,
+            "contacts in conserving steps": bool(scene.contacts),
+            "files of conserving steps": file is not None,
+        }
+        part = divided(scene, PREFIX, refused)
+        return None if part is None else self.equations(scene, part)
+
+    def equations(self, scene: Scene, part: ScenePart | None = None) -> Equations:
         """Equations of a scene; ``ValueError`` if the scheme does not support the scene.
 
         Args:
             scene: The scene.
+            part: What this rank has of it, if it is divided.
         """
         # translations are global, so derivatives by velocities are those of R³×SO(3)
         equations = Equations(
-            scene, dynamics=True, group=Group.R3xSO3, mass=MassMatrix.WITH_DRILLING
+            scene, dynamics=True, group=Group.R3xSO3, mass=MassMatrix.WITH_DRILLING, part=part
         )
-        refuse_scene(equations)
+        with equations.shared.errors(ValueError):
+            refuse_scene(equations)
         if self.policy.secants and not has_vector_nodes(equations):
             raise ValueError(
                 "conserving schemes use secants where nodes have no frames (Cable, Net, "

@@ -13,11 +13,13 @@ from fem_lie.forms.cell_forms import FormArrays, each_cell, joined
 from fem_lie.forms.cells import Cells
 from fem_lie.forms.term import Term
 from fem_lie.lie.node_types import POSITION_GRADIENT
+from fem_lie.lie.node_types.inertia import director_inertia
 from fem_lie.solve.conserving.midpoint.end_forces import EndForces
 from fem_lie.solve.conserving.midpoint.products import inertia_with_products, product_weights
 from fem_lie.solve.conserving.midpoint.reduced_bodies import packed_bodies
 from fem_lie.solve.conserving.step.records import (
     ADDRESSES,
+    COMMON,
     FILTER,
     IncidencePositions,
     Incidences,
@@ -126,12 +128,13 @@ def step_workspace(
         moved=z((n + p, 4, 3)) if p else Span(*between).delta[:n],
         products=z((p, 4, 3)),
         within=z((3, p)),
+        common=z(COMMON),
     )
 
 
 def has_vector_nodes(equations: Equations) -> bool:
-    """Whether there are nodes with vector coordinates."""
-    return bool((equations.unknowns.kinds >= POSITION_GRADIENT).any())
+    """Whether there are nodes with vector coordinates, on any rank."""
+    return equations.shared.any(bool((equations.unknowns.kinds >= POSITION_GRADIENT).any()))
 
 
 def products_of(equations: Equations) -> tuple[int, int]:
@@ -207,6 +210,8 @@ def model_of(
     loads = Loads(*(array.copy() for array in known.loads))
     mass = inertia_with_products(known.inertia, known.floating)
     weights = product_weights(mass, n, known.floating.numbers[:3])
+    owned = equations.shared.owned
+    count = cells.count + len(vector_cells.sees) + products_of(equations)[1]
     return Model(
         cells=cells.table,
         joints=known.joints,
@@ -228,7 +233,7 @@ def model_of(
         scheme=scheme,
         probes=known.probes,
         driven=np.zeros(m),
-        supported=known.supported.astype(np.int64),
+        supported=(known.supported & owned[:, np.newaxis]).astype(np.int64),
         incidences=incidences,
         ends=incidence_positions_of(incidences, n, unknowns.size),
         kinds=known.kinds,
@@ -238,16 +243,29 @@ def model_of(
         addresses=np.zeros(ADDRESSES, dtype=np.int64),
         bodies=packed_bodies(known.floating),
         light=rotations_without_inertia(equations),
+        owned=owned.astype(np.int64),
+        vectors=has_vector_nodes(equations),
+        total=int(equations.shared.total(np.array(count))),
+        signs=_signs(equations),
     )
+
+
+def _signs(equations: Equations) -> Array:
+    """Signs of a perturbation that is no rigid motion, (6 n + m,), equal at copies of a node."""
+    n, m = equations.unknowns.moving, equations.unknowns.m
+    alternate = (-1.0) ** np.arange(6)
+    of_nodes = (-1.0) ** ((np.arange(n + 1) + 1) // 2)
+    nodes = of_nodes[:n, np.newaxis] * alternate
+    equations.shared.take_from_owners(nodes)
+    return np.append(nodes, of_nodes[n] * (-1.0) ** np.arange(m))
 
 
 def rotations_without_inertia(equations: Equations) -> Array:
     """Projectors on the rotations of frames that have no inertia, (n, 3, 3), or (0, 3, 3)."""
     unknowns, mass = equations.unknowns, equations.arrays.inertia
-    rows = np.repeat(np.arange(unknowns.moving), np.diff(mass.indptr[: unknowns.moving + 1]))
-    own = (rows == mass.indices[: len(rows)]) & (unknowns.kinds[rows] < POSITION_GRADIENT)
-    E = np.zeros((unknowns.moving, 3, 3))
-    E[rows[own]] = mass.blocks[: len(rows)][own, 1:, 1:]
+    E = director_inertia(mass, unknowns.moving)
+    E[unknowns.kinds >= POSITION_GRADIENT] = 0.0
+    equations.shared.sum(E)
     J = np.trace(E, axis1=1, axis2=2)[:, np.newaxis, np.newaxis] * np.eye(3) - E
     held = unknowns.held[:, 3:] | (unknowns.kinds >= POSITION_GRADIENT)[:, np.newaxis]
     # fixed rotations count as having inertia

@@ -42,7 +42,7 @@ class Run(Steps):
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
     ) -> History:
         """Create the history of results."""
-        return History(self.equations.info, plan, progress, store)
+        return History(self.equations.info, plan, progress, store, self.equations.part)
 
     # --- steps ---
 
@@ -59,7 +59,7 @@ class Run(Steps):
         if self._alone:
             return self._make_in_loop(history)
         last = history.next_stop(self.index)
-        if self.rule is None or self._changing or self._each:
+        if self.rule is None or self._changing or self._each or self._ranks is not None:
             last = self.index + 1
         return self._go_to(last, self.index * self.h, (self.index + 1) * self.h)
 
@@ -76,6 +76,7 @@ class Run(Steps):
             and arrays.complete
             and (not self._held or self._table is not None)
             and not (self._changing or self._each)
+            and self._ranks is None
         )
 
     def _make_in_loop(self, history: History) -> bool:
@@ -97,7 +98,7 @@ class Run(Steps):
             kept = self._factors.plain, given, self._progress_at
             how = *kept, results, supports, last
             code = steps.run(packed.model, packed.state, packed.step, *how)
-            self._python_forces.check()
+            self._check_callbacks()
             if code == loop.MATRIX and not self._refactorised():
                 code = loop.FAILED
         filled = int(progress.wanted)
@@ -126,7 +127,8 @@ class Run(Steps):
 
     def _failure(self, steps: int) -> str:
         increment = float(self.progress.increment)
-        largest = float(np.abs(Solution(*self.this.r).residual).max())
+        own = float(np.abs(Solution(*self.this.r).residual).max(initial=0.0))
+        largest = self.equations.shared.largest(own)
         limit, tolerance = self.options.max_iterations, self.options.tolerance
         after_fallback = self._may_fall_back
         index = self.index + 1
@@ -189,7 +191,7 @@ class Run(Steps):
         In the first two steps, and after an event, they are those of the equations of motion.
         """
         equations, s, n = self.equations, self.s, self.moving
-        if len(s.multipliers) == 0 or self.index == 0:
+        if equations.unknowns.constraints == 0 or self.index == 0:
             return s.multipliers
         if s.sizes[-1] > 0.0:
             return at_end(s.multipliers, s.earlier, s.sizes)

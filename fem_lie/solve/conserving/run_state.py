@@ -18,6 +18,7 @@ from fem_lie.forms.cells import Cells, evaluate
 from fem_lie.lie.node_types import POSITION_GRADIENT, push_all_forward, retract_all
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
+from fem_lie.solve.conserving.divided import AllRanks
 from fem_lie.solve.conserving.midpoint.any_node import span_from_python, spatial_rates, twists
 from fem_lie.solve.conserving.midpoint.cayley import Turning, midpoint_frames
 from fem_lie.solve.conserving.midpoint.products import product_rates, stored_energies
@@ -120,6 +121,9 @@ class RunState(DividedIntegration[History]):
         self.options, self.rule, self.size = options, options.policy.rule(), self.h
         self.moving, self._changing = equations.unknowns.moving, equations.unknowns.time_dependent
         self._held = len(equations.unknowns.supported) > 0
+        several = equations.shared.several
+        # constraints of other parts are none of these
+        self.current_jacobian = self.current_jacobian and not several
         kinds = equations.arrays.kinds
         self._kinds, self._vectors = kinds, np.flatnonzero(kinds >= POSITION_GRADIENT)
         of_all = kinds[equations.arrays.master] < POSITION_GRADIENT
@@ -152,11 +156,14 @@ class RunState(DividedIntegration[History]):
         self._python_forces: PythonForces = PythonForces(
             equations, self, self._end_forces, python_forces
         )
+        self._ranks = AllRanks(equations, self.model, self.this, PREFIX) if several else None
         # convected axes are rotated after each step, and constraint violations of joints are
         # reduced
-        known, turns = equations.arrays, len(self._vectors) > 0
+        known, turns = equations.arrays, self.model.vectors
         turns &= known.drills or len(known.around[0]) > 0
-        self._each = turns or self._python_forces.between or options.policy.secants > 0
+        each = turns or self._python_forces.between or options.policy.secants > 0
+        self._each: bool = equations.shared.any(each)
+        self._renews = equations.shared.any(self._python_forces.joints is not None)
         if options.policy.secants > 0:
             self._python_forces.learn(Secants(options.policy.secants, self._node_measure))
         self._packed = Packed(self.model, self.s, self.this)
@@ -332,7 +339,10 @@ class RunState(DividedIntegration[History]):
         if self._python_forces.learns is not None:
             self._python_forces.learns.forget()
         self._fill_here(self.model.scale)
-        self._factors = self._with_inverse(factorise(self.equations.matrix))
+        if self._ranks is None:
+            self._factors = self._with_inverse(factorise(self.equations.matrix))
+        else:
+            self._factors = self._ranks.factorise()
         self.counts[:] = self.counts[0] + 1, self.index
         within = self.progress.iteration > 1
         self.progress.fewest = corrections.NEW if within else corrections.UNKNOWN
@@ -384,7 +394,7 @@ class RunState(DividedIntegration[History]):
         extrapolating them this far is inaccurate: with such joints the matrix is that of the
         current step.
         """
-        if self._lost or self._python_forces.joints is not None:
+        if self._lost or self._renews:
             return 0.0
         return float((self.index - self.counts[1]) // 2)
 

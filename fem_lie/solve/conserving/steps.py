@@ -239,7 +239,7 @@ class Steps(RunState):
         _log.info("step %d: the iteration matrix is too old, new matrices", self.index + 1)
         self.s.multipliers[:] = self.this.multipliers
         progress = self.progress
-        stalled = self.progress.stalls >= _LONG and not len(self._vectors)
+        stalled = self.progress.stalls >= _LONG and not self.model.vectors
         # cells on nodes with vector coordinates also prevent convergence with an old matrix
         if stalled and progress.least <= _SETTLED:
             progress.floor = progress.least
@@ -248,10 +248,11 @@ class Steps(RunState):
 
     def _retry(self) -> bool:
         """Repeat the failed step from its start, with new matrices until it converges fast."""
-        if len(self._vectors) and self._make_with_secants():
+        # secants of all ranks are not known
+        if self.model.vectors and self._ranks is None and self._make_with_secants():
             return True
         # without a prediction contacts are those at the start of the step
-        predicted_first = self._python_forces.touching and not len(self._vectors)
+        predicted_first = self._python_forces.touching and not self.model.vectors
         for still in (False, True) if predicted_first else (True, False):
             self.progress.excess = np.inf
             if self._make(_FALLBACK, still=still, always=True):
@@ -354,7 +355,7 @@ class Steps(RunState):
         if python_forces.joints is not None:
             python_forces.joints.accept(s.H, self.model.driven, s.gap)
         python_forces.accept()
-        if len(self._vectors):
+        if self.model.vectors:
             history.rotate_axes(s.H)
 
     def _go_free(
@@ -372,7 +373,7 @@ class Steps(RunState):
             else:
                 factors = self._factors.plain
                 code = loop.run(*tables, factors, given, self._progress_at, last)
-                self._python_forces.check()
+                self._check_callbacks()
             if code == loop.LOST:
                 code = self._restart_step()
                 if code == loop.DONE and self.index < last:
@@ -387,6 +388,12 @@ class Steps(RunState):
             wanted = asked or self.decisions.before_iteration(iteration)
             if wanted and not self._refactorised():
                 return loop.FAILED
+
+    def _check_callbacks(self) -> None:
+        """Raise the error of a callback of compiled steps, if there was one."""
+        self._python_forces.check()
+        if self._ranks is not None:
+            self._ranks.check()
 
     def _refactorised(self) -> bool:
         """Factorise a new matrix; return whether it is regular."""

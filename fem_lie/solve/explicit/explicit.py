@@ -54,7 +54,7 @@ from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.integrator import Integrator, refuse
 from fem_lie.solve.motion.policies import FactoriseOnce
 from fem_lie.solve.recording.checkpoints import Checkpoints
-from fem_lie.solve.recording.parts_file import may_write
+from fem_lie.solve.recording.parts_file import not_written
 from fem_lie.solve.recording.plan import EqualSteps, Plan
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.whole_state import MovingState
@@ -356,8 +356,8 @@ class Explicit(Integrator):
         self, scene: Scene, plan: Plan, file: str | os.PathLike[str] | None
     ) -> Equations | None:
         """Equations of the part of this rank."""
-        supported = isinstance(plan, EqualSteps) and (file is None or may_write(scene, plan))
-        part = divided(scene, _PREFIX, supported=supported)
+        refused = {"steps of different sizes": not isinstance(plan, EqualSteps)}
+        part = divided(scene, _PREFIX, refused | not_written(scene, plan, file))
         return None if part is None else self._equations(scene, part)
 
     def _integration(self, equations: Equations, step: float) -> ExplicitRun:

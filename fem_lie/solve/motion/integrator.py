@@ -5,6 +5,7 @@ Arguments are checked here before any computation; the modules of the schemes ma
 
 from __future__ import annotations
 
+import logging
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
@@ -17,6 +18,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import instance, number, positive, whole
 from fem_lie.ranks.files import place, read_together, restart_file
+from fem_lie.ranks.together import several
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.scene import Scene
@@ -31,6 +33,8 @@ from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan, Saving
 from fem_lie.solve.recording.whole_state import is_whole
 from fem_lie.solve.step_control import ConstantStep, Control, StepChoice
 from fem_lie.system.equations import Equations
+
+_log = logging.getLogger(__name__)
 
 
 class Integrator(ABC):
@@ -179,6 +183,9 @@ class Integrator(ABC):
         self, scene: Scene, plan: Plan, file: str | os.PathLike[str] | None
     ) -> Equations | None:
         """Equations of the part of a scene that this rank has, if the scheme divides it."""
+        if several():
+            name = type(self).__name__
+            _log.info("every rank has the whole scene, as %s does not divide it", name)
         return None
 
     @abstractmethod

@@ -7,7 +7,6 @@ have the state of the whole scene, see :mod:`fem_lie.solve.recording.whole_state
 
 from __future__ import annotations
 
-import logging
 import os
 from collections.abc import Mapping
 from functools import partial
@@ -20,7 +19,7 @@ from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.parts.part_scene import undivided
 from fem_lie.ranks.files import read_together, write_once
-from fem_lie.ranks.together import all_arrive, several
+from fem_lie.ranks.together import all_arrive
 from fem_lie.results.files.storage import ResultRows
 from fem_lie.results.gathering import Gathering
 from fem_lie.results.record import ContactSteps, FrictionForces, StepHistory, row_shapes
@@ -31,27 +30,22 @@ from fem_lie.solve.recording.plan import Plan
 from fem_lie.solve.recording.whole_state import MovingState, own, whole
 from fem_lie.system.equations import Equations
 
-_log = logging.getLogger(__name__)
-
 _BYTES = 2**26
 """Size of the rows of the whole scene that are gathered at a time."""
 
 
-def may_write(scene: Scene, plan: Plan) -> bool:
-    """Whether results of a scene can be written from its parts; the log says why not.
+def not_written(scene: Scene, plan: Plan, file: str | os.PathLike[str] | None) -> dict[str, bool]:
+    """What cannot be written to a file from the parts of a scene, and whether it is asked for.
 
     Args:
         scene: The scene.
         plan: Plan of the run.
+        file: The file, or ``None``.
     """
-    reason = ""
-    if scene.contacts:
-        reason = "files have no history of contacts of parts"
-    elif plan.saving.times is not None:
-        reason = "files have no states of parts between steps, as save_at asks for"
-    if reason and several():
-        _log.info("every rank has the whole scene: %s", reason)
-    return not reason
+    return {
+        "contacts in files": file is not None and bool(scene.contacts),
+        "save_at= in files": file is not None and plan.saving.times is not None,
+    }
 
 
 class PartsFile(Checkpoints):

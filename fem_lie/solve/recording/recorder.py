@@ -11,6 +11,7 @@ from tqdm import tqdm
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.parts.part_scene import ScenePart
 from fem_lie.results import Result
 from fem_lie.results.gathering import gathered
 from fem_lie.results.record import (
@@ -36,10 +37,8 @@ class History(Window):
         every: Every n-th state is recorded, and the last one, if no times were requested.
         refresh: Steps between two updates of the bar; ``steps`` if it is not shown.
         seconds: Wall time before the checkpoint from which the run was restarted.
-        divided: Whether rows are those of a part of the scene.
+        part: What this rank has of the scene, if it is divided: rows are those of the part.
     """
-
-    divided = False
 
     def __init__(
         self,
@@ -47,6 +46,7 @@ class History(Window):
         plan: EqualSteps,
         progress: bool | None,
         store: Checkpoints | None = None,
+        part: ScenePart | None = None,
     ) -> None:
         """Allocate all arrays.
 
@@ -55,7 +55,9 @@ class History(Window):
             plan: Steps, and recorded quantities.
             progress: Show a bar; ``None``: if standard error is a terminal.
             store: File of results and checkpoints; ``None``: keep results in memory.
+            part: What this rank has of the scene; ``None``: all.
         """
+        self.part = part
         saving, steps, step = plan.saving, plan.steps, plan.step
         every = saving.every
         super().__init__(info, steps // every + 1 + (steps % every > 0), saving, store)
@@ -113,7 +115,7 @@ class History(Window):
             index: Number of the step.
             iterations: Number of iterations of the step.
         """
-        known = Record.ENERGIES in self.filled and not self.divided
+        known = Record.ENERGIES in self.filled and self.part is None
         energy = f"energy {self.gap:.1e} " if known else ""
         text = f"t={index * self._h:.3g} {energy}it/step {iterations / index:.2f}"
         self._bar.set_postfix_str(text, refresh=False)
@@ -219,7 +221,7 @@ class History(Window):
     def result(
         self, factorisations: int, seconds: float, refreshes: int = 0, divided: int = 0
     ) -> Result:
-        """Result of the states recorded so far.
+        """Result of the states recorded so far, of all parts of a divided scene.
 
         Args:
             factorisations: Number of factorisations of the whole matrix.
@@ -233,7 +235,7 @@ class History(Window):
             numbers |= {"k_updates": factorisations, "phi_updates": factorisations + refreshes}
             numbers["divided"] = divided
             self._store.finish(numbers)
-        return Result(
+        found = Result(
             **arrays,
             factorisations=factorisations + refreshes,
             k_updates=factorisations,
@@ -242,6 +244,8 @@ class History(Window):
             seconds=seconds,
             info=self._info if self._store is None else self._store.info,
         )
+        # a file has the results of all parts
+        return gathered(found, self.part if self._store is None else None)
 
 
 class Recorder(History):
@@ -268,9 +272,8 @@ class Recorder(History):
             progress: Whether a progress bar is shown; default: on terminals.
             store: File of results and checkpoints, or ``None``.
         """
-        super().__init__(equations.info, plan, progress, store)
+        super().__init__(equations.info, plan, progress, store, equations.part)
         self._equations, self._filled = equations, ResultRow(equations)
-        self.divided = equations.part is not None
         self._held = Record.FORCES in self.filled and len(equations.unknowns.supported) > 0
         self.count = 0 if store is None or not store.state else int(store.state["count"])
         self.scene = self._filled.scene
@@ -311,14 +314,13 @@ class Recorder(History):
     def result(
         self, factorisations: int, seconds: float, refreshes: int = 0, divided: int = 0
     ) -> Result:
-        """Result of the states recorded so far, of all parts of a divided scene; see the base."""
+        """Result of the states recorded so far, with forces of friction; see the base class."""
         found = super().result(factorisations, seconds, refreshes, divided)
         if self._friction:
             friction = FrictionForces(np.concatenate(self._friction))
             self.add(friction)
             found = with_others(found, {"friction": friction})
-        # a file has the results of all parts
-        return gathered(found, self._equations.part if self._store is None else None)
+        return found
 
     def show_progress(self, index: int) -> None:
         """Show that step ``index`` is reached, if an update is due.

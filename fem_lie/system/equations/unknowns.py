@@ -14,7 +14,7 @@ from fem_lie.forms.term import Term
 from fem_lie.joints.equations.joint_arrays import PackedJoints
 from fem_lie.joints.redundant import RedundantConstraints
 from fem_lie.lie.node_types.floating import Floating
-from fem_lie.lie.node_types.inertia import Inertia, turning_of
+from fem_lie.lie.node_types.inertia import Inertia, director_inertia, turning_of
 from fem_lie.lie.polar import PlainSurroundings
 from fem_lie.system import describe
 from fem_lie.system.balance import supported
@@ -261,13 +261,15 @@ class SystemArrays(NamedTuple):
         master_map, connections = system.numbering.master_map, system.connections
         limits, ends, whole, lengths, chords = system.rotations.elements
         rates = system.terms.rates
+        directors = director_inertia(system.inertia, system.count)
+        system.shared.sum(directors)
         all_felt = system.scene.redundant is not RedundantConstraints.MINIMUM_NORM or not system.m
         return cls(
             system.kinds,
             master_map.master,
             master_map.offset,
             system.inertia,
-            turning_of(system.inertia, system.held),
+            turning_of(directors, system.held),
             system.floating,
             Inertia.none() if rates is None else Inertia(*rates),
             system.lasting_loads,

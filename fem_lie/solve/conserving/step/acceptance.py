@@ -42,6 +42,7 @@ from fem_lie.solve.conserving.midpoint.cayley import advance, left_moment, spin
 from fem_lie.solve.conserving.midpoint.reduced_bodies import STRESS
 from fem_lie.solve.conserving.step.dissipation import remember
 from fem_lie.solve.conserving.step.packing import model_of, state_of, step_of
+from fem_lie.solve.conserving.step.ranks import Ranks, add_up, ranks_of
 from fem_lie.solve.conserving.step.records import Model, State, Step, solution_of, span_of
 from fem_lie.system.nodes.masses import Loads
 
@@ -68,7 +69,8 @@ def accept(packed: Indices, starts: Indices, steps: Indices) -> None:
     n, (h, χ, μ) = step.shape[0], scheme
     share = 0.5 * (1.0 + χ * filter_state.active)
     given = model.kinds, model.arms, middle, step, solution_of(this.r).residual
-    _store_residual(*given, share, filter_state, state.last_residual)
+    ranks = ranks_of(model, this)
+    _store_residual(*given, share, filter_state, state.last_residual, ranks)
     if χ > 0.0:
         # in the first step there is no earlier change
         μ = μ if filter_state.active > 0.0 else 1.0
@@ -103,7 +105,10 @@ def accept(packed: Indices, starts: Indices, steps: Indices) -> None:
             store_row(V[i], k, load_row(V1[i], k))
     mass, momenta = model.inertia, this.q[1]
     inertia.multiply(mass.indptr, mass.indices, mass.blocks, V, momenta)
-    filter_state.energy = max(filter_state.energy, 0.5 * _product(V, momenta) + np.sum(this.W1))
+    energy = vector_at(stack(1), 1)
+    energy[0] = 0.5 * _product(V, momenta) + np.sum(this.W1)
+    add_up(ranks, energy)
+    filter_state.energy = max(filter_state.energy, energy[0])
     _set_massless_rates(model.light, H, step, h, V)
     _keep_trend(model.kinds, H, V, h, step, state)
     for row in range(F1.shape[0]):
@@ -212,14 +217,16 @@ def _store_residual(
     factor: float,
     filter_state: Record,
     last_residual: Array,
+    ranks: Ranks,
 ) -> None:
-    """Residual forces ``r`` and energy that the next step corrects."""
+    """Residual forces ``r`` of owned nodes, and energy, that the next step corrects."""
     gain = square = 0.0
     for i in range(step.shape[0]):
         left, u, ψ = r[6 * i : 6 * i + 6], load(step[i], 0), load(step[i], 3)
+        own = factor * ranks.owned[i]
         d1, d2, d3 = axes(kinds[i], middle[i])
-        f = scaled(factor, rotate(d1, d2, d3, load(left, 0)))
-        moment = scaled(factor, rotate(d1, d2, d3, load(left, 3)))
+        f = scaled(own, rotate(d1, d2, d3, load(left, 0)))
+        moment = scaled(own, rotate(d1, d2, d3, load(left, 3)))
         before, earlier = load(last_residual[i], 0), load(last_residual[i], 3)
         frame = kinds[i] < POSITION_GRADIENT
         if frame:
@@ -231,8 +238,11 @@ def _store_residual(
             square += dot(moment, moment) / arms[i, 1] ** 2
         store(last_residual[i], 0, f)
         store(last_residual[i], 3, minus(moment, cross(scaled(0.5, u), f)) if frame else moment)
-    filter_state.leak += gain - filter_state.repaid - filter_state.row_repaid
-    filter_state.limit = sqrt(square)
+    sums = vector_at(stack(2), 2)
+    sums[0], sums[1] = gain - filter_state.repaid - filter_state.row_repaid, square
+    add_up(ranks, sums)
+    filter_state.leak += sums[0]
+    filter_state.limit = sqrt(sums[1])
 
 
 @uncounted

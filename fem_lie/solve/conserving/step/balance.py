@@ -8,6 +8,7 @@ from __future__ import annotations
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined, linked, uncounted
 from fem_lie._jit.call_back import call_back
+from fem_lie._jit.records import Record
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.bodies.balances import BY_LOADS, BY_REACTIONS, DAMPING, NUMERICAL, WORK
 from fem_lie.lie.node_types import inertia
@@ -38,9 +39,11 @@ from fem_lie.solve.conserving.step.dissipation import (
 from fem_lie.solve.conserving.step.joints import add_joints
 from fem_lie.solve.conserving.step.packing import model_of, state_of, step_of
 from fem_lie.solve.conserving.step.products import set_products
+from fem_lie.solve.conserving.step.ranks import Ranks, add_up, ranks_of
 from fem_lie.solve.conserving.step.records import (
     FORCES,
     JOINTS,
+    SUM,
     products_of,
     solution_of,
     span_of,
@@ -72,6 +75,7 @@ def residual(packed: Indices, starts: Indices, steps: Indices, reevaluate: bool)
         losses[k] = 0.0
     _add_last_residual(kinds, state.last_residual, this.step, forces)
     add_from_nodes(packed, starts, steps, reevaluate)
+    _add_up(ranks_of(model, this), state.filter_state[0])
     if χ > 0.0:
         _choose_filter_gain(packed, starts, steps)
         add_filtered_forces(packed, starts, steps)
@@ -87,17 +91,31 @@ def residual(packed: Indices, starts: Indices, steps: Indices, reevaluate: bool)
         losses[WORK] += work
         losses[DAMPING] += loss
     for i in range(n):
-        m, own = along.middle[i], r[6 * i : 6 * i + 6]
-        d1, d2, d3 = axes(kinds[i], m)
+        d1, d2, d3 = axes(kinds[i], along.middle[i])
         for at in (0, 3):
             local = rotate_back(d1, d2, d3, load(forces[i], at))
-            store(own, at, scaled(2.0 / (1.0 + χ), local))
+            store(r, 6 * i + at, scaled(2.0 / (1.0 + χ), local))
+    if addresses[SUM] != 0:
+        call_back(addresses[SUM])
+    for i in range(n):
+        m, own = along.middle[i], r[6 * i : 6 * i + 6]
         _add_reactions(kinds[i], m, load_row(along.mean[i], 0), model.supported[i], own, χ, losses)
         for k in range(6):
             if held[i, k]:
                 r[6 * i + k] = 0.0
     for c in range(state.multipliers.shape[0]):
         r[6 * n + c] = model.scale[c] * (state.gap[c] + this.change[c])
+
+
+@uncounted
+def _add_up(ranks: Ranks, filter_state: Record) -> None:
+    """Sums of all ranks of squares of the deformations and of works of the filter."""
+    sums = vector_at(stack(3), 3)
+    sums[0] = filter_state.squares + filter_state.row_squares
+    sums[1], sums[2] = filter_state.change_work, filter_state.filter_work
+    add_up(ranks, sums)
+    filter_state.all_squares = sums[0]
+    filter_state.all_change_work, filter_state.all_filter_work = sums[1], sums[2]
 
 
 @uncounted
@@ -163,7 +181,8 @@ def _choose_filter_gain(packed: Indices, starts: Indices, steps: Indices) -> Non
         products_of(this),
         model.scheme.dissipation,
     )
-    set_products(model.inertia, V, w, this.moved, model.scheme.h, products)
+    ranks = ranks_of(model, this)
+    set_products(model.inertia, V, w, this.moved, model.scheme.h, products, ranks)
     ψ = choose_filter_gain(products.sums, χ, filter_state)
     set_velocities(V, w, products.δ, χ, filter_state.gain, ψ, this.V1)
 

@@ -71,10 +71,7 @@ def add_from_nodes(packed: Indices, starts: Indices, steps: Indices, reevaluate:
     Without ``reevaluate``: the last forces, and energies by their work.
     """
     model, state = model_of(packed), state_of(starts)
-    known = (
-        _repayment(state.filter_state[0]),
-        state.filter_state[0].squares + state.filter_state[0].row_squares,
-    )
+    known = _repayment(state.filter_state[0]), state.filter_state[0].all_squares
     vector_cells, bodies = model.vector_cells.sees.shape[0], step_of(steps).products.shape[0]
     if vector_cells + bodies == 0:
         _add_from_frames(packed, starts, steps, reevaluate, known)
@@ -125,7 +122,7 @@ def _add_from_vector_cells(
         model.vector_cells,
         state.filter_state[0],
         this.gains.shape[0],
-        state.W.shape[0],
+        model.total,
     )
     repay, squares = known
     factors = repay, squares / count, ULP * filter_state.energy / count
@@ -272,7 +269,7 @@ def _add_cells(
         model.scheme.dissipation > 0.0,
     )
     H, end, mean, middle, delta, more, step = motion
-    M, count = this.gains.shape[0], state.W.shape[0]
+    M, count = this.gains.shape[0], model.total
     elements.evaluate(cells, H, more, this.F1, this.W1[:M])
     ends = Ends(H, end, state.F, this.F1)
     path = Path(mean, delta, step)
@@ -329,7 +326,7 @@ def add_filtered_forces(packed: Indices, starts: Indices, steps: Indices) -> Non
 @inlined
 def _repayment(filter_state: Record) -> float:
     """Factor of forces that remove the energy added by round-off, as small as round-off."""
-    leak, squares = filter_state.leak, filter_state.squares + filter_state.row_squares
+    leak, squares = filter_state.leak, filter_state.all_squares
     if squares == 0.0:
         return 0.0
     # a force of full size would change its sign with a round-off deformation, and maintain it

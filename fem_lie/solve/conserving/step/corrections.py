@@ -17,7 +17,9 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie._jit.packed_arrays import one, unpacking
 from fem_lie._jit.records import Record, Records, record_type
+from fem_lie._jit.stack import stack, vector_at
 from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
+from fem_lie.solve.conserving.step.ranks import Ranks, add_up
 from fem_lie.solve.convergence import DIVERGED, contraction, to_come
 
 _ALIKE, _SHARE = 0.2, 0.5
@@ -105,7 +107,13 @@ def forget(progress: Record) -> None:
 
 @compiled
 def accelerate(
-    measure: Array, x: Array, slow: Array, known: Array, flags: tuple[bool, bool], fine: float
+    measure: Array,
+    x: Array,
+    slow: Array,
+    known: Array,
+    flags: tuple[bool, bool],
+    sizes: tuple[float, float],
+    ranks: Ranks,
 ) -> None:
     """Extrapolate corrections that continue in one direction.
 
@@ -118,36 +126,50 @@ def accelerate(
         slow: That direction, of unit length, and the previous correction, (2, size), updated.
         known: The fraction, and the amount added before along the direction, (2,), updated.
         flags: Whether β is less than one, and whether the correction is the first one of a step.
-        fine: Round-off level of the correction.
+        sizes: Size of the correction, and its round-off level.
+        ranks: Ranks on which the correction is.
     """
     (direction, before), (cut, first) = (slow[0], slow[1]), flags
-    if cut and not first and size(measure, x) > fine:
-        # the part that the previous correction has left, of the total
-        left = x + known[1] * direction
-        square = _dot(measure, before, before)
-        share = _dot(measure, left, before) / square
-        aside = left - share * before
-        alike = _dot(measure, aside, aside) <= _ALIKE**2 * _dot(measure, left, left)
-        if alike and abs(share) < _SHARE:
-            known[0] = share
-            for k in range(x.shape[0]):
-                direction[k] = before[k] / sqrt(square)
-        elif _dot(measure, before, direction) ** 2 > 0.5 * square:
-            known[0] = 0.0
-    along, known[1] = _dot(measure, x, direction), 0.0
-    if cut and along * along > 0.5 * _dot(measure, x, x):
-        known[1] = known[0] / (1.0 - known[0]) * along
+    added, known[1] = known[1], 0.0
+    if cut:
+        products = vector_at(stack(6), 6)
+        _set_products(measure, x, direction, before, ranks, products)
+        xx, along, xb = products[0], products[1], products[2]
+        dd, db, bb = products[3], products[4], products[5]
+        if not first and sizes[0] > sizes[1]:
+            # the part that the previous correction has left, of the total
+            square, share = xx + 2.0 * added * along + added * added * dd, (xb + added * db) / bb
+            alike = square - share * share * bb <= _ALIKE**2 * square
+            if alike and abs(share) < _SHARE:
+                known[0], along = share, xb / sqrt(bb)
+                for k in range(x.shape[0]):
+                    direction[k] = before[k] / sqrt(bb)
+            elif db * db > 0.5 * bb:
+                known[0] = 0.0
+        if along * along > 0.5 * xx:
+            known[1] = known[0] / (1.0 - known[0]) * along
     for k in range(x.shape[0]):
         x[k] += known[1] * direction[k]
         before[k] = x[k]
 
 
 @inlined
-def _dot(measure: Array, x: Array, y: Array) -> float:
-    total = 0.0
+def _set_products(measure: Array, x: Array, d: Array, b: Array, ranks: Ranks, out: Array) -> None:
+    """Products of x with itself, d, b; of d with itself and b; of b with itself; (6,)."""
+    n = 6 * ranks.owned.shape[0]
+    for k in range(6):
+        out[k] = 0.0
     for k in range(x.shape[0]):
-        total += (measure[k] * x[k]) * (measure[k] * y[k])
-    return total
+        weight = measure[k] * measure[k]
+        if k < n:
+            weight *= ranks.owned[k // 6]
+        out[0] += weight * x[k] * x[k]
+        out[1] += weight * x[k] * d[k]
+        out[2] += weight * x[k] * b[k]
+        out[3] += weight * d[k] * d[k]
+        out[4] += weight * d[k] * b[k]
+        out[5] += weight * b[k] * b[k]
+    add_up(ranks, out)
 
 
 @inlined

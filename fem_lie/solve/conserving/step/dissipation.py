@@ -40,6 +40,7 @@ from math import sqrt
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined, uncounted
+from fem_lie._jit.call_back import call_back
 from fem_lie._jit.records import Record
 from fem_lie._jit.stack import blocks_at, matrix_at, stack, vector_at
 from fem_lie.lie.node_types.forces import add_along_increments
@@ -71,7 +72,8 @@ from fem_lie.solve.conserving.step.products import (
     turn,
     turning,
 )
-from fem_lie.solve.conserving.step.records import Products
+from fem_lie.solve.conserving.step.ranks import Ranks
+from fem_lie.solve.conserving.step.records import TURNINGS, Products
 
 _EXACT = 1e-14
 
@@ -96,6 +98,7 @@ def set_turnings(
     χ: float,
     h: float,
     out: Array,
+    ranks: Ranks,
 ) -> None:
     """Contribution of P to the matrix: ``Y Zᵀ``; the columns of ``Z`` are forces ``e × G V``.
 
@@ -108,6 +111,7 @@ def set_turnings(
         χ: Dissipation parameter.
         h: Step size.
         out: ``Z`` and ``Y``, (2, 3, 6 n), overwritten.
+        ranks: Ranks whose parts of ``Z`` are added up.
     """
     kinds, mean, middle = frames
     work, f, forces = matrix_at(stack(9), 3, 3), matrix_at(stack(12), 4, 3), vector_at(stack(6), 6)
@@ -130,6 +134,8 @@ def set_turnings(
             for k in range(6):
                 if held[i, k]:
                     out[0, c, at + k] = 0.0
+    if ranks.addresses[TURNINGS] != 0:
+        call_back(ranks.addresses[TURNINGS])
     for c in range(3):
         work[c, c] += least
     factor = 4.0 * χ / ((1.0 + χ) * h) ** 2
@@ -179,9 +185,9 @@ def _choose_once(sums: Array, χ: float, ψ: Vector, filter_state: Record) -> No
     change = max(square - dot(nearest(A, shifted, by_change), by_change), 0.0)
     common -= dot(by_nearest, by_change)
     filter_square = max(trace(sums[2, 2]) - dot(by_nearest, by_w), 0.0)
-    elastic = filter_state.change_work
+    elastic = filter_state.all_change_work
     share = change / -elastic if -elastic > change else 1.0
-    change, common = change + share * elastic, common + share * filter_state.filter_work
+    change, common = change + share * elastic, common + share * filter_state.all_filter_work
     filter_state.elastic = share
     filter_state.gain = _filter_gain(
         max(change, 0.0), common, filter_square + share * filter_state.length
@@ -203,7 +209,7 @@ def remember(filter_state: Record, μ: float) -> None:
     """``|w|²`` of elastic forces after the step."""
     keep = 1.0 - μ
     square = keep * keep * filter_state.length + μ * (
-        2.0 * keep * filter_state.filter_work + μ * filter_state.change_work
+        2.0 * keep * filter_state.all_filter_work + μ * filter_state.all_change_work
     )
     filter_state.length = max(square, 0.0)
 

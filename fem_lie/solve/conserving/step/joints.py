@@ -42,6 +42,7 @@ from fem_lie.solve.conserving.midpoint.any_node import rates_of
 from fem_lie.solve.conserving.step.dissipation import set_turnings
 from fem_lie.solve.conserving.step.packing import model_of, state_of, step_of
 from fem_lie.solve.conserving.step.products import begin_products
+from fem_lie.solve.conserving.step.ranks import ranks_of
 from fem_lie.solve.conserving.step.records import Incidences, products_of, solution_of, span_of
 
 
@@ -231,7 +232,8 @@ def begin(packed: Indices, starts: Indices, steps: Indices) -> float:
     put(V, this.V1)
     put(state.multipliers, this.multipliers)
     if scheme.dissipation * state.filter_state[0].active > 0.0:
-        begin_products(model.inertia, V, state.w, products_of(this))
+        ranks = ranks_of(model, this)
+        begin_products(model.inertia, V, state.w, products_of(this), ranks)
     h = scheme.h
     ahead, largest, rates = h * h, 0.0, vector_at(stack(6), 6)
     for i in range(step.shape[0]):
@@ -275,7 +277,8 @@ def compare(packed: Indices, starts: Indices, steps: Indices) -> None:
             scheme.dissipation * state.filter_state[0].active,
             (model.kinds, along.mean, along.middle),
         )
-        set_turnings(products_of(this), frames, model.held, χ, scheme.h, this.turnings)
+        ranks = ranks_of(model, this)
+        set_turnings(products_of(this), frames, model.held, χ, scheme.h, this.turnings, ranks)
     if incidences.nodes.shape[0] == 0:
         return
     frames_at = along.end, along.middle, along.middle

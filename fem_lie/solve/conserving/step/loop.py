@@ -14,7 +14,6 @@ from fem_lie._arrays import Indices
 from fem_lie._jit import linked
 from fem_lie._jit.call_back import call_back
 from fem_lie.forms.fixed_arrays import put
-from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
 from fem_lie.lie.tuples import dot, load, load_row
 from fem_lie.linear.factors import PlainFactors
 from fem_lie.solve.conserving.step.acceptance import accept
@@ -41,6 +40,7 @@ from fem_lie.solve.conserving.step.corrections import (
 )
 from fem_lie.solve.conserving.step.joints import begin, compare, correct, hold
 from fem_lie.solve.conserving.step.packing import model_of, state_of, step_of
+from fem_lie.solve.conserving.step.ranks import largest, ranks_of
 from fem_lie.solve.conserving.step.records import ERROR, LEARN, TOUCHES, solution_of
 from fem_lie.solve.conserving.step.series import (
     CLOSE,
@@ -73,7 +73,8 @@ iterations."""
 def predict(packed: Indices, starts: Indices, steps: Indices, progress_at: Indices) -> None:
     """Predict the next step, and forget the iteration of the last one; see :func:`run`."""
     progress = progress_of(progress_at).progress[0]
-    progress.motion = max(begin(packed, starts, steps), progress.motion)
+    ranks = ranks_of(model_of(packed), step_of(steps))
+    progress.motion = max(largest(ranks, begin(packed, starts, steps)), progress.motion)
     progress.previous, progress.least, progress.felt = np.inf, np.inf, 0.0
     progress.iteration, progress.asked, progress.stalls, progress.growths = 1, 0, 0, 0
     forget(progress)
@@ -120,13 +121,12 @@ def run(
         False,
     )
     touches = addresses[TOUCHES] != 0
-    kinds, vectors, round_off_level = model.kinds, False, _round_off_level(packed, starts)
-    for i in range(kinds.shape[0]):
-        vectors = vectors or kinds[i] >= POSITION_GRADIENT
+    kinds, vectors, ranks = model.kinds, model.vectors, ranks_of(model, this)
+    round_off_level, solver = _round_off_level(packed, starts, steps), (factors, ranks)
     while progress.steps < last:
         if progress.iteration == 0:
             predict(packed, starts, steps, progress_at)
-            compared, round_off_level = False, _round_off_level(packed, starts)
+            compared, round_off_level = False, _round_off_level(packed, starts, steps)
         iteration = progress.iteration
         if progress.asked != iteration:
             progress.asked = iteration
@@ -154,7 +154,7 @@ def run(
             measure,
             scale,
             this.r,
-            factors,
+            solver,
             incidences,
             ends,
             aside,
@@ -167,14 +167,16 @@ def run(
         # secants handle the directions of their own corrections
         if state.slow.shape[0] > 0 and addresses[LEARN] == 0:
             x, cut = solution_of(this.r).x, state.filter_state[0].gain < 1.0
-            accelerate(measure, x, state.slow, state.share, (cut, iteration == 1), noticed)
+            flags, sizes = (cut, iteration == 1), (progress.increment, noticed)
+            accelerate(measure, x, state.slow, state.share, flags, sizes, ranks)
         progress.total += 1
         x, moved, rests, stalled = solution_of(this.r).x, 0.0, True, False
         own, before = progress.increment, larger(progress.previous, recent[0])
         if vectors or touches:
             moved = own
             if vectors:
-                own, moved = size(model.of_frames, x), size_of_vectors(kinds, measure, x)
+                own = largest(ranks, size(model.of_frames, x))
+                moved = largest(ranks, size_of_vectors(kinds, measure, x))
             window = WINDOW if addresses[LEARN] == 0 else LEARNING
             stalled = stalls(progress, moved, window) and moved <= round_off_level
             rests = moved <= ROUND_OFF or stalled
@@ -229,17 +231,16 @@ def run(
 
 
 @linked
-def _round_off_level(packed: Indices, starts: Indices) -> float:
+def _round_off_level(packed: Indices, starts: Indices, steps: Indices) -> float:
     """Largest increment that may be round-off: far from the origin positions are less exact."""
-    model, H, far, vectors = model_of(packed), state_of(starts).H, 0.0, False
+    model, H, far = model_of(packed), state_of(starts).H, 0.0
+    if not model.vectors:
+        return ULPS
     for i in range(model.kinds.shape[0]):
-        vectors = vectors or model.kinds[i] >= POSITION_GRADIENT
         if has_position(model.kinds[i]):
             for j in range(3):
                 far = max(far, abs(H[i, 0, j]) * model.measure[6 * i])
-    if not vectors:
-        return ULPS
-    return max(ULPS, 0.1 * ULPS * far)
+    return max(ULPS, 0.1 * ULPS * largest(ranks_of(model, step_of(steps)), far))
 
 
 @linked
@@ -251,30 +252,27 @@ def _round_off(packed: Indices, starts: Indices, steps: Indices, factors: PlainF
     origin. It does not depend on how well the matrix fits.
     """
     model, state, this = model_of(packed), state_of(starts), step_of(steps)
-    held, measure = model.held, model.measure
+    held, measure, signs, ranks = model.held, model.measure, model.signs, ranks_of(model, this)
     H, multipliers, step, solution = state.H, state.multipliers, this.step, solution_of(this.r)
     kept, saved_multipliers, x = step.copy(), multipliers.copy(), solution.x.copy()
-    n, sign = step.shape[0], 1.0
+    n = step.shape[0]
     for i in range(n):
         position = load_row(H[i], 0)
         far = max(1.0, measure[6 * i] * sqrt(dot(position, position)))
         for k in range(6):
-            step[i, k] += sign * _ULP * (far if k < 3 else 1.0) / measure[6 * i + k]
-            sign = -sign
+            step[i, k] += signs[6 * i + k] * _ULP * (far if k < 3 else 1.0) / measure[6 * i + k]
         hold(model.kinds[i], H[i], held[i], load(step[i], 0), load(step[i], 3), step[i])
-        sign = -sign if i % 2 == 0 else sign
     for c in range(multipliers.shape[0]):
-        multipliers[c] *= 1.0 + sign * _ULP
-        sign = -sign
+        multipliers[c] *= 1.0 + signs[6 * n + c] * _ULP
     residual(packed, starts, steps, True)
     aside = this.border, this.turnings
-    given = measure, model.scale, this.r, factors, model.incidences, model.ends
+    given = measure, model.scale, this.r, (factors, ranks), model.incidences, model.ends
     correction(*given, aside, (NEARLY, 0.0, 1.0))
     for k in range(x.shape[0]):
         solution.x[k] -= x[k]
-    largest = size(measure, solution.x)
+    change = largest(ranks, size(measure, solution.x))
     put(kept, step)
     put(saved_multipliers, multipliers)
     residual(packed, starts, steps, True)
     put(x, solution.x)
-    return largest
+    return change

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from fem_lie._arrays import Array
 from fem_lie._jit import inlined, uncounted
-from fem_lie._jit.stack import blocks_at, stack
+from fem_lie._jit.stack import blocks_at, stack, vector_at
 from fem_lie.lie.node_types import inertia
 from fem_lie.lie.node_types.inertia import Inertia
 from fem_lie.lie.tuples import (
@@ -21,15 +21,16 @@ from fem_lie.lie.tuples import (
 )
 from fem_lie.solve.conserving.midpoint.cayley import mean_of
 from fem_lie.solve.conserving.midpoint.mean_forces import solve_symmetric
-from fem_lie.solve.conserving.step.records import Products
+from fem_lie.solve.conserving.step.ranks import Ranks, add_up
+from fem_lie.solve.conserving.step.records import TOTAL, Products
 
 TURNS = 30
 """Largest number of iterations for the rotation, and for β."""
 
 
 @uncounted
-def begin_products(mass: Inertia, V: Array, w: Array, products: Products) -> None:
-    """Sums that are constant in a step."""
+def begin_products(mass: Inertia, V: Array, w: Array, products: Products, ranks: Ranks) -> None:
+    """Sums that are constant in a step, over the nodes of all ranks."""
     indptr, indices, blocks = mass
     _, Gw, GV, sums = products
     inertia.multiply(indptr, indices, blocks, w, Gw)
@@ -37,14 +38,15 @@ def begin_products(mass: Inertia, V: Array, w: Array, products: Products) -> Non
     _sum(V, Gw, sums[0, 2])
     _sum(w, Gw, sums[2, 2])
     _sum(V, GV, sums[0, 0])
+    _add_up_blocks(ranks, sums, (0, 2, 0), (2, 2, 0))
     _transpose(sums, 0, 2)
 
 
 @uncounted
 def set_products(
-    mass: Inertia, V: Array, w: Array, delta: Array, h: float, products: Products
+    mass: Inertia, V: Array, w: Array, delta: Array, h: float, products: Products, ranks: Ranks
 ) -> None:
-    """Sums that depend on the increments, shape (≥ n, 4, 3)."""
+    """Sums that depend on the increments, shape (≥ n, 4, 3), over the nodes of all ranks."""
     indptr, indices, blocks = mass
     δ, Gδ, _, sums = products
     for i in range(V.shape[0]):
@@ -55,8 +57,28 @@ def set_products(
     _sum(V, Gδ, sums[0, 1])
     _sum(δ, Gδ, sums[1, 1])
     _sum(w, Gδ, sums[2, 1])
+    _add_up_blocks(ranks, sums, (0, 1, 2), (1, 1, 1))
     _transpose(sums, 0, 1)
     _transpose(sums, 2, 1)
+
+
+@uncounted
+def _add_up_blocks(
+    ranks: Ranks, sums: Array, x: tuple[int, int, int], y: tuple[int, int, int]
+) -> None:
+    """Sums over all ranks of the blocks of three pairs, in place."""
+    if ranks.addresses[TOTAL] == 0:
+        return
+    values = vector_at(stack(27), 27)
+    for b in range(3):
+        for r in range(3):
+            for s in range(3):
+                values[9 * b + 3 * r + s] = sums[x[b], y[b], r, s]
+    add_up(ranks, values)
+    for b in range(3):
+        for r in range(3):
+            for s in range(3):
+                sums[x[b], y[b], r, s] = values[9 * b + 3 * r + s]
 
 
 @inlined

@@ -32,10 +32,17 @@ from fem_lie.solve.conserving.midpoint.reduced_bodies import PackedBodies
 from fem_lie.solve.conserving.vector_cells.cell_arrays import VectorCells
 from fem_lie.system.nodes.masses import Loads
 
-FORCES, LEARN, JOINTS, ERROR, TOUCHES, ADDRESSES = 0, 1, 2, 3, 4, 5
+FORCES, LEARN, JOINTS, ERROR, TOUCHES = range(5)
+SUM, TURNINGS, LARGEST, TOTAL, SOLVE, ADDRESSES = range(5, 11)
 """Indices into :attr:`Model.addresses`: address of the callback that adds forces of Python, and of
 the one that improves corrections; whether joints are among these forces, 0 or 1; whether a callback
-has failed; whether contacts may act in the step, in a scene of frames only; and the length."""
+has failed; whether contacts may act in the step, in a scene of frames only. Of a scene that is
+divided among ranks: those that add up residuals and :attr:`Step.turnings` at shared nodes, find the
+largest first one of :attr:`Step.common` and the totals of all, and solve for the workspace of a
+:class:`Solution`, in place. And the length."""
+
+COMMON = 27
+"""Most numbers that ranks exchange at a time."""
 
 
 FILTER = record_type(
@@ -52,13 +59,17 @@ FILTER = record_type(
     energy=float,
     row_squares=float,
     row_repaid=float,
+    all_squares=float,
+    all_change_work=float,
+    all_filter_work=float,
 )
 """Numbers of the filters and of round-off: β; the fraction of elastic forces that is filtered;
 whether there is an earlier change (0 or 1; without it there is no dissipation); works of the
 changes of elastic forces and of their filter state, and ``|w|²`` of the latter; energy added by
 round-off; squares of the deformations of all elements; level of round-off forces; energy removed
 again; the largest energy so far; squares, and energy removed again, of cells of nodes other than
-frames."""
+frames; and squares and works of all ranks. Except for sums over cells and what they remove, numbers
+are those of all ranks."""
 
 
 class Scheme(NamedTuple):
@@ -156,17 +167,21 @@ class Model(NamedTuple):
         scheme: Parameters.
         probes: Packed arrays of the reported joint coordinates.
         driven: Increments of the constraints' targets in the step, (m,); may change in time.
-        supported: Which unknowns have supports, 0 or 1, (n, 6).
+        supported: Which unknowns of owned nodes have supports, 0 or 1, (n, 6).
         incidences: Constraint-node incidences.
         ends: Positions of the incidences in the dense inverse.
         kinds: Types of the nodes, (n,).
         arms: Moment arm of both halves of each node, which converts its loads to forces, (n, 2).
         vector_cells: Cells of nodes other than frames.
         of_frames: As ``measure`` for frames and constraints between frames only, else zero.
-        addresses: Addresses of callbacks, zero without, and flags, see :data:`FORCES`, (5,).
+        addresses: Addresses of callbacks, zero without, and flags, see :data:`FORCES`, (11,).
         bodies: Reduced-order bodies.
         light: Projectors on free rotations of frames without inertia, in the axes of the nodes, (n,
             3, 3), or (0, 3, 3) if there are none.
+        owned: Whether a node counts as one of this rank, 0 or 1, (n,); each has one owner.
+        vectors: Whether there are nodes other than frames, on any rank.
+        total: Number of cells of all ranks.
+        signs: Signs of a perturbation of all unknowns, (6 n + m,).
     """
 
     cells: CellArrays
@@ -194,6 +209,10 @@ class Model(NamedTuple):
     addresses: Integers1
     bodies: PackedBodies
     light: Numbers3
+    owned: Integers1
+    vectors: bool
+    total: int
+    signs: Numbers1
 
 
 class State(NamedTuple):
@@ -212,7 +231,7 @@ class State(NamedTuple):
         w_F: Filter state of changes of forces, (cell nodes, 6).
         filter_state: Numbers of the filters and of round-off, see :data:`FILTER`.
         last_residual: Residual forces of the last step, and moments about the current positions of
-            nodes, global components, (n, 6).
+            nodes, global components, (n, 6); zero except for owned nodes.
         balance: Work of non-conservative loads and drives, of damping, numerical dissipation, and
             impulses of loads and of reactions, (15,).
         trend: Half the change of the nodes' spatial velocities in the last step, per time, (n, 6).
@@ -315,6 +334,7 @@ class Step(NamedTuple):
         products: Means of the products, (p, 4, 3).
         within: Modal coordinates over the step, see
             :data:`~fem_lie.solve.conserving.midpoint.reduced_bodies.START`, (3, coordinates).
+        common: Numbers that ranks exchange, (:data:`COMMON`,).
     """
 
     step: Sixes
@@ -348,6 +368,7 @@ class Step(NamedTuple):
     moved: Frames
     products: Frames
     within: Numbers2
+    common: Numbers1
 
 
 class Span(NamedTuple):

@@ -17,11 +17,18 @@ from __future__ import annotations
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined, uncounted
+from fem_lie._jit.call_back import call_back
 from fem_lie._jit.copies import copy_vector
-from fem_lie._jit.stack import matrix_at, stack
+from fem_lie._jit.stack import matrix_at, stack, vector_at
 from fem_lie.linear.factors import PlainFactors, solve
 from fem_lie.solve.conserving.step.corrections import size
-from fem_lie.solve.conserving.step.records import IncidencePositions, Incidences, solution_of
+from fem_lie.solve.conserving.step.ranks import Ranks, add_up, largest, solves
+from fem_lie.solve.conserving.step.records import (
+    SOLVE,
+    IncidencePositions,
+    Incidences,
+    solution_of,
+)
 
 MOST, MOST_DENSE = 4, 12
 """Largest number of terms, and the same with a dense matrix."""
@@ -41,7 +48,7 @@ def correction(
     measure: Array,
     scale: Array,
     r: Array,
-    factors: PlainFactors,
+    solver: tuple[PlainFactors, Ranks],
     incidences: Incidences,
     ends: IncidencePositions,
     aside: tuple[Array, Array],
@@ -53,7 +60,8 @@ def correction(
         measure: Norm weight of each unknown and scaled multiplier.
         scale: Scale of each constraint.
         r: :class:`~fem_lie.solve.conserving.step.records.Solution` of the equations.
-        factors: Factors of the matrix.
+        solver: Factors of the matrix, and ranks that solve together instead, which have no
+            incidences.
         incidences: Constraint-node incidences.
         ends: Their positions in the dense inverse, if there is one.
         aside: Changes of the matrix: of its constraint block, (2, incidences, 6), and those of
@@ -64,9 +72,9 @@ def correction(
     Returns:
         The size of the largest part, the number of terms, and the reduction per term.
     """
-    residual, x, work, rest, term = solution_of(r)
-    solve(factors, residual, work, x)
-    first = size(measure, x)
+    (residual, x, work, rest, term), (factors, ranks) = solution_of(r), solver
+    _solve(solver, residual, work, x)
+    first = largest(ranks, size(measure, x))
     (change, turnings), (close, fine, falls) = aside, enough
     if change.shape[1] == 0 and turnings.shape[1] == 0:
         return first, 0, falls
@@ -85,23 +93,46 @@ def correction(
     before, put = first, x
     for k in range(MOST):
         _multiply(incidences, scale, change, put, rest)
-        for c in range(turnings.shape[1]):
-            along = 0.0
-            for i in range(turnings.shape[2]):
-                along += turnings[0, c, i] * put[i]
-            for i in range(turnings.shape[2]):
-                rest[i] -= along * turnings[1, c, i]
-        solve(factors, rest, work, term)
-        now = size(measure, term)
+        _turn(turnings, put, ranks, rest)
+        _solve(solver, rest, work, term)
+        now = largest(ranks, size(measure, term))
         if not now < FALLS * before:
-            return size(measure, x), k + 1, 1.0
+            return largest(ranks, size(measure, x)), k + 1, 1.0
         for i in range(x.shape[0]):
             x[i] += term[i]
         falls = now / before
         if now * falls <= allowed:
-            return size(measure, x), k + 1, falls
+            return largest(ranks, size(measure, x)), k + 1, falls
         before, put = now, term
-    return size(measure, x), MOST, falls
+    return largest(ranks, size(measure, x)), MOST, falls
+
+
+@inlined
+def _solve(solver: tuple[PlainFactors, Ranks], b: Array, work: Array, x: Array) -> None:
+    """``x = S⁻¹ b``, by the factors of this rank or by all ranks together."""
+    factors, ranks = solver
+    if not solves(ranks):
+        solve(factors, b, work, x)
+        return
+    copy_vector(b, work)
+    call_back(ranks.addresses[SOLVE])
+    copy_vector(work, x)
+
+
+@uncounted
+def _turn(turnings: Array, x: Array, ranks: Ranks, out: Array) -> None:
+    """``out −= Y Zᵀ x``, with ``Z`` and ``Y`` of all ranks in ``turnings`` (2, 3, 6 n)."""
+    if turnings.shape[1] == 0:
+        return
+    along = vector_at(stack(3), 3)
+    for c in range(3):
+        along[c] = 0.0
+        for i in range(turnings.shape[2]):
+            along[c] += ranks.owned[i // 6] * turnings[0, c, i] * x[i]
+    add_up(ranks, along)
+    for c in range(3):
+        for i in range(turnings.shape[2]):
+            out[i] -= along[c] * turnings[1, c, i]
 
 
 @uncounted
