@@ -11,9 +11,13 @@ import numpy as np
 import fem_lie as fl
 
 STEP, STEPS, EVERY = 2e-3, 10, 4
+BETWEEN = 0.8  # of a step: as many states as with each step are known at the first checkpoint
+AT_TIMES = "sheet, implicit", "pendulum, implicit", "net, explicit"
+"""Cases whose states are recorded between steps."""
 SCENES = {
     **{name: divided_scenes.MOTIONS[name] for name in ("sheet", "net", "pendulum", "plate")},
     "linked beams": divided_scenes.linked,
+    "balls": divided_scenes.balls,
 }
 
 
@@ -28,7 +32,7 @@ def cases():
     """Name, scheme, scene and step of all runs."""
     for name, build in SCENES.items():
         yield f"{name}, implicit", fl.GeneralisedAlpha(tolerance=1e-12), turning(build), STEP
-        if name in ("net", "linked beams"):
+        if name in ("net", "linked beams", "balls"):
             scene = turning(build)
             yield f"{name}, explicit", fl.Explicit(), scene, 0.5 * fl.Explicit().stable_step(scene)
 
@@ -40,6 +44,7 @@ def run(folder):
             scene,
             duration=STEPS * step,
             step=step,
+            save_at=BETWEEN * step if name in AT_TIMES else None,
             file=folder / f"{name}.h5",
             checkpoint_every=EVERY,
             progress=False,
@@ -64,6 +69,8 @@ def numbers(results):
         nodes = np.concatenate([body.nodes for body in result.info.bodies])
         found[f"{case}: frames"] = result.frames[:, nodes]
         found[f"{case}: velocities"] = result.velocities[:, nodes]
+        found[f"{case}: times"] = result.times
+        found[f"{case}: reactions"] = result.reactions.sum(axis=1)
         for name in "joint_forces", "kinetic", "elastic", "balance", "impulses":
             found[f"{case}: {name}"] = getattr(result, name)
     return found

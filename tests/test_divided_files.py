@@ -43,7 +43,8 @@ def same(found, alone):
     for name, expected in alone.items():
         size = np.abs(expected).max(initial=0.0)
         # they contain round-off of positions times the axial stiffness of cells
-        allowed = 1e-8 if name.endswith(("impulses", "joint_forces")) else 1e-10
+        of_forces = name.endswith(("impulses", "joint_forces", "reactions"))
+        allowed = 1e-8 if of_forces else 1e-10
         np.testing.assert_allclose(found[name], expected, rtol=0, atol=allowed * size, err_msg=name)
 
 

@@ -17,8 +17,12 @@ from fem_lie.parts.part_scene import ScenePart, connections_of
 from fem_lie.results.record import with_others
 from fem_lie.results.states import StateSeries
 
-_SUMS = "kinetic", "elastic", "potential", "momentum", "angular_momentum", "balance", "impulses"
-"""Quantities of a scene that are sums over its parts."""
+_SUMS = (
+    *("kinetic", "elastic", "potential", "momentum", "angular_momentum", "balance", "impulses"),
+    *("invariants", "first"),
+)
+"""Quantities of a scene that are sums over its parts; the last two are in checkpoints: what runs
+compute together, and energies of the first row."""
 
 Series = TypeVar("Series", bound=StateSeries)
 
@@ -197,9 +201,14 @@ class Gathering:
             found[:, joints] = part
         return found
 
-    def _coordinates(self, values: Array) -> Array:
+    @property
+    def _columns(self) -> list[int]:
+        """Coordinates of the joints of the part among those of the scene."""
         joints = [self.info.joints[k] for k in self.part.connections]
-        at = [joint.first + k for joint in joints for k in range(len(joint.coordinates))]
+        return [joint.first + k for joint in joints for k in range(len(joint.coordinates))]
+
+    def _coordinates(self, values: Array) -> Array:
+        at = self._columns
         total = sum(len(joint.coordinates) for joint in self.info.joints)
         found = np.empty((len(values), total))
         for columns, part in self.part.comm.gather((at, values)) or ():
@@ -209,9 +218,40 @@ class Gathering:
     def _reactions(self, values: Array) -> Array:
         """Sums of the reactions of all parts at each support."""
         found = np.zeros((len(values), len(self._supports), 6))
-        rows = np.searchsorted(self._supports, self.nodes[self._own.supports.at])
-        found[:, rows] = values  # one of each part at a node
+        found[:, self._support_rows] = values  # one of each part at a node
         return self.sum(found)
+
+    @property
+    def _support_rows(self) -> Indices:
+        """Supports of the part among those of the scene."""
+        return np.searchsorted(self._supports, self.nodes[self._own.supports.at])
+
+    # --- the way back ---
+
+    def own(self, name: str, values: Array) -> Array:
+        """Quantity of the part whose :meth:`on_first` is that of the scene; all ranks together.
+
+        A sum is that of one part, and zero for the others.
+
+        Args:
+            name: Its name in a result.
+            values: That of the scene, the same on all ranks, the first axis is the state.
+        """
+        if name in ("frames", "velocities"):
+            return values[:, self.nodes]
+        if name in ("joint_forces", "joint_violations"):
+            return values[:, self.part.connections]
+        if name == "joint_coordinates":
+            return values[:, self._columns]
+        if name == "reactions":
+            rows, comm = self._support_rows, self.part.comm
+            earlier = comm.allgather(rows)[: comm.rank]
+            found = values[:, rows]
+            found[:, np.isin(rows, np.concatenate([rows[:0], *earlier]))] = 0.0
+            return found
+        if name in _SUMS:
+            return values if self.part.comm.rank == 0 else np.zeros_like(values)
+        return values
 
 
 class WholeScene:

@@ -92,7 +92,7 @@ class GeneralisedAlpha(Options, Integrator):
             "secants": self.policy.secants > 0,
             "joints that are inactive or switched": bool(scene.switched),
         }
-        refused |= not_written(scene, plan, file)
+        refused |= not_written(scene, file)
         part = divided(scene.without_impacts(), self.petsc_options_prefix, refused)
         return None if part is None else self._equations(scene, part)
 

@@ -357,7 +357,7 @@ class Explicit(Integrator):
     ) -> Equations | None:
         """Equations of the part of this rank."""
         refused = {"steps of different sizes": not isinstance(plan, EqualSteps)}
-        part = divided(scene, _PREFIX, refused | not_written(scene, plan, file))
+        part = divided(scene, _PREFIX, refused | not_written(scene, file))
         return None if part is None else self._equations(scene, part)
 
     def _integration(self, equations: Equations, step: float) -> ExplicitRun:

@@ -38,6 +38,10 @@ from fem_lie.solve.recording.whole_state import MovingState
 
 _log = logging.getLogger(__name__)
 
+WINDOW = "window.kept."
+"""Prefix of the last row, from which states at requested times are interpolated, and of energies of
+the first one."""
+
 
 class Last(NamedTuple):
     """The last checkpoint of a run with a result file.

@@ -17,6 +17,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array
 from fem_lie.bodies.canonical import CanonicalBytes, attributes, data_of_body
 from fem_lie.events.actions import Action
+from fem_lie.parts.part_scene import undivided
 from fem_lie.scene import Scene
 from fem_lie.system.equations import Equations
 
@@ -50,8 +51,9 @@ class Fingerprint:
         for name, value in vars(scheme).items():
             self._add(f"option {name}", value)
         self._add_scene(scene)
-        nodes = equations.unknowns.bodies.__getitem__
-        for k, contact in enumerate(scene.impacts, start=1):
+        # the same on any number of ranks
+        nodes = undivided(scene).nodes.__getitem__
+        for k, contact in enumerate(scene.contacts, start=1):
             self._add(f"contact {k}", contact.contents(nodes), contact.label)
         self._sums = len(self.parts)
         for name, value, shown in equations.contents() if part is None else ():

@@ -15,6 +15,8 @@ from pathlib import Path
 
 from mpi4py import MPI
 
+import numpy as np
+
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.parts.part_scene import undivided
@@ -24,7 +26,7 @@ from fem_lie.results.files.storage import ResultRows
 from fem_lie.results.gathering import Gathering
 from fem_lie.results.record import ContactSteps, FrictionForces, StepHistory, row_shapes
 from fem_lie.scene import Scene
-from fem_lie.solve.recording.checkpoints import Checkpoints, Restartable
+from fem_lie.solve.recording.checkpoints import WINDOW, Checkpoints, Restartable
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.plan import Plan
 from fem_lie.solve.recording.whole_state import MovingState, own, whole
@@ -34,18 +36,23 @@ _BYTES = 2**26
 """Size of the rows of the whole scene that are gathered at a time."""
 
 
-def not_written(scene: Scene, plan: Plan, file: str | os.PathLike[str] | None) -> dict[str, bool]:
+def not_written(scene: Scene, file: str | os.PathLike[str] | None) -> dict[str, bool]:
     """What cannot be written to a file from the parts of a scene, and whether it is asked for.
 
     Args:
         scene: The scene.
-        plan: Plan of the run.
         file: The file, or ``None``.
     """
+    found = [] if file is None else scene.contacts
     return {
-        "contacts in files": file is not None and bool(scene.contacts),
-        "save_at= in files": file is not None and plan.saving.times is not None,
+        "friction of penalties in files": any(each.law.path_dependent for each in found),
+        "contacts with ignore_initial= in files": any(each.ignore_initial for each in found),
     }
+
+
+def _rows_in(state: Mapping[str, Array]) -> list[str]:
+    """Names of the quantities of rows in a checkpoint."""
+    return [name for name in state if name.startswith(WINDOW)]
 
 
 class PartsFile(Checkpoints):
@@ -96,6 +103,9 @@ class PartsFile(Checkpoints):
         self.info = whole_info
         size = 8 * sum(prod(shape) for shape in shapes.values())
         self._at_once = max(1, _BYTES // size)
+        for name in _rows_in(self.state):
+            row = self._gathering.own(name.removeprefix(WINDOW), self.state[name][np.newaxis])
+            self.state[name] = row[0]
 
     def reachable(self) -> bool:
         """Whether all ranks have the error, and write their rows together."""
@@ -137,6 +147,10 @@ class PartsFile(Checkpoints):
         moving = MovingState(*(state[name] for name in MovingState._fields))
         kept = {name: each for name, each in state.items() if name not in MovingState._fields}
         kept |= whole(self._gathering, self._equations, moving)
+        rows = {name.removeprefix(WINDOW): np.asarray([kept.pop(name)]) for name in _rows_in(kept)}
+        found = self._gathering.rows(rows)
+        if self._gathering.part.comm.rank == 0:
+            kept |= {f"{WINDOW}{name}": row[0] for name, row in found.items()}
         write_once(self._path, partial(super().write, index, row, seconds, kept))
 
     def finish(self, numbers: dict[str, float]) -> None:

@@ -17,7 +17,7 @@ from fem_lie.bodies import balances
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.results.record import INVARIANTS, WITH_BALANCE, Record, is_kept, row_shapes
 from fem_lie.results.resampling import between
-from fem_lie.solve.recording.checkpoints import Checkpoints
+from fem_lie.solve.recording.checkpoints import WINDOW, Checkpoints
 from fem_lie.solve.recording.plan import NEAR, Saving
 
 BUFFER_BYTES = 2**26
@@ -219,15 +219,15 @@ class Window:
     def _saved_state(self) -> dict[str, Array]:
         """State on which the following rows depend."""
         self._pass_on(last=False)
-        kept = {"window.first": self._first, "window.row": np.array(self.row)}
+        kept = {f"{WINDOW}first": self._first, "window.row": np.array(self.row)}
         if self.row:
-            kept |= {f"window.{name}": getattr(self, name)[0].copy() for name in self._names}
+            kept |= {f"{WINDOW}{name}": getattr(self, name)[0].copy() for name in self._names}
         return kept
 
     def _restore(self, store: Checkpoints) -> None:
         kept = store.state
-        self._gone, self._first = store.row, kept["window.first"]
+        self._gone, self._first = store.row, kept[f"{WINDOW}first"]
         self.row = int(kept["window.row"])
         if self.row:
             for name in self._names:
-                getattr(self, name)[0] = kept[f"window.{name}"]
+                getattr(self, name)[0] = kept[f"{WINDOW}{name}"]
