@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from fem_lie.events.controller import Controller
     from fem_lie.events.event import Event
     from fem_lie.events.sensor import Sensor
+    from fem_lie.linear.choice import SkewPart
     from fem_lie.results.record import Record
     from fem_lie.scene.matrix_terms import MatrixTerms
     from fem_lie.solve.alpha.options import ConstraintIndex, MatrixFrame
@@ -63,6 +64,7 @@ __all__ = [
     "Release",
     "Scale",
     "Sensor",
+    "SkewPart",
     "Stop",
     "TimeErrorEstimate",
     "TripleJump",

@@ -96,6 +96,18 @@ def test_increments_move_as_velocities_do(kind):
 
 
 @every_kind
+def test_corrections_of_increments_from_twists(kind):
+    """``T⁻¹(d)``, in the axes of the group, after ``T(d)``."""
+    node = Node(kind)
+    twist, H = np.empty_like(node.h), np.empty_like(node.H)
+    node_types.move_all(node.kinds, node.H, node.a, H)
+    node_types.twists(node.kinds, node.a, node.h, twist)
+    node_types.all_to_group(node.kinds, H, node.h)
+    node_types.to_increment(kind, H[0], node.a[0], twist[0])
+    np.testing.assert_allclose(twist, node.h, atol=1e-14)
+
+
+@every_kind
 def test_pull_is_the_transpose_of_push(kind):
     node = Node(kind)
     work = np.vdot(node.f, node.push(node.H, node.v))

@@ -13,9 +13,9 @@ inertia          constant; velocity terms in ``u``    constant; ``ẍ`` independ
 joints           constant in a body's frame           rotate within a step
 ===============  ===================================  ========================================
 
-Forces, tangents and the unknowns of Newton's method stay in the node's own frame for both: the
-iteration matrix can be frozen for both. In that frame the correction of an increment on R³×SO(3) is
-``x = (R₁ᵀ δu, δθ)``, so that the twist of the moved frame is ``blockdiag(I, T) x``.
+Forces, tangents and the unknowns of Newton's method, twists of the moved frame, stay in the node's
+own frame for both: the iteration matrix can be frozen for both. In that frame the correction of an
+increment on R³×SO(3) is ``x = (R₁ᵀ δu, δθ)``, so that the twist is ``blockdiag(I, T) x``.
 
 The type number of a frame is ``group + 2 · parametrisation``; other node types are in
 :mod:`fem_lie.lie.node_types`. (Brüls, Cardona & Arnold, Mech. Mach. Theory 48 (2012) 121,
@@ -34,13 +34,16 @@ from fem_lie.lie import se3, so3
 from fem_lie.lie.series import cayley, exponential
 from fem_lie.lie.tuples import (
     Vector,
+    combined,
     cross,
+    dot,
     load,
     load_row,
     minus,
     plus,
     rotate,
     rotate_back,
+    scaled,
     store,
     store_row,
 )
@@ -93,6 +96,22 @@ def tangent(kind: int, d: Array, out: Array) -> None:
         se3.cayley_tangent_se3(d, out)
     else:
         se3.tangent(d, out)
+
+
+@inlined
+def increment(kind: int, d: Array, x: Array) -> None:
+    """``x ← T⁻¹ x``: the correction of ``d`` that moves the frame by a twist ``x``, in place."""
+    θ, w = load(d, 3), load(x, 3)
+    if kind & 2:
+        half = combined(0.5, cross(θ, w), 0.25 * dot(θ, w), θ)
+        if not kind & 1:
+            p = plus(load(x, 0), scaled(0.5, cross(load(d, 0), w)))
+            store(x, 0, plus(p, scaled(0.5, cross(θ, p))))
+        store(x, 3, plus(w, half))
+    elif kind & 1:
+        so3.apply_tangent_inverse_so3(d[3:], x[3:], x[3:])
+    else:
+        se3.apply_tangent_inverse(d, x, x)
 
 
 @inlined

@@ -18,7 +18,7 @@ are counted along the row subtrees of the elimination tree (J. W. H. Liu, SIAM J
 from __future__ import annotations
 
 import logging
-from enum import Enum
+from enum import Enum, IntEnum
 from typing import TYPE_CHECKING, NamedTuple
 
 from petsc4py import PETSc
@@ -223,6 +223,19 @@ class Solutions(Enum):
 
     FEW = "few solutions each"
     MANY = "many solutions each"
+
+
+class SkewPart(IntEnum):
+    """What happens to the skew-symmetric part of a matrix before it is factorised.
+
+    ``KEPT``: the matrix is factorised as it is. ``DROPPED_IF_SMALL``: a symmetric package
+    factorises the symmetric part, if the rest is so small that an iteration does not notice it
+    (:data:`~.equilibrated.SMALL_SKEW`), and if such a package costs less. The equations are solved
+    to the same tolerance with both.
+    """
+
+    KEPT = 0
+    DROPPED_IF_SMALL = 1
 
 
 class Choice(NamedTuple):

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array
 from fem_lie._state import part_of
-from fem_lie.linear.choice import Choice, Solutions, choose
+from fem_lie.linear.choice import Choice, SkewPart, Solutions, choose
 from fem_lie.linear.equilibrated import (
     Equilibrated,
     InaccurateSolutionError,
@@ -89,6 +89,7 @@ class DirectSolver:
         methods: Sequence[Method] = (),
         *,
         solutions: Solutions = Solutions.MANY,
+        skew_part: SkewPart = SkewPart.KEPT,
     ) -> None:
         """Store the matrix without factorising it.
 
@@ -98,8 +99,9 @@ class DirectSolver:
             methods: Methods in the order in which they are tried; default: those of
                 :func:`~.choice.choose`.
             solutions: Number of solutions per factorisation.
+            skew_part: What happens to the skew-symmetric part of the matrix.
         """
-        self._kkt, self._prefix = kkt, prefix
+        self._kkt, self._prefix, self._skew_part = kkt, prefix, skew_part
         choice = Choice(tuple(methods)) if methods else choose(kkt, prefix, solutions)
         self._methods, self._expected = choice
         self._own = Equilibrated(kkt)
@@ -166,6 +168,9 @@ class DirectSolver:
         self._own.take()
         if self._kkt.shared.any(self._own.matrix is not self._local):
             self._take_over()
+        symmetric = any(method.kind == "cholesky" for method in self._methods)
+        if symmetric and self._skew_part == SkewPart.DROPPED_IF_SMALL:
+            self._own.drop_skew_part()
         if self._shared is not None:
             self._shared.take()
         self._idle = self._own.idle()

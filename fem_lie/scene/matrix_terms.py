@@ -17,7 +17,9 @@ class MatrixTerms:
     Attributes:
         gyroscopic: Derivatives of gyroscopic and centrifugal forces. Default: if anything initially
             rotates by more than :data:`SPIN_PER_STEP` in a step.
-        geometric: Geometric stiffness of elements and joints. Default: yes.
+        geometric: Geometric stiffness of elements and joints, and that of nodal forces, whose
+            components along the nodes' axes change with these. At equilibrium the sum of both is
+            symmetric. Default: yes.
     """
 
     gyroscopic: bool | None = None
@@ -51,5 +53,5 @@ class MatrixTerms:
 SPIN_PER_STEP = 0.01
 """Rotation per step, rad, above which gyroscopic terms are in the matrix.
 
-Measured in docs/measured/matrix_terms.md.
+Measured in docs/measured/choices.md.
 """

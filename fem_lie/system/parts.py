@@ -10,7 +10,8 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
-from fem_lie.lie.node_types import tangent
+from fem_lie._jit.copies import copy_matrix
+from fem_lie.lie.motions import increment
 from fem_lie.lie.node_types.node_type import POSITION, POSITION_GRADIENT
 from fem_lie.lie.series import exponential
 from fem_lie.lie.tuples import load, rotate, store
@@ -167,9 +168,9 @@ class Parts:
         """
         _let_lag(self.blocks, self.of_K, rows, lag, self._bind, nodes)
 
-    def combine(self, kinds: Indices, d: Array) -> None:
-        """``A ← A + K T(d)``: derivatives in d instead of ``h = T(d) δd``."""
-        _combine(self.blocks, self.of_K, kinds, d, self._bind)
+    def refer_to_twists(self, kinds: Indices, d: Array) -> None:
+        """``A ← A T⁻¹(d)``: derivatives in ``h = T(d) δd`` instead of d."""
+        _refer_to_twists(self.blocks, self.of_K, kinds, d, self._bind)
 
     def add_K(self) -> None:
         """``A ← A + K``."""
@@ -186,35 +187,23 @@ def _add(blocks: Array, of_K: Indices) -> None:
 
 
 @compiled
-def _combine(blocks: Array, of_K: Indices, kinds: Indices, d: Array, bind: Indices) -> None:
-    count, product = d.shape[0], np.empty((6, 6))
-    number, turning = np.full(count, -1), 0
-    for i in range(count):
-        # nodes with vector coordinates have T = 1
-        if kinds[i] < POSITION_GRADIENT:
-            number[i], turning = turning, turning + 1
-    T = np.empty((turning, 6, 6))
-    for i in range(count):
-        if number[i] >= 0:
-            tangent(kinds[i], d[i], T[number[i]])
+def _refer_to_twists(blocks: Array, of_K: Indices, kinds: Indices, d: Array, bind: Indices) -> None:
+    columns, product = np.empty((6, 6)), np.empty((6, 6))
     for b in range(bind.shape[0]):
-        if of_K[b] == b:
+        node = bind[b]
+        # nodes with vector coordinates have T = 1
+        if of_K[b] == b or kinds[node] >= POSITION_GRADIENT:
             continue
-        K, which = blocks[of_K[b]], number[bind[b]]
-        if which >= 0:
-            _multiply(K, T[which], product)
         for k in range(6):
-            for n in range(6):
-                blocks[b, k, n] += product[k, n] if which >= 0 else K[k, n]
-
-
-@compiled
-def _multiply(A: Array, B: Array, out: Array) -> None:
-    for i in range(6):
-        for j in range(6):
-            out[i, j] = 0.0
-            for k in range(6):
-                out[i, j] += A[i, k] * B[k, j]
+            columns[k, :] = 0.0
+            columns[k, k] = 1.0
+            increment(kinds[node], d[node], columns[k])
+        for i in range(6):
+            for j in range(6):
+                product[i, j] = 0.0
+                for k in range(6):
+                    product[i, j] += blocks[b, i, k] * columns[j, k]
+        copy_matrix(product, blocks[b])
 
 
 @compiled

@@ -316,7 +316,8 @@ class System:
         """
         H, v, _, multipliers = state
         tangent, damping = self.tangent, plan.damping
-        loads, factors = (forces.on_rows, self.loads.moment), (plan.mass, damping)
+        loads = (forces.on_rows, self.loads.moment) if plan.matrix_terms.geometric else None
+        factors = plan.mass, damping
         if not plan.matrix_terms.gyroscopic:
             state = state._replace(v=self._still, a=self._still)
         tangent.clear()

@@ -24,7 +24,7 @@ from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
 from fem_lie.system.constraints import Connections
 from fem_lie.system.domains import Domain, division_of
 from fem_lie.system.nodes.fixed_axes import Supports
-from fem_lie.system.nodes.sums import combine_rows, load_tangent, to_inertial
+from fem_lie.system.nodes.sums import load_tangent, to_inertial
 from fem_lie.system.parts import Parts, Vectors
 from fem_lie.system.terms.all_terms import Terms
 from fem_lie.system.time_state import Plan, TimeState
@@ -288,7 +288,7 @@ class Tangent:
         self,
         state: TimeState,
         kinds: Indices,
-        loads: tuple[Array, Array],
+        loads: tuple[Array, Array] | None,
         factors: tuple[float, float],
     ) -> None:
         """Add derivatives of inertia and nodal loads.
@@ -296,7 +296,8 @@ class Tangent:
         Args:
             state: The state.
             kinds: Types of the nodes.
-            loads: Forces on (x, d₁, d₂, d₃) from the residual, and moments fixed in space.
+            loads: Forces on (x, d₁, d₂, d₃) from the residual, and moments fixed in space, whose
+                components change as nodes rotate; ``None``: they are taken as constant.
             factors: ∂a/∂d and ∂v/∂d.
         """
         (H, v, a, _), n = state, self._count
@@ -304,8 +305,9 @@ class Tangent:
         with self._divided():
             if any(factors) or v.any() or a.any():
                 self._add_rates((H, v[:n], a[:n]), kinds, factors)
-            diagonal = self.parts.index_in_K(self._diagonal)
-            load_tangent(kinds, H, *loads, diagonal, self.parts.blocks)
+            if loads is not None:
+                diagonal = self.parts.index_in_K(self._diagonal)
+                load_tangent(kinds, H, *loads, diagonal, self.parts.blocks)
 
     def add_mass(self, H: Array, kinds: Indices, factor: float) -> None:
         """Add the mass matrix times a factor to ``A``, and the stiffness of weight to ``K``."""
@@ -344,8 +346,8 @@ class Tangent:
                 elif selected(term):
                     term.add_tangent(H, forces, index, self.parts.blocks)
 
-    def set_correction(self, H: Array, kinds: Indices, d: Array) -> None:
-        """Set the low-rank correction of the KKT matrix: stiff rows of terms, in increments.
+    def set_correction(self, H: Array) -> None:
+        """Set the low-rank correction of the KKT matrix: stiff rows of terms.
 
         Supports along fixed axes are not transformed.
         """
@@ -360,13 +362,10 @@ class Tangent:
         left = np.concatenate([f.rows[which] for f, which in zip(found, moves, strict=True)])
         counts = np.concatenate([m[s].sum(axis=1) for m, s in zip(moves, some, strict=True)])
         k = np.concatenate([f.stiffness[s] for f, s in zip(found, some, strict=True)])
-        right = left.copy()
-        combine_rows(right, kinds, d, nodes)
-        for rows in (left, right):
-            rows[self._held[nodes]] = 0.0
+        left[self._held[nodes]] = 0.0
         unknowns = (6 * nodes[:, np.newaxis] + np.arange(6)).ravel()
         first = 6 * np.append(0, np.cumsum(counts))
-        self.kkt.correction = LowRankCorrection(first, unknowns, left.ravel(), right.ravel(), k)
+        self.kkt.correction = LowRankCorrection(first, unknowns, left.ravel(), left.ravel(), k)
 
     def alone(self, H: Array, term: Term) -> sp.csr_matrix:
         """Matrix of one term, along the axes of supports, shape (6 n, 6 n)."""
@@ -455,23 +454,25 @@ class Tangent:
         soft = flexibility(diagonal, self.kkt.free_units)
         return self._averages.low_rank(left, right, soft, self._held)
 
-    def refill_constraints(self, H: Array, kinds: Indices, plan: Plan) -> Array:
+    def refill_constraints(self, H: Array, plan: Plan) -> Array:
         """Fill the matrix of the last :meth:`fill_increments` with new constraints."""
         ahead = H if plan.joint_frames is None else plan.joint_frames
         scale = self.constraint_scale(ahead, plan.spread) if plan.scale is None else plan.scale
         self._put_constraints(ahead, self._rows)
-        columns = self._rows.copy()
-        combine_rows(self._rows, kinds, plan.d, self._nodes)
         if self.supports:
-            self.supports.rotate_constraints(ahead, columns)
             self.supports.rotate_constraints(ahead, self._rows)
-        n = len(self._incidences.nodes)
-        self.kkt.fill(self.A, columns[:n], self._rows[:n], scale, anew=not self._filled)
+        rows = self._rows[: len(self._incidences.nodes)]
+        self.kkt.fill(self.A, rows, rows, scale, anew=not self._filled)
         self._filled = True
         return scale
 
     def fill_increments(self, H: Array, kinds: Indices, plan: Plan) -> Array:
-        """Fill the KKT matrix with ``A + K T(d)`` and the constraints.
+        """Fill the KKT matrix with ``A + K`` and the constraints, derivatives in twists.
+
+        Along twists of the moved nodes the stiffness of conservative forces and the constraints are
+        symmetric; corrections of increments, ``δd = T⁻¹(d) h``, are computed after each solution.
+        ``A``, inertia and damping, is symmetric in increments but for gyroscopic terms. Therefore
+        ``A T⁻¹(d)`` is used if these are in the matrix, and else ``A``.
 
         Args:
             H: Frames of the state.
@@ -481,7 +482,7 @@ class Tangent:
         Returns:
             The scale of the constraints in it, (m,).
         """
-        d, ahead = plan.d, H if plan.joint_frames is None else plan.joint_frames
+        ahead = H if plan.joint_frames is None else plan.joint_frames
         self._put_constraints(ahead, self._rows)
         columns, nodes = self._rows.copy(), self._nodes
         if plan.forces_at is not None:
@@ -490,11 +491,9 @@ class Tangent:
             self._averages.put(rows)
         if plan.lag is not None:
             self.parts.let_lag(self._rows, plan.lag, nodes)
-        if d.any():
-            self.parts.combine(kinds, d)
-            combine_rows(self._rows, kinds, d, nodes)
-        else:
-            self.parts.add_K()
+        if plan.matrix_terms.gyroscopic and plan.d.any():
+            self.parts.refer_to_twists(kinds, plan.d)
+        self.parts.add_K()
         if self.supports:
             self.supports.rotate_blocks(ahead, self.A)
             self.supports.rotate_constraints(ahead, columns)

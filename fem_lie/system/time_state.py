@@ -116,7 +116,7 @@ class Plan(NamedTuple):
     """Which derivative of the residual a matrix is, and where the constraints are linearised.
 
     Attributes:
-        d: Increments that led to the frames, shape (n, 6).
+        d: Increments that led to the frames, shape (n, 6); zero where unknowns are twists anyway.
         scale: Scale factor of each constraint, shape (m,); default: one that fits the rest of the
             matrix and the Jacobian.
         mass: Derivative ∂a/∂d of accelerations in increments.

@@ -77,6 +77,7 @@ from fem_lie.lie.node_types.motion import (
     tangent,
     to_global_components,
     to_group,
+    to_increment,
     to_local,
     to_nodal_components,
 )
@@ -145,6 +146,7 @@ __all__ = [
     "tangent",
     "to_global_components",
     "to_group",
+    "to_increment",
     "to_local",
     "to_nodal_components",
     "twists",

@@ -144,6 +144,21 @@ def to_group(node_type: int, H: Array, x: Array) -> None:
 
 
 @inlined
+def to_increment(node_type: int, H: Array, d: Array, x: Array) -> None:
+    """Correction of an increment ``d`` on its group that moves the node by a twist, in place.
+
+    Args:
+        node_type: Type of the node.
+        H: Moved node, shape (4, 3).
+        d: Increment, shape (6,).
+        x: Twist in the axes of the moved node, overwritten by the correction, shape (6,).
+    """
+    if node_type < POSITION_GRADIENT:
+        motions.increment(node_type, d, x)
+    to_group(node_type, H, x)
+
+
+@inlined
 def from_group(node_type: int, H: Array, x: Array) -> None:
     """Inverse of :func:`to_group`."""
     if node_type < POSITION_GRADIENT:

@@ -54,6 +54,7 @@ class GeneralisedAlpha(Options, Integrator):
         max_iterations: Largest number of iterations of a step.
         parametrisation: The map from increments to rotations.
         matrix_frame: Axes in which the iteration matrix is frozen.
+        skew_part: What happens to the skew-symmetric part of the iteration matrix.
         index: Which constraints hold at the end of each step.
         petsc_options_prefix: Prefix for the choice of the linear solver.
 

@@ -8,9 +8,6 @@ from __future__ import annotations
 
 from functools import partial
 
-import numpy as np
-
-from fem_lie.lie.node_types import twists
 from fem_lie.solve.alpha.run_state import RunState
 from fem_lie.solve.alpha.step.loop import allowed, starting_ratio
 from fem_lie.solve.alpha.step.nodes import accept, change_velocities, correct, predict
@@ -68,9 +65,7 @@ class Newton(RunState, Iterated):
         s = self.s
         self._solve()
         if self._linearised:
-            h = np.empty_like(s.d)
-            twists(s.kinds, s.d, -self.dx[: s.d.size].reshape(-1, 6), h)
-            self.equations.history_variables.update_stress(s.H1, h.ravel())
+            self.equations.history_variables.update_stress(s.H1, -self.dx[: s.d.size])
         scale, spread, joined = self._sizes
         size = correct(*self._plain, self.dx, scale, spread, joined, self.multipliers)
         return self.equations.shared.largest(size)

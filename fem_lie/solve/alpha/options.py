@@ -7,6 +7,7 @@ from enum import IntEnum
 
 from fem_lie._arrays import choice, number
 from fem_lie.lie.motions import Parametrisation
+from fem_lie.linear.choice import SkewPart
 from fem_lie.solve.motion.integrator import check_kinds
 from fem_lie.solve.motion.policies import Automatic, RefactorisationPolicy
 
@@ -48,6 +49,7 @@ class Options:
     max_iterations: int = 30
     parametrisation: Parametrisation = Parametrisation.EXPONENTIAL
     matrix_frame: MatrixFrame = MatrixFrame.LOCAL
+    skew_part: SkewPart = SkewPart.DROPPED_IF_SMALL
     index: ConstraintIndex = ConstraintIndex.THREE
     petsc_options_prefix: str = "fem_lie_dynamics_"
 
@@ -61,5 +63,6 @@ class Options:
         choice(self.parametrisation, Parametrisation, "parametrisation")
         choice(self.matrix_frame, MatrixFrame, "matrix_frame")
         choice(self.index, ConstraintIndex, "index")
+        choice(self.skew_part, SkewPart, "skew_part")
         if not self.tolerance > 0:
             raise ValueError(f"expected tolerance > 0, got {self.tolerance}")

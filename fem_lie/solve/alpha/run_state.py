@@ -14,7 +14,7 @@ from fem_lie.lie.node_types import all_to_global_components, all_to_nodal_compon
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.low_rank import MOST
 from fem_lie.solve.alpha.options import DAMPED, ConstraintIndex, MatrixFrame, Options
-from fem_lie.solve.alpha.staleness import back_to_local, staleness
+from fem_lie.solve.alpha.staleness import back_to_twists, staleness
 from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.loop import PROGRESS
 from fem_lie.solve.alpha.step.node import parameters
@@ -112,7 +112,9 @@ class RunState(DividedIntegration[Recorder]):
         self.spread: Array = np.zeros(unknowns.vectors.shape)
         self._sizes = self.scale, self.spread, joined
         prefix = options.petsc_options_prefix
-        self.solver = self._starter = DirectSolver(equations.matrix, prefix)
+        self.solver = self._starter = DirectSolver(
+            equations.matrix, prefix, skew_part=options.skew_part
+        )
         self.solver.take_low_rank()
         self.r, self.dx = self.solver.right_hand_side, self.solver.solution
         self.forces = equations.residual(self._accepted, self.scale, self.r)
@@ -282,7 +284,7 @@ class RunState(DividedIntegration[Recorder]):
         It is measured in the direction of the last correction.
         """
         x = self.dx.copy()
-        back_to_local(self.s.H1, self.s.kinds, x)
+        back_to_twists(self.s, x)
         return staleness(
             self.equations, self.solver, self.p.plain, self.s, self.multipliers, self._sizes, x
         )

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.lie.node_types import all_from_group
+from fem_lie.lie.node_types import all_from_group, twists
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.alpha.step.node import PlainScheme
 from fem_lie.solve.alpha.step.nodes import State, correct
@@ -46,7 +46,7 @@ def staleness(
         multipliers: Lagrange multipliers.
         sizes: Scale of the constraints, norm weights of the multipliers, and which of them belong
             to the same vector as the previous one.
-        direction: A correction in the nodes' frames, shape (6 n + m,), overwritten.
+        direction: A correction, twists in the nodes' frames, shape (6 n + m,), overwritten.
     """
     scale, spread, joined = sizes
     nodes, x = 6 * equations.unknowns.moving, direction
@@ -70,9 +70,11 @@ def staleness(
     return _size(equations, solver.solution, spread) / max(size, TINY)
 
 
-def back_to_local(H: Array, kinds: Indices, x: Array) -> None:
-    """Transform a correction (6 n + m,) of :func:`~.nodes.correct` back to the nodes' frames."""
-    all_from_group(kinds, H, x[: 6 * len(kinds)].reshape(-1, 6))
+def back_to_twists(state: State, x: Array) -> None:
+    """Transform a correction (6 n + m,) of :func:`~.nodes.correct` back to twists."""
+    kinds, h = state.kinds, x[: state.d.size].reshape(-1, 6)
+    all_from_group(kinds, state.H1, h)
+    twists(kinds, state.d, h.copy(), h)
 
 
 def _size(equations: Equations, x: Array, spread: Array) -> float:

@@ -299,10 +299,10 @@ class Equations:
             return plan.scale
         if plan.low_rank_only:
             assert plan.scale is not None
-            system.tangent.set_correction(state.H, system.kinds, plan.d)
+            system.tangent.set_correction(state.H)
             return plan.scale
         if plan.constraints_only:
-            return system.tangent.refill_constraints(state.H, system.kinds, plan)
+            return system.tangent.refill_constraints(state.H, plan)
         if not plan.matrix_terms.geometric:
             self._terms.clear_stress()
         elif plan.stressed is not None:

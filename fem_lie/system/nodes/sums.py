@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple, TypeAlias
 
-import numpy as np
-
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, linked, uncounted
-from fem_lie._jit.copies import copy_vector
 from fem_lie._jit.packed_arrays import Integers1, Integers2, Numbers2, Numbers3, Numbers4, unpacking
 from fem_lie._jit.stack import stack, vector_at
 from fem_lie.forms.cell_forms import add_forces
@@ -22,7 +19,6 @@ from fem_lie.lie.node_types import (
     pull_all_back,
     pull_back_derivative,
     push_all_forward,
-    tangent,
     to_global_components,
 )
 from fem_lie.lie.node_types.floating import PlainFloating
@@ -285,19 +281,6 @@ def load_vector(
     _add_moments(H, moment, following, r.reshape(-1))
     r *= -1.0
     pull_all_back(kinds, H, dead, 1.0, r.reshape(-1))
-
-
-@compiled
-def combine_rows(rows: Array, kinds: Indices, d: Array, nodes: Indices) -> None:
-    """``rows ← rows T(d)`` for the constraint Jacobian, one row of six per incidence."""
-    T, row = np.empty((6, 6)), np.empty(6)
-    for incidence in range(rows.shape[0]):
-        tangent(kinds[nodes[incidence]], d[nodes[incidence]], T)
-        for n in range(6):
-            row[n] = 0.0
-            for k in range(6):
-                row[n] += rows[incidence, k] * T[k, n]
-        copy_vector(row, rows[incidence])
 
 
 @compiled

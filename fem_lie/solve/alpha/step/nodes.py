@@ -13,7 +13,14 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, uncounted
-from fem_lie.lie.node_types import Written, all_from_local, move, to_group, to_local
+from fem_lie.lie.node_types import (
+    Written,
+    all_from_local,
+    move,
+    to_group,
+    to_increment,
+    to_local,
+)
 from fem_lie.solve.alpha.step import node
 from fem_lie.solve.alpha.step.node import PlainScheme, Scheme
 
@@ -209,13 +216,16 @@ def correct(
     joined: Indices,
     multipliers: Array,
 ) -> float:
-    """Apply a Newton correction in the nodes' frames; returns the size of its largest part."""
+    """Apply a Newton correction, twists in the nodes' frames; returns the size of its largest part.
+
+    Twists become corrections of increments, in ``dx``, by the increments of this iteration.
+    """
     H, H1, motion, kinds, scaling = state
     _, _, _, d, v1, vdot1, twist, rate = parts(motion)
     p, largest = Scheme(*scheme), 0.0
     for i in range(d.shape[0]):
         x = dx[6 * i : 6 * i + 6]
-        to_group(kinds[i], H1[i], x)
+        to_increment(kinds[i], H1[i], d[i], x)
         size = node.correct(p, kinds[i], scaling[i], x, H[i], d[i], H1[i], v1[i], vdot1[i])
         if size > largest or size != size:  # nan stays
             largest = size
