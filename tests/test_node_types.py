@@ -103,7 +103,7 @@ def test_corrections_of_increments_from_twists(kind):
     node_types.move_all(node.kinds, node.H, node.a, H)
     node_types.twists(node.kinds, node.a, node.h, twist)
     node_types.all_to_group(node.kinds, H, node.h)
-    node_types.to_increment(kind, H[0], node.a[0], twist[0])
+    node_types.to_increment(kind, H[0], node.a[0], np.zeros(6, dtype=int), twist[0])
     np.testing.assert_allclose(twist, node.h, atol=1e-14)
 
 

@@ -228,10 +228,10 @@ class Solutions(Enum):
 class SkewPart(IntEnum):
     """What happens to the skew-symmetric part of a matrix before it is factorised.
 
-    ``KEPT``: the matrix is factorised as it is. ``DROPPED_IF_SMALL``: a symmetric package
-    factorises the symmetric part, if the rest is so small that an iteration does not notice it
-    (:data:`~.equilibrated.SMALL_SKEW`), and if such a package costs less. The equations are solved
-    to the same tolerance with both.
+    ``KEPT``: the matrix is factorised as it is. ``DROPPED_IF_SMALL``: it is dropped
+    if it is so small that an iteration does not notice it (:data:`~.equilibrated.SMALL_SKEW`), so
+    that a symmetric package factorises the rest where that costs less. The equations are solved to
+    the same tolerance with both.
     """
 
     KEPT = 0

@@ -168,8 +168,8 @@ class DirectSolver:
         self._own.take()
         if self._kkt.shared.any(self._own.matrix is not self._local):
             self._take_over()
-        symmetric = any(method.kind == "cholesky" for method in self._methods)
-        if symmetric and self._skew_part == SkewPart.DROPPED_IF_SMALL:
+        if self._skew_part == SkewPart.DROPPED_IF_SMALL:
+            # whatever the package, as that depends on the number of ranks and results must not
             self._own.drop_skew_part()
         if self._shared is not None:
             self._shared.take()

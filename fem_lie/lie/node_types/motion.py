@@ -11,7 +11,7 @@ from math import sqrt
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie import motions
 from fem_lie.lie.node_types.node_type import (
@@ -144,17 +144,24 @@ def to_group(node_type: int, H: Array, x: Array) -> None:
 
 
 @inlined
-def to_increment(node_type: int, H: Array, d: Array, x: Array) -> None:
+def to_increment(node_type: int, H: Array, d: Array, held: Indices, x: Array) -> None:
     """Correction of an increment ``d`` on its group that moves the node by a twist, in place.
+
+    Of held unknowns the increments are zero. Zero twists instead would be a constraint that depends
+    on the path, on the iterates of a step.
 
     Args:
         node_type: Type of the node.
         H: Moved node, shape (4, 3).
         d: Increment, shape (6,).
+        held: Which unknowns are held, shape (6,).
         x: Twist in the axes of the moved node, overwritten by the correction, shape (6,).
     """
     if node_type < POSITION_GRADIENT:
         motions.increment(node_type, d, x)
+        for k in range(6):
+            if held[k]:
+                x[k] = 0.0
     to_group(node_type, H, x)
 
 

@@ -90,7 +90,9 @@ class RunState(DividedIntegration[Recorder]):
         super().__init__(options.policy, equations, step, bound=bound)
         self.options, self.p = options, parameters(options.radius, step)
         scaling = node_scaling(unknowns)
-        self.s = State.start(equations.start.frames, unknowns.kinds, scaling)
+        held = equations.matrix.held.copy()
+        held[equations.supports.nodes, :3] = False  # along other axes, in which T = 1
+        self.s = State.start(equations.start.frames, unknowns.kinds, scaling, held)
         self._violation = ViolationWarning(scaling, options.radius)
         self._guided, self._moving = bool(equations.supports), unknowns.moving
         self._changing = unknowns.time_dependent
@@ -156,7 +158,7 @@ class RunState(DividedIntegration[Recorder]):
         """Compile what a step needs on a copy of the state: run times exclude compilation."""
         scheme, s = self.p.plain, self.s
         moved = s.H[:1].copy(), s.H1[:1].copy(), s.motion[:, :1].copy()
-        state = State(*moved, s.kinds[:1], s.scaling[:1]).plain
+        state = State(*moved, s.kinds[:1], s.scaling[:1], s.fixed[:1]).plain
         predict(scheme, state)
         zero, multipliers = np.zeros(6 + len(self.multipliers)), self.multipliers.copy()
         correct(scheme, state, zero, *self._sizes, multipliers)

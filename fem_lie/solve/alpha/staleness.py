@@ -64,6 +64,7 @@ def staleness(
 
     change = (moved(probe) - moved(-probe)) / (2.0 * probe)
     equations.supports.rotate(state.H1, x[:nodes].reshape(-1, 6))
+    x[:nodes][equations.matrix.held.ravel()] = 0.0
     solver.right_hand_side[:] = equations.matrix.times(x) - change
     solver.right_hand_side[nodes:] = 0.0
     solver.solve()

@@ -71,6 +71,7 @@ class Packed(NamedTuple):
         motion: See :class:`~fem_lie.solve.alpha.step.nodes.State`.
         kinds: Types of the nodes.
         scaling: Norm weights of the nodes.
+        fixed: Which increments are held, shape (n, 6).
         multipliers: Lagrange multipliers, shape (m,).
         first: Lagrange multipliers at the start of the step.
         scale: Scale of the constraints.
@@ -96,6 +97,7 @@ class Packed(NamedTuple):
     motion: Numbers3
     kinds: Integers1
     scaling: Numbers2
+    fixed: Integers2
     multipliers: Numbers1
     first: Numbers1
     scale: Numbers1
@@ -303,7 +305,7 @@ def run(
     """
     this, h = packed(table), scheme[0]
     progress = this.progress[0]
-    state = this.H, this.H1, this.motion, this.kinds, this.scaling
+    state = this.H, this.H1, this.motion, this.kinds, this.scaling, this.fixed
     ended = Steps(*steps).ended
     while True:
         if progress.phase == BETWEEN:

@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined, uncounted
 from fem_lie.lie.node_types import (
     Written,
@@ -73,6 +73,7 @@ class State(NamedTuple):
             longer to call the more there are.
         kinds: What each node is, see :mod:`fem_lie.lie.node_types`, shape (n,).
         scaling: Weights in the size of increments, see :func:`~.convergence.node_scaling`, (n, 2).
+        fixed: Which increments are held, (n, 6).
     """
 
     H: Array
@@ -80,17 +81,18 @@ class State(NamedTuple):
     motion: Array
     kinds: Indices
     scaling: Array
+    fixed: Indices
 
     @classmethod
-    def start(cls, frames: Array, kinds: Indices, scaling: Array) -> State:
-        """At rest at ``frames``."""
+    def start(cls, frames: Array, kinds: Indices, scaling: Array, held: Flags) -> State:
+        """At rest at ``frames``; ``held``: which increments are zero, shape (n, 6)."""
         motion = np.zeros((len(Motion._fields), len(kinds), 6))
-        return cls(frames.copy(), frames.copy(), motion, kinds, scaling)
+        return cls(frames.copy(), frames.copy(), motion, kinds, scaling, held.astype(np.int64))
 
     def copy(self) -> State:
         """With arrays of its own, of the same nodes."""
         moved = self.H.copy(), self.H1.copy(), self.motion.copy()
-        return State(*moved, self.kinds, self.scaling)
+        return State(*moved, self.kinds, self.scaling, self.fixed)
 
     @property
     def plain(self) -> PlainState:
@@ -158,7 +160,7 @@ class State(NamedTuple):
         self.H[:n] = self.H1[:n] = frames[:n]
 
 
-PlainState: TypeAlias = tuple[Array, Array, Array, Indices, Array]
+PlainState: TypeAlias = tuple[Array, Array, Array, Indices, Array, Indices]
 """A :class:`State` at the door from Python."""
 
 
@@ -195,7 +197,7 @@ def extrapolate(
 @uncounted
 def predict(scheme: PlainScheme, state: PlainState) -> float:
     """Start a step with the old ``v̇``; returns the size of the largest motion of a node."""
-    H, H1, motion, kinds, scaling = state
+    H, H1, motion, kinds, scaling, _ = state
     v, vdot, a, d, v1, vdot1, twist, rate = parts(motion)
     p, largest = Scheme(*scheme), 0.0
     for i in range(d.shape[0]):
@@ -220,12 +222,12 @@ def correct(
 
     Twists become corrections of increments, in ``dx``, by the increments of this iteration.
     """
-    H, H1, motion, kinds, scaling = state
+    H, H1, motion, kinds, scaling, fixed = state
     _, _, _, d, v1, vdot1, twist, rate = parts(motion)
     p, largest = Scheme(*scheme), 0.0
     for i in range(d.shape[0]):
         x = dx[6 * i : 6 * i + 6]
-        to_increment(kinds[i], H1[i], d[i], x)
+        to_increment(kinds[i], H1[i], d[i], fixed[i], x)
         size = node.correct(p, kinds[i], scaling[i], x, H[i], d[i], H1[i], v1[i], vdot1[i])
         if size > largest or size != size:  # nan stays
             largest = size
@@ -248,7 +250,7 @@ def correct(
 @uncounted
 def change_velocities(state: PlainState, dx: Array) -> None:
     """Subtract ``dx`` (6 n,), in the nodes' frames, from the velocities at the end of the step."""
-    _, H1, motion, kinds, _ = state
+    _, H1, motion, kinds, _, _ = state
     _, _, _, _, v1, vdot1, twist, rate = parts(motion)
     for i in range(v1.shape[0]):
         x = dx[6 * i : 6 * i + 6]
@@ -261,7 +263,7 @@ def change_velocities(state: PlainState, dx: Array) -> None:
 @uncounted
 def accept(scheme: PlainScheme, state: PlainState) -> None:
     """Make the end of the step the start of the next."""
-    H, H1, motion, kinds, _ = state
+    H, H1, motion, kinds, _, _ = state
     v, vdot, a, _, v1, vdot1, _, _ = parts(motion)
     p = Scheme(*scheme)
     for i in range(v.shape[0]):
