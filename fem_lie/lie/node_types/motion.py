@@ -144,15 +144,14 @@ def to_group(node_type: int, H: Array, x: Array) -> None:
 
 
 @inlined
-def to_increment(node_type: int, H: Array, d: Array, held: Indices, x: Array) -> None:
-    """Correction of an increment ``d`` on its group that moves the node by a twist, in place.
+def to_increment(node_type: int, d: Array, held: Indices, x: Array) -> None:
+    """Correction of an increment ``d``, in the node's axes, that moves it by a twist, in place.
 
     Of held unknowns the increments are zero. Zero twists instead would be a constraint that depends
     on the path, on the iterates of a step.
 
     Args:
         node_type: Type of the node.
-        H: Moved node, shape (4, 3).
         d: Increment, shape (6,).
         held: Which unknowns are held, shape (6,).
         x: Twist in the axes of the moved node, overwritten by the correction, shape (6,).
@@ -162,7 +161,6 @@ def to_increment(node_type: int, H: Array, d: Array, held: Indices, x: Array) ->
         for k in range(6):
             if held[k]:
                 x[k] = 0.0
-    to_group(node_type, H, x)
 
 
 @inlined

@@ -27,7 +27,7 @@ from fem_lie.solve.alpha.options import DAMPED, Options
 from fem_lie.solve.alpha.step import loop
 from fem_lie.solve.alpha.step.loop import BETWEEN, Packed, PlainSteps, Steps
 from fem_lie.solve.alpha.step.node import PlainScheme
-from fem_lie.solve.alpha.step.nodes import WRITTEN
+from fem_lie.solve.alpha.step.nodes import WRITTEN, to_increments
 from fem_lie.solve.convergence import failure
 from fem_lie.solve.impacts.contacts import CoupledContacts
 from fem_lie.solve.impacts.step_end import Factors, Rule, StepEnd
@@ -84,8 +84,17 @@ class Run(Newton):
         if contacts := equations.scene.impacts:
             unknowns, factors = equations.unknowns, None
             if not unknowns.rigid or len(known.terms):
-                factors = Factors(self._solve, self.r, self.dx, self.scale)
+                factors = Factors(self._solve_for_contacts, self.r, self.dx, self.scale)
             self._contacts = CoupledContacts(contacts, equations, self._end_rule, factors)
+
+    def _solve_for_contacts(self) -> None:
+        """Solve for the motion by contact forces; free rigid bodies move as those alone do.
+
+        The matrix has their mass: in increments with gyroscopic terms, else in twists.
+        """
+        self._solve()
+        if self.matrix_terms.gyroscopic:
+            to_increments(self.s.plain, self.dx)
 
     @property
     def _end_rule(self) -> Rule:

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._state import attributes, put_back, saved
 from fem_lie.lie.node_types import all_to_global_components, all_to_nodal_components, retract_all
 from fem_lie.linear.direct import DirectSolver
@@ -41,6 +41,17 @@ _LARGE = 20_000
 """Number of nodes above which a matrix only for compilation costs more than the compilation."""
 
 
+def _elastic(equations: Equations) -> Flags:
+    """Which moving nodes are of elements, or have nodes of elements attached, shape (n,)."""
+    n, arrays = equations.unknowns.moving, equations.arrays
+    found: Array = np.zeros((n, 6))
+    for where, _ in arrays.assemblies:
+        nodes = arrays.master[where]
+        found[nodes[nodes < n]] = 1.0
+    equations.shared.sum(found)
+    return np.asarray(found[:, 0] > 0.0)
+
+
 class RunState(DividedIntegration[Recorder]):
     """State of a run of generalised-α.
 
@@ -59,6 +70,7 @@ class RunState(DividedIntegration[Recorder]):
         "s.H",
         "s.H1",
         "s.motion",
+        "s.factorised",
         "multipliers",
         "scale",
         "spread",
@@ -92,7 +104,8 @@ class RunState(DividedIntegration[Recorder]):
         scaling = node_scaling(unknowns)
         held = equations.matrix.held.copy()
         held[equations.supports.nodes, :3] = False  # along other axes, in which T = 1
-        self.s = State.start(equations.start.frames, unknowns.kinds, scaling, held)
+        known = unknowns.kinds, scaling, held, _elastic(equations)
+        self.s = State.start(equations.start.frames, *known)
         self._violation = ViolationWarning(scaling, options.radius)
         self._guided, self._moving = bool(equations.supports), unknowns.moving
         self._changing = unknowns.time_dependent
@@ -158,7 +171,7 @@ class RunState(DividedIntegration[Recorder]):
         """Compile what a step needs on a copy of the state: run times exclude compilation."""
         scheme, s = self.p.plain, self.s
         moved = s.H[:1].copy(), s.H1[:1].copy(), s.motion[:, :1].copy()
-        state = State(*moved, s.kinds[:1], s.scaling[:1], s.fixed[:1]).plain
+        state = State._make([*moved, *(each[:1] for each in s[3:])]).plain
         predict(scheme, state)
         zero, multipliers = np.zeros(6 + len(self.multipliers)), self.multipliers.copy()
         correct(scheme, state, zero, *self._sizes, multipliers)
@@ -356,6 +369,7 @@ class RunState(DividedIntegration[Recorder]):
         plan = plan._replace(inertial=turned, stressed=stressed, matrix_terms=self.matrix_terms)
         plan = plan._replace(without_low_rank=self._corrects)
         made = self.equations.fill(self._end_instant, self.forces, plan)
+        self.s.factorised[:] = self.s.d
         if found is not None:
             found *= self.measure[:, np.newaxis]
         return made

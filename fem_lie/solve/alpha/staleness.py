@@ -75,7 +75,7 @@ def back_to_twists(state: State, x: Array) -> None:
     """Transform a correction (6 n + m,) of :func:`~.nodes.correct` back to twists."""
     kinds, h = state.kinds, x[: state.d.size].reshape(-1, 6)
     all_from_group(kinds, state.H1, h)
-    twists(kinds, state.d, h.copy(), h)
+    twists(kinds, np.where(state.elastic[:, np.newaxis], state.d, state.factorised), h.copy(), h)
 
 
 def _size(equations: Equations, x: Array, spread: Array) -> float:

@@ -72,6 +72,8 @@ class Packed(NamedTuple):
         kinds: Types of the nodes.
         scaling: Norm weights of the nodes.
         fixed: Which increments are held, shape (n, 6).
+        elastic: Which nodes are of elements, shape (n,).
+        factorised: Increments at the last factorisation, shape (n, 6).
         multipliers: Lagrange multipliers, shape (m,).
         first: Lagrange multipliers at the start of the step.
         scale: Scale of the constraints.
@@ -98,6 +100,8 @@ class Packed(NamedTuple):
     kinds: Integers1
     scaling: Numbers2
     fixed: Integers2
+    elastic: Integers1
+    factorised: Numbers2
     multipliers: Numbers1
     first: Numbers1
     scale: Numbers1
@@ -305,7 +309,8 @@ def run(
     """
     this, h = packed(table), scheme[0]
     progress = this.progress[0]
-    state = this.H, this.H1, this.motion, this.kinds, this.scaling, this.fixed
+    moved = this.H, this.H1, this.motion, this.kinds, this.scaling
+    state = (*moved, this.fixed, this.elastic, this.factorised)
     ended = Steps(*steps).ended
     while True:
         if progress.phase == BETWEEN:

@@ -74,6 +74,8 @@ class State(NamedTuple):
         kinds: What each node is, see :mod:`fem_lie.lie.node_types`, shape (n,).
         scaling: Weights in the size of increments, see :func:`~.convergence.node_scaling`, (n, 2).
         fixed: Which increments are held, (n, 6).
+        elastic: Which nodes are of elements, (n,).
+        factorised: Increments ``d₀`` at the last factorisation, (n, 6).
     """
 
     H: Array
@@ -82,17 +84,22 @@ class State(NamedTuple):
     kinds: Indices
     scaling: Array
     fixed: Indices
+    elastic: Indices
+    factorised: Array
 
     @classmethod
-    def start(cls, frames: Array, kinds: Indices, scaling: Array, held: Flags) -> State:
+    def start(
+        cls, frames: Array, kinds: Indices, scaling: Array, held: Flags, elastic: Flags
+    ) -> State:
         """At rest at ``frames``; ``held``: which increments are zero, shape (n, 6)."""
         motion = np.zeros((len(Motion._fields), len(kinds), 6))
-        return cls(frames.copy(), frames.copy(), motion, kinds, scaling, held.astype(np.int64))
+        known = kinds, scaling, held.astype(np.int64), elastic.astype(np.int64)
+        return cls(frames.copy(), frames.copy(), motion, *known, np.zeros((len(kinds), 6)))
 
     def copy(self) -> State:
         """With arrays of its own, of the same nodes."""
         moved = self.H.copy(), self.H1.copy(), self.motion.copy()
-        return State(*moved, self.kinds, self.scaling, self.fixed)
+        return self._replace(H=moved[0], H1=moved[1], motion=moved[2])
 
     @property
     def plain(self) -> PlainState:
@@ -160,7 +167,7 @@ class State(NamedTuple):
         self.H[:n] = self.H1[:n] = frames[:n]
 
 
-PlainState: TypeAlias = tuple[Array, Array, Array, Indices, Array, Indices]
+PlainState: TypeAlias = tuple[Array, Array, Array, Indices, Array, Indices, Indices, Array]
 """A :class:`State` at the door from Python."""
 
 
@@ -197,7 +204,7 @@ def extrapolate(
 @uncounted
 def predict(scheme: PlainScheme, state: PlainState) -> float:
     """Start a step with the old ``v̇``; returns the size of the largest motion of a node."""
-    H, H1, motion, kinds, scaling, _ = state
+    H, H1, motion, kinds, scaling, _, _, _ = state
     v, vdot, a, d, v1, vdot1, twist, rate = parts(motion)
     p, largest = Scheme(*scheme), 0.0
     for i in range(d.shape[0]):
@@ -206,6 +213,21 @@ def predict(scheme: PlainScheme, state: PlainState) -> float:
         largest = max(largest, size)
         to_local(kinds[i], H1[i], v1[i], vdot1[i], twist[i], rate[i])
     return largest
+
+
+@uncounted
+def to_increments(state: PlainState, x: Array) -> None:
+    """Corrections of increments, in the nodes' axes, from a solution (≥ 6 n,), in place.
+
+    The matrix refers to twists of the nodes, along which stiffness is what it is: ``T⁻¹(d)`` of the
+    current increments for nodes of elements. Inertia is constant along increments: ``T⁻¹(d₀)`` of
+    the factorisation for all others, of which it stays exact however fast they rotate later.
+    """
+    _, _, motion, kinds, _, fixed, elastic, factorised = state
+    d = motion[3]
+    for i in range(kinds.shape[0]):
+        reference = d[i] if elastic[i] else factorised[i]
+        to_increment(kinds[i], reference, fixed[i], x[6 * i : 6 * i + 6])
 
 
 @uncounted
@@ -220,14 +242,15 @@ def correct(
 ) -> float:
     """Apply a Newton correction, twists in the nodes' frames; returns the size of its largest part.
 
-    Twists become corrections of increments, in ``dx``, by the increments of this iteration.
+    Twists become corrections of increments in ``dx``, see :func:`to_increments`.
     """
-    H, H1, motion, kinds, scaling, fixed = state
+    H, H1, motion, kinds, scaling, _, _, _ = state
     _, _, _, d, v1, vdot1, twist, rate = parts(motion)
     p, largest = Scheme(*scheme), 0.0
+    to_increments(state, dx)
     for i in range(d.shape[0]):
         x = dx[6 * i : 6 * i + 6]
-        to_increment(kinds[i], H1[i], d[i], fixed[i], x)
+        to_group(kinds[i], H1[i], x)
         size = node.correct(p, kinds[i], scaling[i], x, H[i], d[i], H1[i], v1[i], vdot1[i])
         if size > largest or size != size:  # nan stays
             largest = size
@@ -250,7 +273,7 @@ def correct(
 @uncounted
 def change_velocities(state: PlainState, dx: Array) -> None:
     """Subtract ``dx`` (6 n,), in the nodes' frames, from the velocities at the end of the step."""
-    _, H1, motion, kinds, _, _ = state
+    _, H1, motion, kinds, _, _, _, _ = state
     _, _, _, _, v1, vdot1, twist, rate = parts(motion)
     for i in range(v1.shape[0]):
         x = dx[6 * i : 6 * i + 6]
@@ -263,7 +286,7 @@ def change_velocities(state: PlainState, dx: Array) -> None:
 @uncounted
 def accept(scheme: PlainScheme, state: PlainState) -> None:
     """Make the end of the step the start of the next."""
-    H, H1, motion, kinds, _, _ = state
+    H, H1, motion, kinds, _, _, _, _ = state
     v, vdot, a, _, v1, vdot1, _, _ = parts(motion)
     p = Scheme(*scheme)
     for i in range(v.shape[0]):
