@@ -53,7 +53,7 @@ class Fingerprint:
         self._add_scene(scene)
         # the same on any number of ranks
         nodes = undivided(scene).nodes.__getitem__
-        for k, contact in enumerate(scene.contacts, start=1):
+        for k, contact in enumerate([*scene.contacts, *scene.impacts], start=1):
             self._add(f"contact {k}", contact.contents(nodes), contact.label)
         self._sums = len(self.parts)
         for name, value, shown in equations.contents() if part is None else ():
