@@ -417,3 +417,27 @@ def test_statics_without_gravity_needs_no_density(name):
                 fl.GeneralisedAlpha().run(scene, duration=0.1, step=0.1)
     np.testing.assert_array_equal(*found)
     assert found[0][2] > 1e-9
+
+
+def test_pictures_magnify_displacements_and_rotations(monkeypatch, tmp_path):
+    """From the undeformed configuration, with the paths of points."""
+    drawn = {}
+
+    def draw(info, frames, path, *, paths, **_):
+        drawn.update(frames=frames, paths=paths)
+
+    monkeypatch.setattr("fem_lie.results.equilibrium.bodies.draw", draw)
+    scene = fl.Scene()
+    beam = scene.add(
+        fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.from_stiffness([1e3] * 6), cells=4)
+    )
+    scene.add(fl.Clamp(beam.point("start")))
+    scene.add(fl.PointLoad(beam.point("end"), moment=(0, 0, 1.0)))
+    result = fl.statics(scene)
+    result.picture(tmp_path / "beam.png", [-1], trace=["beam 1.end"], magnified=50.0)
+    start, moved = drawn["frames"]
+    turn, way = lie.so3_log(moved[-1, 1:].T @ start[-1, 1:]), moved[-1, 0] - start[-1, 0]
+    # a curvature of 1e-3 turns the end by 1e-3 rad
+    np.testing.assert_allclose(turn, [0.0, 0.0, 50e-3], atol=1e-9)
+    np.testing.assert_allclose(way, 50.0 * result.displacement("beam 1.end")[-1], rtol=1e-12)
+    np.testing.assert_allclose(drawn["paths"][0][-1], moved[-1, 0], rtol=1e-12)
