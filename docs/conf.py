@@ -20,7 +20,9 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx.ext.mathjax",
     "sphinx_design",
+    "sphinx_copybutton",
 ]
+copybutton_selector = "div:not(.highlight-text) > div.highlight > pre"  # not of output
 exclude_patterns = ["scenes/grid.md", "_pages"]
 
 html_theme = "furo"
