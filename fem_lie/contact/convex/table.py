@@ -116,7 +116,7 @@ class ConvexBall(ConvexSolid):
 
     @property
     def point(self) -> Ball:
-        """The ball."""
+        """The ball as a point with a radius."""
         return self.ball
 
     @property

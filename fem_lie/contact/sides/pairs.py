@@ -118,7 +118,7 @@ class NearPairs:
         return self._margin
 
     def widen(self, margin: float) -> None:
-        """Increase the margin, from the next update on, which is made when next needed."""
+        """Increase the margin; the list of pairs is updated when it is next needed."""
         if not self.fixed and margin > self._margin:
             self._widen(margin)
             self._before[:] = np.inf

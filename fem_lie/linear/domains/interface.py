@@ -61,11 +61,11 @@ class Values(Protocol):
 
     @property
     def left(self) -> Array:
-        """Factors of rows."""
+        """Factors by which rows are multiplied."""
 
     @property
     def right(self) -> Array:
-        """Factors of columns."""
+        """Factors by which columns are multiplied."""
 
 
 class Way(NamedTuple):

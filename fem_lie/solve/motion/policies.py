@@ -177,7 +177,7 @@ class EveryIteration(RefactorisationPolicy):
         return Ruled(Rule(1, 0.0, inf, Refactorisation.ALL, bound=False, asks=False))
 
     def rule(self) -> tuple[int, float]:
-        """Always due."""
+        """Due in every iteration."""
         return 1, 0.0
 
 
@@ -208,7 +208,7 @@ class IterationLimit(RefactorisationPolicy):
         return Ruled(Rule(self.iterations, inf, inf, Refactorisation.ALL, bound, asks=False))
 
     def rule(self) -> tuple[int, float]:
-        """Only within a step."""
+        """Patience within a step; no cost, so that nothing is due at the start of a step."""
         return self.iterations, inf
 
 
@@ -229,7 +229,7 @@ class ConstraintsOnly(IterationLimit):
         )
 
     def rule(self) -> tuple[int, float]:
-        """At the start of the run only: scenes in loops that ask for this have no constraints."""
+        """Never due after the start: scenes whose loops ask for this have no constraints."""
         return NEVER, inf
 
 

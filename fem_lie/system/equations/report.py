@@ -138,7 +138,7 @@ class Joints:
 
     @property
     def violations(self) -> Array:
-        """Largest constraint violation of each, (j,)."""
+        """Largest constraint violation of each joint, (j,)."""
         return self._system.connections.violations(self._state.H, self._state.v)
 
 
