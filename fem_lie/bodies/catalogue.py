@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
@@ -102,6 +102,10 @@ class JointInfo(Summarised):
         offset: Its position in the frame of that node, shape (3,).
         coordinates: Names of its relative coordinates.
         first: Index of the first of them among those of all joints.
+        side: Node of its point ``a``, with which the axes of its force rotate; −1 for ground.
+        axes: These axes as rows, in the frame of that node, shape (3, 3); ``None`` if they follow
+            an attachment frame or a section along which it slides, and for files of results without
+            them.
     """
 
     name: str
@@ -110,6 +114,13 @@ class JointInfo(Summarised):
     offset: Array = field(default_factory=lambda: np.zeros(3))
     coordinates: tuple[str, ...] = ()
     first: int = 0
+    side: int = -1
+    axes: Array | None = None
+
+    def renumbered(self, node_of: Indices) -> JointInfo:
+        """The joint with other node numbers."""
+        node, side = (int(node_of[k]) if k >= 0 else -1 for k in (self.node, self.side))
+        return replace(self, node=node, side=side)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -223,6 +223,16 @@ class Connection(ABC):
         """Definition of springs and dampers in six components, or ``None``."""
         return None
 
+    @property
+    def force_side(self) -> tuple[Point, Array] | None:
+        """Point ``a`` and the axes of its force at the start, (3, 3); ``None`` if it slides."""
+        for pair in self.definitions():
+            return pair.a, pair.frames[0][1:]
+        for rolling in self.velocity_definitions():
+            return rolling.a, rolling.frames[0][1:]
+        bushing = self.bushing_definition()
+        return None if bushing is None else (bushing.a, bushing.frames[0][1:])
+
     @abstractmethod
     def check(self) -> None:
         """Raise ``ValueError`` if the connection is invalid."""

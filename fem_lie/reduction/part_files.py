@@ -105,7 +105,7 @@ def recover_full_motion(result: Result, *bodies: ReducedOrderBody) -> Result:
         frames.append(H)
         twists.append(v)
         at += H.shape[1]
-    joints = tuple(replace(j, node=int(node_of[j.node])) for j in result.info.joints)
+    joints = tuple(joint.renumbered(node_of) for joint in result.info.joints)
     old = result.info.supports
     supports = SupportInfo(node_of[old.at], node_of[old.nodes], old.rows)
     catalogue = replace(result.info, bodies=tuple(infos), joints=joints, supports=supports)

@@ -336,6 +336,9 @@ def _write_joint(group: Any, joint: JointInfo) -> None:
     group.attrs.update({"node": joint.node, "first": joint.first})
     group["coordinates"] = list(joint.coordinates) or np.empty(0, dtype="S1")
     group["offset"] = joint.offset
+    if joint.axes is not None:
+        group["axes"] = joint.axes
+        group.attrs["side"] = joint.side
 
 
 def _read_joint(group: Any) -> JointInfo:
@@ -346,4 +349,6 @@ def _read_joint(group: Any) -> JointInfo:
         offset=group["offset"][()],
         coordinates=tuple(name.decode() for name in group["coordinates"][()]),
         first=int(group.attrs["first"]),
+        side=int(group.attrs.get("side", -1)),
+        axes=group["axes"][()] if "axes" in group else None,
     )

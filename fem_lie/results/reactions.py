@@ -1,4 +1,4 @@
-"""Reactions: forces and moments of clamps, supports of bodies and prescribed motions.
+"""Reactions of clamps, supports of bodies and prescribed motions, and axes of joint forces.
 
 Reactions are the residuals of the equations of motion, or of equilibrium, at constrained degrees of
 freedom. A prescribed motion is a joint to a moving frame; its reaction is the force of that joint.
@@ -17,6 +17,8 @@ from fem_lie.scene.supports import Clamp, PrescribedMotion
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from fem_lie.joints.connection import Connection
 
 Support = Clamp | PrescribedMotion | Point | str
 
@@ -62,6 +64,33 @@ def reaction(
             total += wrench
             total[:, 3:] += np.cross(arm, wrench[:, :3])
     return total
+
+
+def joint_axes(joint: Connection | str, info: SceneInfo, frames: Array) -> Array:
+    """Axes of the force of a joint as rows, global components, shape (k, 3, 3).
+
+    Args:
+        joint: A joint of the scene, or its name.
+        info: Bodies and joints.
+        frames: Frames of all nodes in k states, shape (k, N, 4, 3).
+
+    Raises:
+        ValueError: There is no such joint, or its axes are not known: it slides along a beam, or it
+            is on an attachment and only its name is given.
+    """
+    known = info.joints[info.joint(joint)]
+    if known.axes is not None:
+        R = np.eye(3) if known.side < 0 else frames[:, known.side, 1:]
+        return np.broadcast_to(known.axes @ R, (len(frames), 3, 3))
+    side = None if isinstance(joint, str) else joint.force_side
+    if side is None:
+        raise ValueError(
+            f"joint_force: the axes of the force of {known.kind} {known.name!r} are not in the "
+            "results, as they follow an attachment or a section along which it slides; expected "
+            "axes='joint', or, for an attachment, the joint itself instead of its name"
+        )
+    point, axes = side
+    return np.asarray(axes @ point.frame[1:].T @ info.frame(point, frames)[:, 1:])
 
 
 def _point(support: Support) -> Point | str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol, SupportsIndex
+from typing import TYPE_CHECKING, Literal, Protocol, SupportsIndex
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from fem_lie.pictures.vtk import ForcesInBeam, forces_in_cells
 from fem_lie.results.files.functions import NodalFields
 from fem_lie.results.files.tables import WRENCH, Columns, components
 from fem_lie.results.files.written import Written, rotation_vectors
-from fem_lie.results.reactions import Support, reaction
+from fem_lie.results.reactions import Support, joint_axes, reaction
 
 if TYPE_CHECKING:
     from dolfinx import fem
@@ -200,19 +200,30 @@ class StateSeries(Summarised, Displaced, Written):
         """Number of linear solutions in all accepted steps."""
         return int(self.iterations[-1]) if len(self.iterations) else 0
 
-    def joint_force(self, joint: Connection | str) -> Array:
-        """Force and moment of a joint on its point ``a``, in its axes there, shape (k, 6).
+    def joint_force(
+        self, joint: Connection | str, axes: Literal["joint", "global"] = "joint"
+    ) -> Array:
+        """Force and moment of a joint on its point ``a``, shape (k, 6).
 
-        The moment is about the joint; the opposite of both acts on ``b``. The axes e₁, e₂, e₃
-        rotate with ``a``; at the start they are the last three rows of ``joint.frame()``.
+        The moment is about the joint; the opposite of both acts on ``b``.
 
         Args:
             joint: A joint of the scene, or its name.
+            axes: Axes of the components: ``"joint"``, e₁, e₂, e₃ of the joint, which rotate with
+                ``a`` and at the start are the last three rows of ``joint.frame()``; or
+                ``"global"``.
 
         Raises:
-            ValueError: There is no such joint.
+            ValueError: There is no such joint, or its axes in space are not known: it slides along
+                a beam, or it is on a body without nodal frames and only its name is given.
         """
-        return np.asarray(self.joint_forces[:, self.info.joint(joint)])
+        if axes not in ("joint", "global"):
+            raise ValueError(f"joint_force: axes: expected 'joint' or 'global', got {shown(axes)}")
+        wrench = np.asarray(self.joint_forces[:, self.info.joint(joint)])
+        if axes == "joint":
+            return wrench
+        A = joint_axes(joint, self.info, self.frames)
+        return np.einsum("kpi,kij->kpj", wrench.reshape(-1, 2, 3), A).reshape(-1, 6)
 
     def reaction(self, *supports: Support) -> Array:
         """Force and moment of a clamp, roller or prescribed motion, or of several together, (k, 6).

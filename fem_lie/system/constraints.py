@@ -23,6 +23,7 @@ from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
     HistoryKey,
     Numbered,
+    Place,
     SystemFrames,
     Targets,
 )
@@ -429,22 +430,27 @@ class Connections:
 
     def info(self) -> tuple[JointInfo, ...]:
         """Names, types and coordinates for results, in the numbering of all nodes."""
-        drawn: dict[int, tuple[int, Array]] = {}
+        found: dict[int, Place] = {}
         for each in reversed(self.sets):
-            drawn |= each.drawn()
-        return tuple(self._info(k, *drawn[k]) for k in range(len(self.items)))
+            found |= each.places()
+        return tuple(self._info(k, found[k]) for k in range(len(self.items)))
 
-    def _info(self, k: int, row: int, offset: Array) -> JointInfo:
-        """Record of item k, drawn at a position in the frame of a row."""
+    def _info(self, k: int, place: Place) -> JointInfo:
+        """Record of item k at its place."""
         item, masters = self.items[k], self._numbering.master_map.masters
-        moves = row < len(masters)
+        node, side = (
+            int(masters[row]) if row is not None and row < len(masters) else -1
+            for row in (place.row, place.side)
+        )
         return JointInfo(
             name=item.label,
             kind="PrescribedMotion" if isinstance(item, _Carried) else type(item).__name__,
-            node=int(masters[row]) if moves else -1,
-            offset=offset if moves else np.zeros(3),
+            node=node,
+            offset=place.offset if node >= 0 else np.zeros(3),
             coordinates=item.coordinate_names,
             first=int(self._coordinates[k]),
+            side=side,
+            axes=None if place.side is None else place.axes,
         )
 
 

@@ -462,8 +462,8 @@ class ConstraintSet(ABC):
         return  # most items have none
 
     @abstractmethod
-    def drawn(self) -> dict[int, tuple[int, Array]]:
-        """Row at which each item is drawn, by item number, and position in its frame."""
+    def places(self) -> dict[int, Place]:
+        """Where each item is drawn, and the axes of its force, by item number."""
 
     @property
     @abstractmethod
@@ -471,21 +471,41 @@ class ConstraintSet(ABC):
         """Whether there are dampers, or connections to ground or prescribed motions."""
 
 
-def drawn_at(
-    items: Indices, nodes: Indices, frames: Array, count: int
-) -> dict[int, tuple[int, Array]]:
-    """Position on side A of each item, or on side B if A is ground.
+class Place(NamedTuple):
+    """Where an item is drawn, and the axes of the force that results report.
+
+    Attributes:
+        row: Row of the frame with which it is drawn.
+        offset: Its position in that frame, shape (3,).
+        side: Row of the frame with which the axes of the force rotate; ``None`` if no row does, as
+            on an attachment or where a frame slides.
+        axes: These axes as rows, in the frame of ``side``, shape (3, 3).
+    """
+
+    row: int
+    offset: Array
+    side: int | None
+    axes: Array
+
+
+def places(
+    items: Indices, nodes: Indices, frames: Array, count: int, sides: Indices | None = None
+) -> dict[int, Place]:
+    """Position on side A of each item, or on side B if A is ground, and axes of its force.
 
     Args:
         items: Numbers of the items, shape (k,).
         nodes: Rows of the frames of both sides, shape (k, 2).
         frames: Frames of both sides in those, shape (k, 2, 4, 3).
         count: Number of moving rows.
+        sides: Side in whose axes the force is, 0 or 1, shape (k,); without it 0.
     """
-    side = (nodes[:, 0] >= count).astype(np.int64)
-    which = np.arange(len(side))
-    found = zip(items, nodes[which, side], frames[which, side, 0], strict=True)
-    return {int(item): (int(node), offset) for item, node, offset in found}
+    drawn = (nodes[:, 0] >= count).astype(np.int64)
+    own = np.zeros_like(drawn) if sides is None else sides
+    return {
+        int(item): Place(int(nodes[k, d]), frames[k, d, 0], int(nodes[k, s]), frames[k, s, 1:])
+        for k, (item, d, s) in enumerate(zip(items, drawn, own, strict=True))
+    }
 
 
 def stacked(parts: Sequence[Array], *shape: int) -> Array:

@@ -26,6 +26,7 @@ from fem_lie.system.constraint_sets.constraint_set import (
     HistoryKey,
     Means,
     Numbered,
+    Place,
     Start,
     SystemFrames,
 )
@@ -403,18 +404,23 @@ class OnAttachments(ConstraintSet):
         """Set the coordinates of its items in ``out``, shape (c,)."""
         self.inner.coordinates(self._inner_frames(H)[0], out)
 
-    def drawn(self) -> dict[int, tuple[int, Array]]:
+    def places(self) -> dict[int, Place]:
         """Positions of items; on an attachment relative to its nearest node at the start."""
         rows, found = self.constrained, {}
-        for item, (row, offset) in self.inner.drawn().items():
-            if row >= rows.count:
-                found[item] = (int(rows.fixed[row - rows.count]), offset)
-            elif row < len(rows.moving):
-                found[item] = (int(rows.moving[row]), offset)
-            else:
+        for item, (row, offset, side, axes) in self.inner.places().items():
+            at, force = self._outer(row), None if side is None else self._outer(side)
+            if at is None:
                 spot = rows.frames[row, 0] + offset @ rows.frames[row, 1:]
-                found[item] = self._attachments.nearest(row - len(rows.moving), spot)
+                at, offset = self._attachments.nearest(row - len(rows.moving), spot)
+            found[item] = Place(at, offset, force, axes)
         return found
+
+    def _outer(self, row: int) -> int | None:
+        """Row of the system of a row of :attr:`inner`; ``None`` for an attachment."""
+        rows = self.constrained
+        if row >= rows.count:
+            return int(rows.fixed[row - rows.count])
+        return int(rows.moving[row]) if row < len(rows.moving) else None
 
     @property
     def outward(self) -> bool:

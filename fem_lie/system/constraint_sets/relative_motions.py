@@ -21,8 +21,9 @@ from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
     HistoryKey,
     Numbered,
+    Place,
     Start,
-    drawn_at,
+    places,
     relative_frames,
     stacked,
 )
@@ -360,10 +361,10 @@ class RelativeMotions(ConstraintSet):
         terms.violations(H, self.probes, found)
         out[self.probed] = found
 
-    def drawn(self) -> dict[int, tuple[int, Array]]:
-        """Position on side A of each item, or on side B if A is ground."""
-        arrays, pairs = self.arrays, self.reported[0]
-        return drawn_at(self.tied, arrays.nodes[pairs], arrays.frames[pairs], self._count)
+    def places(self) -> dict[int, Place]:
+        """Position on side A of each item, or on side B if A is ground, and axes of its force."""
+        arrays, (pairs, sides) = self.arrays, self.reported
+        return places(self.tied, arrays.nodes[pairs], arrays.frames[pairs], self._count, sides)
 
     @property
     def outward(self) -> bool:

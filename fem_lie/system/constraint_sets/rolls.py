@@ -15,8 +15,9 @@ from fem_lie.system.constraint_sets.constraint_set import (
     ConstrainedFrames,
     ConstraintSet,
     Numbered,
+    Place,
     Start,
-    drawn_at,
+    places,
     relative_frames,
     stacked,
 )
@@ -91,9 +92,9 @@ class Rolls(ConstraintSet):
         """Add force and moment on side A of each item, in its axes there, to the rows of items."""
         rolling.wrenches(H, self.arrays, multipliers, self._items, out)
 
-    def drawn(self) -> dict[int, tuple[int, Array]]:
-        """Position on side A of each item, or on side B if A is ground."""
-        return drawn_at(self._items, self.arrays.nodes, self.arrays.frames, self._count)
+    def places(self) -> dict[int, Place]:
+        """Position on side A of each item, or on side B if A is ground, and axes of its force."""
+        return places(self._items, self.arrays.nodes, self.arrays.frames, self._count)
 
     @property
     def outward(self) -> bool:

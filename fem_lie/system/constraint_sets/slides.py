@@ -17,6 +17,7 @@ from fem_lie.system.constraint_sets.constraint_set import (
     ConstraintSet,
     HistoryKey,
     Numbered,
+    Place,
     Start,
     relative_frames,
     stacked,
@@ -137,10 +138,13 @@ class Slides(ConstraintSet):
         sliding.state(H, self.arrays, coordinates, np.zeros(self.own.stop))
         out[self._index] = coordinates
 
-    def drawn(self) -> dict[int, tuple[int, Array]]:
-        """Position of the sliding frame."""
+    def places(self) -> dict[int, Place]:
+        """Position of the sliding frame; the axes of its force are those of the section there."""
         found = zip(self._items, self.arrays.nodes, self.arrays.frames[:, 0], strict=True)
-        return {int(item): (int(node), np.asarray(offset)) for item, node, offset in found}
+        return {
+            int(item): Place(int(row), np.asarray(offset), None, np.eye(3))
+            for item, row, offset in found
+        }
 
     @property
     def outward(self) -> bool:
