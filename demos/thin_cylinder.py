@@ -14,7 +14,6 @@ import numpy as np
 from command_line import in_results, run
 from records import of_path
 from reference.compressed_cylinder import KOITER, MATERIAL, half_wave
-from rigid import box_inertia
 
 import fem_lie as fl
 
@@ -41,19 +40,14 @@ def cell(thickness: float, mesh: int, slimness: float = 1.0) -> fl.Scene:
         director=outward,
         name="wall",
     )
-    wall.symmetry("b=1", (0, 0, 1))
-    top = wall.points("b=1")
-    for point in top:
-        wall.model.held[point.node, 0] = (
-            False  # along the axis, which is e1 there: the ring holds it
-        )
+    top = wall.guided("b=1", (0, 0, 1))
     wall.symmetry("b=0", (0, 0, 1))
     wall.symmetry("a=0", (0, 1, 0))
     wall.symmetry("a=1", (-np.sin(width), np.cos(width), 0))
     scene = fl.Scene()
     scene.add(wall)
-    bar = box_inertia(1.0, np.array([0.05 * length, width, 0.05 * length]))  # for the picture only
-    press = scene.add(fl.RigidBody(1.0, bar, position(0.5, 1), name="press"))
+    edges = 0.05 * length, width, 0.05 * length  # for the picture only
+    press = scene.add(fl.RigidBody.box(1.0, edges, position(0.5, 1), name="press"))
     scene.add(fl.joints.Prismatic(fl.ground(), press.point("centre"), axis=(0, 0, 1)))
     for point in top:
         scene.add(

@@ -170,15 +170,15 @@ class ShellModel(BodyModel):
         self.supports[node] = np.vstack([known, free])
         held[:3] = np.arange(3) < len(known)
 
-    def bind(self, node: int, normal: Array) -> None:
-        """Rotate the frame of a node and hold motions out of the plane, drilling included.
+    def hold_rotations(self, node: int, normal: Array) -> None:
+        """Rotate the frame of a node and hold rotations out of a plane, and the drilling rotation.
 
         Args:
             node: Number of the node.
-            normal: Unit normal of the plane of symmetry, global components, shape (3,).
+            normal: Unit normal of the plane, perpendicular to the director, shape (3,).
 
         Raises:
-            ValueError: The node is on a plane of symmetry that is not perpendicular.
+            ValueError: The node is on another such plane that is not perpendicular.
         """
         H, held = self.frames[node], self.held[node]
         if held.all():
@@ -194,10 +194,14 @@ class ShellModel(BodyModel):
             H[1] = e1 / np.linalg.norm(e1)
             H[2] = np.cross(H[3], H[1])
         held[tilt] = held[5] = True
+
+    def hold_normal(self, node: int, normal: Array) -> None:
+        """Hold the translation of a node along the normal of :meth:`hold_rotations`."""
+        H, held = self.frames[node], self.held[node]
         if np.isfinite(self.supports[node, 0, 0]):
             self.hold_along(node, normal)
         else:
-            held[4 - tilt] = True
+            held[int(np.abs(H[1:3] @ normal).argmax())] = True
 
     def has_drilling(self, holds: Sequence[HeldRotation] = ()) -> bool:
         """Whether nodes have a drilling rotation, given the rotations that joints and loads need.

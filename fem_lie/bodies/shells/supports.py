@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import direction
+from fem_lie._arrays import Array, Indices, direction
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.shells.model import ShellModel
 
@@ -68,7 +68,36 @@ class SupportedSurface(Body):
                 director is not in that plane, or a node is on planes that are not perpendicular to
                 each other.
         """
-        nodes, n = self.nodes(name), direction(normal, f"the normal of symmetry {name!r}")
+        nodes, n = self._in_plane(name, normal, "symmetry")
+        for node in nodes:
+            self.model.hold_rotations(int(node), n)
+            self.model.hold_normal(int(node), n)
+        return self.points(name)
+
+    def guided(self, name: str, normal: npt.ArrayLike) -> list[Point]:
+        """Hold the rotations of :meth:`symmetry`, not the translation along the normal.
+
+        The nodes slide along the normal, each by itself; joints :class:`~fem_lie.joints.InPlane` to
+        a rigid body let them stay in one plane.
+
+        Args:
+            name: A named curve or group.
+            normal: Normal of the plane in which the nodes are at the start, global components.
+
+        Returns:
+            The points, for joints.
+
+        Raises:
+            ValueError: As for :meth:`symmetry`.
+        """
+        nodes, n = self._in_plane(name, normal, "guided")
+        for node in nodes:
+            self.model.hold_rotations(int(node), n)
+        return self.points(name)
+
+    def _in_plane(self, name: str, normal: npt.ArrayLike, what: str) -> tuple[Indices, Array]:
+        """Nodes that are in one plane with their directors, and the unit normal of the plane."""
+        nodes, n = self.nodes(name), direction(normal, f"the normal of {what} {name!r}")
         model = self.model
         all_sides = np.isin(model.masters, nodes)
         heights, tilts = model.frames[nodes, 0] @ n, model.frames[all_sides, 3] @ n
@@ -78,9 +107,7 @@ class SupportedSurface(Body):
                 f"positions vary by {np.ptp(heights):.2e} along it, directors by "
                 f"{np.abs(tilts).max():.2e}; give an exact director"
             )
-        for node in nodes:
-            self.model.bind(int(node), n)
-        return self.points(name)
+        return nodes, n
 
     def roller(self, name: str, normal: npt.ArrayLike) -> list[Point]:
         """Hold displacements along a direction fixed in space; directors stay free.

@@ -237,16 +237,41 @@ class HeldSurface(Body):
             ValueError: There is no such edge, it is not in a plane with that normal, or the
                 parameter lines that end on it are not normal to the plane.
         """
-        model, edge = self.model, self.model.edge(name)
-        n = direction(normal, f"the normal of symmetry {name!r}")
+        for point, axis in self._mirrored(name, normal, "symmetry"):
+            self.model.constraints(point, PLACE)[axis] = True
+        return self.points(name)
+
+    def guided(self, name: str, normal: npt.ArrayLike) -> list[Point]:
+        """Hold the slopes of :meth:`symmetry`, not the positions along the normal.
+
+        The points of the edge slide along the normal, each by itself; joints
+        :class:`~fem_lie.joints.InPlane` to a rigid body let them stay in one plane.
+
+        Args:
+            name: Name of the edge.
+            normal: Normal of the plane in which the edge is at the start, global components.
+
+        Returns:
+            The points, for joints.
+
+        Raises:
+            ValueError: As for :meth:`symmetry`.
+        """
+        self._mirrored(name, normal, "guided")
+        return self.points(name)
+
+    def _mirrored(self, name: str, normal: npt.ArrayLike, what: str) -> list[tuple[int, int]]:
+        """Hold slopes that a mirror image reverses; points, and the components along the normal."""
+        model, edge, found = self.model, self.model.edge(name), []
+        n = direction(normal, f"the normal of {what} {name!r}")
         model.check_symmetry(edge, n, name)
-        for point in edge.points:
-            axis = model.axis_along(int(point), n, name)
+        for point in map(int, edge.points):
+            axis = model.axis_along(point, n, name)
             others = np.arange(3) != axis
-            model.constraints(point, PLACE)[axis] = True
             model.constraints(point, ALONG_A + edge.along)[axis] = True
             model.constraints(point, ALONG_B - edge.along)[others] = True
             model.constraints(point, MIXED)[~others if model.has_thickness_director else others] = (
                 True
             )
-        return self.points(name)
+            found.append((point, axis))
+        return found
