@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 from command_line import in_results, run
 from reference.dominoes import Row
-from rigid import box_inertia
 
 import fem_lie as fl
 
@@ -35,9 +34,7 @@ def dominoes(count: int, floor_friction: float) -> tuple[fl.Scene, list[fl.Rigid
     bodies, surfaces = [], []
     for k in range(count):
         position = k * (ROW.spacing + ROW.thickness) - ROW.thickness / 2, 0, ROW.height / 2
-        body = scene.add(
-            fl.RigidBody(1.0, box_inertia(1.0, edges), position, name=f"domino {k + 1}")
-        )
+        body = scene.add(fl.RigidBody.box(1.0, edges, position, name=f"domino {k + 1}"))
         surfaces.append(fl.contact.Box(body.point("centre"), edges))
         scene.add(fl.contact.Contact(surfaces[-1], floor, fl.contact.Impact(floor_friction)))
         bodies.append(body)

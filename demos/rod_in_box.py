@@ -49,7 +49,7 @@ def rod_in_box(ends: str, law: Impact | Penalty) -> tuple[fl.Scene, fl.RigidBody
     moments = box_inertia(outer, OUTER) - box_inertia(inner, INNER)
     scene = fl.Scene()
     axes = axes_along(SECOND - FIRST)
-    rod = scene.add(fl.RigidBody(MASS, box_inertia(MASS, edges), middle, axes, name="rod"))
+    rod = scene.add(fl.RigidBody.box(MASS, edges, middle, axes, name="rod"))
     box = scene.add(fl.RigidBody(outer - inner, moments, CENTRE, name="box"))
     scene.add(fl.PointLoad(rod.point("centre"), (0, 0, -GRAVITY * MASS)))
     balls = Vertices([rod.point(FIRST), rod.point(SECOND)], SIDE / 2)

@@ -385,3 +385,55 @@ def test_rates_of_a_turning_frame_give_its_velocity():
     held[1, 5] = True
     local_twists(H, rates, turning_of(directors, held), found)
     np.testing.assert_allclose(found[1], v[1] * [1, 1, 1, 1, 1, 0], rtol=1e-12, atol=1e-12)
+
+
+def moments(points: np.ndarray, mass: float) -> np.ndarray:
+    """Inertia tensor about the origin of equal masses at points, shape (3, 3)."""
+    squares = np.einsum("ni,nj->ij", points, points) / len(points)
+    return mass * (np.trace(squares) * np.eye(3) - squares)
+
+
+def grid(n: int) -> np.ndarray:
+    """Middles of the n³ cells of the cube from -1 to 1."""
+    line = (2.0 * np.arange(n) + 1.0) / n - 1.0
+    return np.stack(np.meshgrid(line, line, line, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def tensor(body: fl.RigidBody) -> np.ndarray:
+    """Inertia tensor about the centre of mass, global axes."""
+    squares = body.model.mass_matrix[1:, 1:]
+    R = body.frames[0, 1:].T
+    return R @ (np.trace(squares) * np.eye(3) - squares) @ R.T
+
+
+def test_box_ball_and_cylinder_have_the_inertia_of_their_points():
+    cube, mass = grid(60), 3.0
+    edges, turn = np.array([0.3, 0.5, 0.9]), lie.so3_exp(np.array([0.3, -0.5, 0.2]))
+    box = fl.RigidBody.box(mass, edges, (1, 2, 3), turn)
+    np.testing.assert_allclose(tensor(box), moments(0.5 * edges * cube @ turn.T, mass), rtol=1e-3)
+    ball = fl.RigidBody.ball(mass, 0.7, (1, 2, 3))
+    inside = cube[np.linalg.norm(cube, axis=1) < 1.0]
+    np.testing.assert_allclose(tensor(ball), moments(0.7 * inside, mass), rtol=2e-3, atol=1e-12)
+    start, end = np.array([1.0, 0.0, 0.0]), np.array([1.0, 2.0, 1.0])
+    rod = fl.RigidBody.cylinder(mass, 0.4, start, end)
+    round_ = cube[np.linalg.norm(cube[:, 1:], axis=1) < 1.0]
+    half = 0.5 * np.linalg.norm(end - start)
+    placed = round_ * (half, 0.4, 0.4) @ rod.frames[0, 1:]
+    np.testing.assert_allclose(tensor(rod), moments(placed, mass), rtol=3e-3, atol=3e-3)
+    np.testing.assert_allclose(rod.frames[0, 0], 0.5 * (start + end))
+    np.testing.assert_allclose(rod.frames[0, 1], (end - start) / (2.0 * half))
+    assert np.linalg.det(rod.frames[0, 1:]) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: fl.RigidBody.box(1.0, (1, 0, 1)), "an edge"),
+        (lambda: fl.RigidBody.ball(1.0, -0.1), "radius"),
+        (lambda: fl.RigidBody.ball(0.0, 0.1), "mass"),
+        (lambda: fl.RigidBody.cylinder(1.0, 0.1, (1, 2, 3), (1, 2, 3)), "from start to end"),
+    ],
+)
+def test_bodies_that_cannot_be_are_refused(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array, numbers, rotation_matrix, vector
+from fem_lie._arrays import Array, direction, numbers, positive, rotation_matrix, vector
 from fem_lie.attachments.at_nodes import at_node
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.model import BodyModel, MaterialPoint
@@ -57,7 +57,8 @@ class RigidBody(Body):
     accurate for rotation about a fixed axis (docs/measured/groups.md).
 
     ``point("centre")`` is the centre of mass, ``point((x, y, z))`` the material point at a
-    position, with the axes of the body.
+    position, with the axes of the body. :meth:`box`, :meth:`ball` and :meth:`cylinder` know their
+    inertia.
 
     Example:
         >>> wheel = fl.RigidBody(2.0, (0.1, 0.1, 0.2), position=(1, 0, 0))
@@ -99,3 +100,92 @@ class RigidBody(Body):
         # radius of gyration: the only length that a rigid body has
         size = float(np.sqrt(np.trace(tensor) / mass))
         super().__init__(RigidBodyModel(frame, mass_matrix, size, type(self).__name__, name))
+
+    @classmethod
+    def box(
+        cls,
+        mass: float,
+        edges: npt.ArrayLike,
+        position: npt.ArrayLike = (0.0, 0.0, 0.0),
+        rotation: npt.ArrayLike | None = None,
+        *,
+        name: str = "",
+    ) -> RigidBody:
+        """Box of uniform density.
+
+        Args:
+            mass: Mass.
+            edges: Lengths of its edges along its axes, shape (3,).
+            position: Its centre, global components.
+            rotation: Its axes as columns, shape (3, 3); default: global axes.
+            name: Name in messages and results.
+
+        Raises:
+            ValueError: The mass or an edge is not positive, or ``rotation`` is not a rotation
+                matrix.
+        """
+        squares = np.array([positive(edge, "an edge") for edge in vector(edges, 3, "edges")]) ** 2
+        return cls(mass, mass / 12.0 * (squares.sum() - squares), position, rotation, name=name)
+
+    @classmethod
+    def ball(
+        cls,
+        mass: float,
+        radius: float,
+        position: npt.ArrayLike = (0.0, 0.0, 0.0),
+        rotation: npt.ArrayLike | None = None,
+        *,
+        name: str = "",
+    ) -> RigidBody:
+        """Ball of uniform density.
+
+        Args:
+            mass: Mass.
+            radius: Radius.
+            position: Its centre, global components.
+            rotation: Its axes as columns, shape (3, 3); default: global axes.
+            name: Name in messages and results.
+
+        Raises:
+            ValueError: Mass or radius is not positive, or ``rotation`` is not a rotation matrix.
+        """
+        moment = 0.4 * mass * positive(radius, "radius") ** 2
+        return cls(mass, (moment, moment, moment), position, rotation, name=name)
+
+    @classmethod
+    def cylinder(
+        cls,
+        mass: float,
+        radius: float,
+        start: npt.ArrayLike,
+        end: npt.ArrayLike,
+        *,
+        name: str = "",
+    ) -> RigidBody:
+        """Cylinder of uniform density: a rod, a shaft or, if it is short, a disc.
+
+        Its first axis e₁ points from ``start`` to ``end``.
+
+        Args:
+            mass: Mass.
+            radius: Radius.
+            start: Centre of the first face, global components.
+            end: Centre of the other face, global components.
+            name: Name in messages and results.
+
+        Raises:
+            ValueError: Mass or radius is not positive, or start and end coincide.
+
+        Example:
+            >>> rod = fl.RigidBody.cylinder(0.2, 0.01, start=(0, 0, 0), end=(1, 0, 0))
+            >>> hinge = fl.joints.Revolute(fl.ground(), rod.point((0, 0, 0)), axis=(0, 1, 0))
+            >>> hinge.frame()[0]
+            array([0., 0., 0.])
+        """
+        a, b = vector(start, 3, "start"), vector(end, 3, "end")
+        e1, r = direction(b - a, "the axis from start to end"), positive(radius, "radius")
+        e2 = np.cross(e1, np.eye(3)[np.abs(e1).argmin()])
+        e2 /= np.linalg.norm(e2)
+        across = mass * (r**2 / 4.0 + (b - a) @ (b - a) / 12.0)
+        R = np.column_stack([e1, e2, np.cross(e1, e2)])
+        return cls(mass, (mass * r**2 / 2.0, across, across), 0.5 * (a + b), R, name=name)
