@@ -26,11 +26,10 @@ Box = tuple[fl.contact.Box, tuple[float, float], int]
 
 def brick(scene: fl.Scene, length: float, x: float, row: int) -> Box:
     """A brick with its ends along the wall, and its row."""
-    edges = np.array([length, *BRICK[1:]])
-    mass, squares = DENSITY * edges.prod(), edges**2
-    moments = mass / 12 * (squares.sum() - squares)
-    body = scene.add(fl.RigidBody(mass, moments, (x, 0, (row + 0.5) * BRICK[2])))
-    box = fl.contact.Box(body.point("centre"), tuple(edges))
+    edges = length, *BRICK[1:]
+    mass = DENSITY * float(np.prod(edges))
+    body = scene.add(fl.RigidBody.box(mass, edges, (x, 0, (row + 0.5) * BRICK[2])))
+    box = fl.contact.Box(body.point("centre"), edges)
     return box, (x - 0.5 * length, x + 0.5 * length), row
 
 
@@ -52,9 +51,8 @@ def wall(rows: int, struck: bool = False) -> fl.Scene:
             if above == row + 1 and min(right, end) - max(left, start) > 0.01 * length:
                 scene.add(fl.contact.Contact(box, other, law))
     if struck:
-        moment = np.full(3, 0.4 * MASS * RADIUS**2)
         place = 0.5 * rows * length, -0.3, 0.6 * rows * BRICK[2]
-        body = scene.add(fl.RigidBody(MASS, moment, place))
+        body = scene.add(fl.RigidBody.ball(MASS, RADIUS, place))
         body.add_velocity((0, SPEED, 0))
         ball = fl.contact.Sphere(body.point("centre"), RADIUS)
         for surface in (*(box for box, _, _ in bricks), floor):
