@@ -186,6 +186,6 @@ class RigidBody(Body):
         e1, r = direction(b - a, "the axis from start to end"), positive(radius, "radius")
         e2 = np.cross(e1, np.eye(3)[np.abs(e1).argmin()])
         e2 /= np.linalg.norm(e2)
-        across = mass * (r**2 / 4.0 + (b - a) @ (b - a) / 12.0)
+        across = mass * (r**2 / 4.0 + float((b - a) @ (b - a)) / 12.0)
         R = np.column_stack([e1, e2, np.cross(e1, e2)])
         return cls(mass, (mass * r**2 / 2.0, across, across), 0.5 * (a + b), R, name=name)
