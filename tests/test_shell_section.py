@@ -72,6 +72,10 @@ def test_reference_surface(reference):
     [
         (lambda: fl.ShellSection.layer(0.0, STEEL), "thickness of a ply .* got 0.0"),
         (lambda: fl.ShellSection.layer(0.1, fl.Material(1.0, 0.5, 1.0)), "below 1/2, got 0.5"),
+        (
+            lambda: fl.sections.Ply(0.1, STEEL, np.radians(-45)),
+            "expected degrees, got .*-0.78.*, which are -45° in rad",
+        ),
         (lambda: fl.ShellSection.laminate([]), "at least one ply"),
         (
             lambda: fl.ShellSection.laminate([fl.sections.Ply(1, STEEL)], reference=1.5),

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, radians, sin
+from math import cos, pi, radians, sin
 
 import numpy as np
 
@@ -67,6 +67,10 @@ class Ply:
         thickness: Thickness, length.
         material: Isotropic or orthotropic material.
         angle: Angle from e₁ of the section to the fibres, about the director, in degrees.
+
+    Raises:
+        ValueError: The thickness is not positive, or the angle is a multiple of π/12, as only
+            angles in rad are.
     """
 
     thickness: float
@@ -75,7 +79,12 @@ class Ply:
 
     def __post_init__(self) -> None:
         positive(self.thickness, "thickness of a ply")
-        number(self.angle, "angle of a ply")
+        turns = number(self.angle, "angle of a ply") / (pi / 12.0)
+        if turns != 0.0 and abs(turns - round(turns)) < 1e-9 * abs(turns):
+            raise ValueError(
+                f"angle of a ply: expected degrees, got {self.angle!r}, which are "
+                f"{15 * round(turns)}° in rad"
+            )
         expected = "a Material or Orthotropic"
         instance(self.material, Material | Orthotropic, "material of a ply", expected)
 
