@@ -88,7 +88,7 @@ def block():
 
 
 def pendulum():
-    """A flexible double pendulum with a rigid body at its end; a spring and a law of a user."""
+    """A flexible double pendulum with a rigid body at its end; spring, friction, law of a user."""
     bar = fl.Section.rectangle(0.02, 0.02, fl.Material(E=5e8, nu=0.3, density=7800.0))
     upper = fl.Beam.straight((0, 0, 0), (1, 0, 0), bar, cells=4)
     lower = fl.Beam.straight((1, 0, 0), (2, 0, 0), bar, cells=4)
@@ -101,6 +101,7 @@ def pendulum():
     scene.add(fl.joints.Spring(knee.angle, stiffness=2.0, damping=0.1))
     law = fl.loads.compiled_law(lambda t, q, rate: 3.0 * np.sin(40.0 * t) + np.tanh(rate))
     scene.add(fl.loads.ForceLaw(knee.angle, law))
+    scene.add(fl.joints.JointFriction(knee, 0.3, stiction_speed=0.05, radius=0.03))
     scene.add(fl.joints.Spherical(lower.point("end"), ball.point("centre")))
     return scene, [upper.point(2), lower.point("end"), ball.point("centre")]
 

@@ -154,10 +154,37 @@ SETS = {
 every_set = pytest.mark.parametrize("name", SETS)
 
 
+def friction(beam):
+    """Joints with friction between a body, or a beam between its nodes, and three bodies."""
+
+    def build(scene):
+        others = [body(scene, (0.1 * k, 0.3, 0.1)).point("centre") for k in range(1, 4)]
+        first = rail(scene).point((0.42, 0, 0)) if beam else body(scene).point("centre")
+        law = {"coefficient": 0.2, "stiction_speed": 0.5, "static": 0.5, "stribeck_speed": 1.5}
+        bearing = {"radius": 0.3, "length": 0.4, "preload": 0.7}
+        kinds = fl.joints.Prismatic, fl.joints.Revolute, fl.joints.Cylindrical
+        for kind, other in zip(kinds, others, strict=True):
+            joint = scene.add(kind(first, other, at=HERE, axis=(0.2, 0.3, 1)))
+            more = {"collar": 0.2} if kind is fl.joints.Revolute else {}
+            scene.add(fl.joints.JointFriction(joint, **law, **bearing, **more))
+        if not beam:
+            joint = scene.add(fl.joints.Prismatic(fl.ground(), first, at=HERE, axis=(0, 1, 1)))
+            scene.add(fl.joints.JointFriction(joint, **law, **bearing))
+
+    return build
+
+
+WITH_FRICTION = {
+    "friction": (friction(False), JOINTS),
+    "friction on a beam": (friction(True), ON_ATTACHMENTS(JOINTS)),
+}
+"""Scenes whose forces depend on twists and multipliers."""
+
+
 @cache
 def system_of(name: str) -> System:
     scene = fl.Scene()
-    SETS[name][0](scene)
+    (SETS | WITH_FRICTION)[name][0](scene)
     return System(scene, dynamics=True)
 
 
@@ -166,7 +193,8 @@ class Case:
 
     def __init__(self, name: str, seed: int) -> None:
         rng, system = np.random.default_rng(seed), system_of(name)
-        (self.set,) = (each for each in system.connections.sets if each.what == SETS[name][1])
+        what = (SETS | WITH_FRICTION)[name][1]
+        (self.set,) = (each for each in system.connections.sets if each.what == what)
         self.n, self.incidences = system.count, system.connections.incidences
         self.start, self.m = self.set.start.row, system.m
         near = rng.normal(size=(self.n, 6)) * [0.02, 0.02, 0.02, 0.12, 0.12, 0.12]
@@ -272,7 +300,7 @@ def test_dampers_resist_velocities_and_take_what_they_lose(name, seed):
     moving, still = (case.forces(case.H, v)[0] for v in (case.v, np.zeros_like(case.v)))
     twists = case.v[: case.n].ravel()
     np.testing.assert_allclose(moving - still, C @ twists, atol=1e-11 * (1 + np.abs(C).max()))
-    loss = case.set.damper_loss(case.H, case.v[: case.n])
+    loss = case.set.damper_loss(case.H, case.v[: case.n], case.weights)
     np.testing.assert_allclose(loss, twists @ C @ twists, rtol=1e-11, atol=1e-13)
     assert (loss > 0.0) == ("joints" in name or "bushings" in name)
 
@@ -401,3 +429,42 @@ def test_half_a_turn_across_the_axis_closes_a_joint_and_is_refused(joint):
         np.testing.assert_allclose(violations, 0.0, atol=1e-15)
         with pytest.raises(LostBranchError, match="is half a turn away from where its axes are"):
             joints.check_branch(H)
+
+
+def differences(function, values):
+    """Derivatives of a function in all entries of an array."""
+    columns, h = [], 1e-6
+    for k in np.ndindex(values.shape):
+        ahead, behind = values.copy(), values.copy()
+        ahead[k], behind[k] = ahead[k] + h, behind[k] - h
+        columns.append((function(ahead) - function(behind)) / (2.0 * h))
+    return np.array(columns).T
+
+
+@pytest.mark.parametrize("name", WITH_FRICTION)
+@pytest.mark.parametrize("seed", range(3))
+def test_tangents_of_friction_are_derivatives_of_the_forces(name, seed):
+    case = Case(name, seed)
+    H, v, weights, n = case.H, case.v, case.weights, case.n
+    in_twists = case.stiffness(
+        lambda position, K: case.set.add_friction(H, v, weights, position, 2.0, K)
+    )
+    exact = differences(lambda u: case.forces(H, np.concatenate([u, v[n:]]))[0], v[:n])
+    np.testing.assert_allclose(in_twists, 2.0 * exact, atol=1e-7)
+    found = np.zeros((len(case.incidences.nodes), 6))
+    case.set.add_friction_columns(H, v, weights, found)
+    columns = np.zeros((case.m, n, 6))
+    columns[case.incidences.rows, case.incidences.nodes] = found
+    in_multipliers = case.jacobian() + columns.reshape(case.m, -1)[case.own]
+    exact = differences(lambda given: case.forces(H, v, given)[0], weights)
+    np.testing.assert_allclose(in_multipliers.T, exact[:, case.own], atol=1e-7)
+    assert np.abs(in_twists).max() > 0.1 and np.abs(found).max() > 0.1
+
+
+@pytest.mark.parametrize("name", WITH_FRICTION)
+def test_friction_dissipates_the_power_of_its_forces(name):
+    case = Case(name, 5)
+    forces, still = (case.forces(case.H, v)[0] for v in (case.v, 0.0 * case.v))
+    loss = case.set.damper_loss(case.H, case.v[: case.n], case.weights)
+    assert loss > 0.1
+    np.testing.assert_allclose(loss, (forces - still) @ case.v[: case.n].ravel(), rtol=1e-11)

@@ -8,7 +8,8 @@ if TYPE_CHECKING:
     from fem_lie.events.limit import Limit
     from fem_lie.joints.bushing import Bushing
     from fem_lie.joints.connection import Connection, Coordinate
-    from fem_lie.joints.joint import Joint
+    from fem_lie.joints.friction import JointFriction
+    from fem_lie.joints.joint import Joint, RedundantConstraints
     from fem_lie.joints.kinds import (
         Cylindrical,
         Distance,
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
         Spherical,
         Universal,
     )
-    from fem_lie.joints.redundant import RedundantConstraints
     from fem_lie.joints.rigid_link import RigidLink
     from fem_lie.joints.rolling import KnifeEdge, RollingDisc
     from fem_lie.joints.sliding import Collar, Sleeve, Sliding
@@ -41,6 +41,7 @@ __all__ = [
     "Gear",
     "InPlane",
     "Joint",
+    "JointFriction",
     "KnifeEdge",
     "Limit",
     "Planar",

@@ -126,6 +126,18 @@ class BushingDefinition(NamedTuple):
     damping: Array
 
 
+class FrictionDefinition(NamedTuple):
+    """Definition of friction in a joint, see :mod:`~.equations.friction`.
+
+    Attributes:
+        joint: The joint whose constraint forces press its surfaces together.
+        data: Numbers of the law, shape (9,).
+    """
+
+    joint: Connection
+    data: Array
+
+
 class Bounds(NamedTuple):
     """Range of a coordinate in which its constraint does not act.
 
@@ -197,8 +209,13 @@ class Connection(ABC):
         return None
 
     @property
+    def friction(self) -> FrictionDefinition | None:
+        """Friction that its spring terms are, ``None``: they are not."""
+        return None
+
+    @property
     def fingerprint(self) -> Array | None:
-        """Numbers that differ if its force law or its limits do; ``None``: it has neither."""
+        """Numbers that differ if its force law, friction or limits do; ``None``: it has none."""
         return None
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import ClassVar
 
 import numpy as np
@@ -20,6 +21,19 @@ _COINCIDENT = 1e-9
 
 TURN = rows({6: 1.0, 4: -1.0}, {3: 1.0, 7: 1.0})
 """Sine and cosine, times 1 + Q₃₃, of the rotation about the axis: Q₂₁ − Q₁₂, Q₁₁ + Q₂₂."""
+
+
+class RedundantConstraints(Enum):
+    """Treatment of redundant constraints, which follow from other constraints.
+
+    ``REFUSE``: an error that names them. ``MINIMUM_NORM``: the solver keeps all of them; results
+    report the joint forces with the least sum of squares, moments divided by the length of the
+    model, among all that cause the same motion. Rigid-body mechanics does not determine these
+    forces.
+    """
+
+    REFUSE = "refuse"
+    MINIMUM_NORM = "minimum norm"
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices, diameter
 from fem_lie.bodies.body import Body
-from fem_lie.joints.redundant import RedundantConstraints
+from fem_lie.joints.joint import RedundantConstraints
 from fem_lie.parts.partition import Partition, partition
 from fem_lie.parts.references import Restricted
 from fem_lie.ranks.together import several

@@ -21,8 +21,7 @@ from fem_lie.events.controller import Controller
 from fem_lie.events.event import Event
 from fem_lie.events.sensor import Sensor
 from fem_lie.joints.connection import Connection
-from fem_lie.joints.joint import Joint
-from fem_lie.joints.redundant import RedundantConstraints
+from fem_lie.joints.joint import Joint, RedundantConstraints
 from fem_lie.joints.rigid_link import RigidLink
 from fem_lie.joints.springs import Drive
 from fem_lie.pictures.bodies import draw

@@ -14,6 +14,7 @@ from fem_lie.bodies.body import Point
 from fem_lie.bodies.catalogue import JointInfo
 from fem_lie.joints.connection import Connection
 from fem_lie.joints.equations.joint_arrays import JointArrays, PackedJoints
+from fem_lie.joints.joint import RedundantConstraints
 from fem_lie.joints.kinds import Fixed
 from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.linear.saddle_point import Incidences
@@ -42,6 +43,29 @@ class _Carried(Fixed):
         return self.a.frame
 
 
+def _check_friction(scene: Scene) -> None:
+    """Raise ``ValueError`` if forces of a joint with friction are not unique, or may be switched.
+
+    Raises:
+        ValueError: The message names the friction.
+    """
+    for item in scene.connections:
+        friction = item.friction
+        if friction is None:
+            continue
+        if scene.redundant is RedundantConstraints.MINIMUM_NORM:
+            raise ValueError(
+                f"{item.label}: redundant constraints leave the forces of joints open, on which "
+                "friction depends; expected a scene without redundant=..., such as with joints "
+                "that constrain less"
+            )
+        if friction.joint in scene.switched:
+            raise ValueError(
+                f"{item.label}: an event switches {friction.joint.label}, which has friction; "
+                "switch the friction by fl.schemes.Scale and hold the joint by a Drive instead"
+            )
+
+
 class Connections:
     """All sets of constraints of a system.
 
@@ -64,6 +88,7 @@ class Connections:
             frames: Initial frames of moving nodes, ground and prescribed motions.
             held: Unknowns of the moving nodes that are zero, shape (n, 6).
         """
+        _check_friction(scene)
         self._numbering = numbering
         motions = [
             _Carried(motion.point, Point(None), name=f"motion of {motion.point.label}")
@@ -177,7 +202,7 @@ class Connections:
         r, scale = np.zeros(6 * rows + self.m), np.ones(self.m)
         for each in self.sets:
             each.evaluate(H, v, multipliers, scale, rows, r)
-        loss = sum(each.damper_loss(H, v) for each in self.sets)
+        loss = sum(each.damper_loss(H, v, multipliers) for each in self.sets)
         return r[6 * free : 6 * rows].reshape(-1, 6), float(loss)
 
     @property
@@ -240,6 +265,11 @@ class Connections:
     def has_laws(self) -> bool:
         """Whether there are force laws."""
         return any(item.force_law is not None for item in self.items)
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether joints have friction."""
+        return any(item.friction is not None for item in self.items)
 
     @property
     def laws_depend_on_time(self) -> bool:

@@ -166,7 +166,7 @@ def look(
     if joined:
         table = joint_arrays(joints)
         terms.reactions(H, v, table, multipliers, wrenches)
-        row[LOSS] += terms.damper_loss(H, v, table) if len(table.springs) > 0 else 0.0
+        row[LOSS] += terms.damper_loss(H, v, table, multipliers) if len(table.springs) > 0 else 0.0
         add_local(np.zeros(rows - n, dtype=np.int64), H[n:], wrenches, REACTIONS, 1.0, row)
 
 

@@ -103,6 +103,7 @@ def linearised(
     ad = lie.se3_ad(v)[tangent.kkt.indices]
     K = tangent.parts.K + tangent.A @ ad
     tangent.add_viscosity(H, v, 1.0, lambda _, viscosity: not viscosity.in_space)
+    tangent.add_friction(H, v, multipliers, 1.0)
     return M, tangent.A + M @ ad, K
 
 

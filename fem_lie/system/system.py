@@ -16,7 +16,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.model import MassMatrix
-from fem_lie.joints.redundant import RedundantConstraints
+from fem_lie.joints.joint import RedundantConstraints
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.redundancy import redundant_constraints
 from fem_lie.parts.part_scene import ScenePart
@@ -325,6 +325,7 @@ class System:
         tangent.add_terms(H, forces.own, whole if plan.without_low_rank else every, ends=plan.ends)
         if damping != 0.0:
             tangent.add_viscosity(H, v, damping)
+            tangent.add_friction(H, v, multipliers, damping)
         if plan.matrix_terms.geometric:
             tangent.add_geometric(H, multipliers)
         self.follow_motion(forces)

@@ -60,6 +60,7 @@ class Tangent:
         vectors: Grouping of constraints into vectors.
         parts: ``A``, derivatives in corrections of the nodal increments, and ``K``, derivatives in
             the twists ``h`` of the nodal frames, blocks of ``kkt``.
+        friction_columns: Derivatives of friction in multipliers, one row of six per incidence.
         domain: Subdomain of this rank, if the scene is divided.
     """
 
@@ -148,10 +149,12 @@ class Tangent:
             for term, at in zip(self._terms, indices, strict=False)
         ]
         sets = self._connections.sets
-        self._sets = [(each, in_K(block_index(*self._pairs_of(each)))) for each in sets]
+        of_sets = (block_index(*self._pairs_of(each)) for each in sets)
+        self._sets = [(each, in_K(at), at) for each, at in zip(sets, of_sets, strict=True)]
         self._averages = Averages(sets) if self._splits else Averages([])
         self._nodes = np.concatenate([self._incidences.nodes, self._averages.nodes])
         self._rows = np.zeros((len(self._nodes), 6))
+        self.friction_columns = np.zeros_like(self._rows)
         self.supports.find_constraints(self._nodes)
         self.supports.find(self.kkt.indptr, self.kkt.indices)
         self._filled = False  # whether the KKT contains A
@@ -262,6 +265,7 @@ class Tangent:
         """Set all blocks to zero, with the current node pairs of terms."""
         self._couple()
         self.parts.blocks[:] = 0.0
+        self.friction_columns[:] = 0.0
         self._averages.clear()
         self._filled = False
 
@@ -383,7 +387,7 @@ class Tangent:
 
         That of joints includes springs, drives and gears.
         """
-        for each, index in self._sets:
+        for each, index, _ in self._sets:
             each.geometric(H, multipliers, index, self.parts.blocks)
         self._averages.take(H, multipliers)
         for term, index, _ in self._of_terms:
@@ -417,6 +421,21 @@ class Tangent:
                     add_at(self.parts.blocks, in_A, factor * by_twists)
                     if by_frames is not None:
                         add_at(self.parts.blocks, in_K, by_frames)
+
+    def add_friction(self, H: Array, v: Array, multipliers: Array, factor: float) -> None:
+        """Add derivatives of friction in joints in twists, times ``factor``, to ``A``.
+
+        Those in multipliers are added to the constraint block until :meth:`clear`.
+
+        Args:
+            H: Frames.
+            v: Twists.
+            multipliers: Lagrange multipliers, at which the normal forces are.
+            factor: ∂v/∂d.
+        """
+        for each, _, in_A in self._sets:
+            each.add_friction(H, v, multipliers, in_A, factor, self.parts.blocks)
+            each.add_friction_columns(H, v, multipliers, self.friction_columns)
 
     def add_turnings(self, forces: Array, nodes: Flags) -> None:
         """Add derivatives of forces that rotate with nodes to ``K``.
@@ -459,10 +478,11 @@ class Tangent:
         ahead = H if plan.joint_frames is None else plan.joint_frames
         scale = self.constraint_scale(ahead, plan.spread) if plan.scale is None else plan.scale
         self._put_constraints(ahead, self._rows)
+        columns, count = self._rows + self.friction_columns, len(self._incidences.nodes)
         if self.supports:
+            self.supports.rotate_constraints(ahead, columns)
             self.supports.rotate_constraints(ahead, self._rows)
-        rows = self._rows[: len(self._incidences.nodes)]
-        self.kkt.fill(self.A, rows, rows, scale, anew=not self._filled)
+        self.kkt.fill(self.A, columns[:count], self._rows[:count], scale, anew=not self._filled)
         self._filled = True
         return scale
 
@@ -487,6 +507,7 @@ class Tangent:
         columns, nodes = self._rows.copy(), self._nodes
         if plan.forces_at is not None:
             self._put_constraints(plan.forces_at, columns)
+        columns += self.friction_columns
         for rows in (columns, self._rows):
             self._averages.put(rows)
         if plan.lag is not None:

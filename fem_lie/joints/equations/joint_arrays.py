@@ -36,10 +36,12 @@ class JointArrays(NamedTuple):
         turned: Angle at the last accepted state, rad, shape (j,).
         targets: Prescribed values of the constraints, shape (m,).
         springs: Stiffness, damping and rest value, shape (k, 3). With a force law: factors of the
-            force and of its derivative in the rate, and the shift of the coordinate.
-        laws: Address of the force law of each spring, 0: none; first of its data and the end, shape
-            (k, 3). See :mod:`fem_lie.joints.equations.laws`.
-        data: Data of all force laws.
+            force and of its derivative in the rate, and the shift of the coordinate. With friction:
+            zero, the factor of its force, and zero.
+        laws: Address of the force law of each spring, 0: none; first of its data and the end; pair
+            of the joint whose friction it is, −1: none, and side of this pair with the bearing,
+            shape (k, 5). See :mod:`~fem_lie.joints.equations.laws` and :mod:`~.equations.friction`.
+        data: Data of all force laws and of friction.
         clock: Time at which force laws are evaluated, shape (1,).
     """
 
@@ -102,7 +104,7 @@ def views(packed: PackedJoints) -> JointArrays:
         x[turned:targets],
         x[targets:springs],
         x[springs:data].reshape(k, 3),
-        i[laws:].reshape(k, 3),
+        i[laws:].reshape(k, 5),
         x[data : x.shape[0] - 1],
         x[x.shape[0] - 1 :],
     )

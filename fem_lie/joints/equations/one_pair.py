@@ -1,4 +1,4 @@
-"""One pair of frames of a joint, compiled: relative motion, terms, their rates and forces.
+"""One pair of frames of a joint, compiled: relative motion, terms and their rates.
 
 :mod:`fem_lie.joints.equations.terms` sums over pairs.
 """
@@ -13,7 +13,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 from fem_lie._jit.copies import copy_vector
-from fem_lie.joints.equations import functions, laws
+from fem_lie.joints.equations import functions
 from fem_lie.joints.equations.joint_arrays import JointArrays
 from fem_lie.joints.equations.relative_motion import relative_motion, variation
 
@@ -107,37 +107,3 @@ def rate_of_term(v: Array, arrays: JointArrays, j: int, t: int, z: Array) -> flo
     variation(z, twist[0], twist[1], dz)
     gradient(arrays, j, t, z, p)
     return float(p @ dz)
-
-
-@inlined
-def load(
-    v: Array,
-    arrays: JointArrays,
-    j: int,
-    z: Array,
-    f: Array,
-    multipliers: Array,
-    p: Array,
-    c: Array,
-) -> None:
-    """Generalised force ``p`` of pair j, conjugate to ``z``, and its factors ``c`` of gradients."""
-    m = len(arrays.targets)
-    p[:], c[:] = 0.0, 0.0
-    for t in range(arrays.first[j], arrays.first[j + 1]):
-        row = arrays.rows[t]
-        if row < m:
-            multiplier = multipliers[row]
-        else:
-            k, damping, rest = arrays.springs[row - m]
-            q, rate = term(arrays, t, z, f), 0.0
-            if damping != 0.0:
-                rate = rate_of_term(v, arrays, j, t, z)
-            if arrays.laws[row - m, 0] != 0:
-                multiplier = laws.force(arrays, row - m, q, rate)
-            else:
-                multiplier = k * (q - rest) + damping * rate
-        for k in range(12):
-            p[k] += multiplier * arrays.selection[t, k]
-        for k in range(3):
-            c[k] += multiplier * arrays.functions[t, k]
-    functions.add_gradients(z, arrays.angle[j], c, p)

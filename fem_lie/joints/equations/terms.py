@@ -5,7 +5,7 @@ R_B``, joints constrain, drive, couple and load terms ``S z + Σ cₖ fₖ(z)``,
 constant selection ``S`` and the functions ``f`` of :mod:`fem_lie.joints.equations.functions`. The
 terms are invariant under rigid motion and, without functions, at most quadratic in positions and
 directors. A constraint ``Φ = 0`` is the sum of its terms minus a target; a spring with damper is a
-force ``k (q − q₀) + c q̇``, or a force law of ``(t, q, q̇)``, along its term ``q``.
+force ``k (q − q₀) + c q̇``, or a force law of ``(t, q, q̇)``, or friction, along its term ``q``.
 
 Nodes from ``count`` on do not move by themselves: ground and prescribed frames.
 """
@@ -16,14 +16,13 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, uncounted
+from fem_lie._jit import compiled, inlined, uncounted
 from fem_lie._jit.stack import stack, vector_at
-from fem_lie.joints.equations import functions, laws
+from fem_lie.joints.equations import friction, functions, laws
 from fem_lie.joints.equations.joint_arrays import JointArrays, PackedJoints, joint_arrays
 from fem_lie.joints.equations.one_pair import (
     WORKSPACE,
     gradient,
-    load,
     locate,
     rate_of_term,
     term,
@@ -31,6 +30,42 @@ from fem_lie.joints.equations.one_pair import (
     workspace,
 )
 from fem_lie.joints.equations.relative_motion import force, variation
+
+
+@inlined
+def load(
+    v: Array,
+    arrays: JointArrays,
+    j: int,
+    z: Array,
+    f: Array,
+    multipliers: Array,
+    p: Array,
+    c: Array,
+) -> None:
+    """Generalised force ``p`` of pair j, conjugate to ``z``, and its factors ``c`` of gradients."""
+    m = len(arrays.targets)
+    p[:], c[:] = 0.0, 0.0
+    for t in range(arrays.first[j], arrays.first[j + 1]):
+        row = arrays.rows[t]
+        if row < m:
+            multiplier = multipliers[row]
+        else:
+            k, damping, rest = arrays.springs[row - m]
+            q, rate = term(arrays, t, z, f), 0.0
+            if damping != 0.0:
+                rate = rate_of_term(v, arrays, j, t, z)
+            if arrays.laws[row - m, 0] != 0:
+                multiplier = laws.force(arrays, row - m, q, rate)
+            elif friction.of_spring(arrays, row - m):
+                multiplier = friction.force(v, arrays, j, t, z, multipliers)
+            else:
+                multiplier = k * (q - rest) + damping * rate
+        for k in range(12):
+            p[k] += multiplier * arrays.selection[t, k]
+        for k in range(3):
+            c[k] += multiplier * arrays.functions[t, k]
+    functions.add_gradients(z, arrays.angle[j], c, p)
 
 
 @uncounted
@@ -142,10 +177,10 @@ def spring_energy(H: Array, arrays: JointArrays) -> float:
 
 
 @compiled
-def damper_loss(H: Array, v: Array, arrays: JointArrays) -> float:
+def damper_loss(H: Array, v: Array, arrays: JointArrays, multipliers: Array) -> float:
     """Power ``c q̇²`` dissipated by all dampers at nodal twists ``v``.
 
-    Force laws without a potential contribute ``F q̇``.
+    Force laws without a potential and friction contribute ``F q̇``.
     """
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
     m, loss = len(arrays.targets), 0.0
@@ -156,6 +191,8 @@ def damper_loss(H: Array, v: Array, arrays: JointArrays) -> float:
                 spring, rate = arrays.rows[t] - m, rate_of_term(v, arrays, j, t, z)
                 if arrays.laws[spring, 0] != 0:
                     loss += laws.force(arrays, spring, term(arrays, t, z, f), rate) * rate
+                elif friction.of_spring(arrays, spring):
+                    loss += friction.force(v, arrays, j, t, z, multipliers) * rate
                 else:
                     loss += arrays.springs[spring, 1] * rate**2
     return loss
@@ -259,6 +296,7 @@ def add_springs(
     """Add ``(stiff k + damp c) bᵀb`` of springs and dampers, ``b = ∂q/∂h``, to blocks ``K``.
 
     ``k`` and ``c`` of a force law are its derivatives at the rates that follow from twists ``v``.
+    Friction has :func:`~fem_lie.joints.equations.friction.add_tangent`.
     """
     A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
     f, sides, b = np.zeros(3), np.empty((2, 6)), np.empty((2, 6))
@@ -268,6 +306,8 @@ def add_springs(
             if arrays.rows[t] < m:
                 continue
             spring = arrays.rows[t] - m
+            if friction.of_spring(arrays, spring):
+                continue
             k, c, _ = arrays.springs[spring]
             locate(H, arrays, j, A, B, z, f)
             if arrays.laws[spring, 0] != 0:

@@ -77,6 +77,7 @@ def refuse_scene(equations: Equations) -> None:
     ]
     reasons = {
         "force laws without a potential (ForceLaw)": unknowns.laws_without_potential,
+        "friction in joints (JointFriction)": unknowns.joint_friction,
         f"springs of {', '.join(springs)}": bool(springs),
         "supports along axes fixed in space (Shell.roller)": bool(equations.supports),
         "joints that need the rotation of a cable's end or of a node without axes "

@@ -379,6 +379,7 @@ def _refuse(equations: Equations) -> None:
     dampers = bool(np.any(joint_arrays(arrays.joints).springs[:, 1] != 0.0))
     reasons = {
         "force laws without a potential (ForceLaw)": unknowns.laws_without_potential,
+        "friction in joints (JointFriction)": unknowns.joint_friction,
         "velocity constraints (KnifeEdge, RollingDisc), whose motion makes no action stationary": (
             unknowns.of_velocities > 0
         ),

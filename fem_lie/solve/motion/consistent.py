@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 _LARGEST = 1e150  # the square of a larger number overflows
 
+_MOST_SWEEPS, _ROUND_OFF = 50, 1e-15
+"""Largest number of solutions with friction in joints, and corrections over the first that end."""
+
 
 def check_velocities(equations: Equations, step: float) -> None:
     """Check the initial velocities of the bodies against clamps and joints.
@@ -113,7 +116,8 @@ def accelerations(
 
     They are solved with ``M + h² K/4``, so that modes that the step size does not resolve do not
     take part. For the others this is an error of order ``h²``; each further sweep, with the
-    remaining residual, gains two orders.
+    remaining residual, gains two orders. Friction in joints depends on the multipliers; sweeps then
+    go on until these no longer change.
 
     Args:
         equations: Equations of the scene; their matrix and loads are overwritten.
@@ -122,7 +126,7 @@ def accelerations(
         v: Local velocities of all nodes; those of prescribed motions are computed here.
         time: The time.
         step: Step ``h`` of the difference quotients of prescribed motions.
-        sweeps: Number of solutions.
+        sweeps: Number of solutions, without friction in joints.
 
     Returns:
         Accelerations (n, 6) and multipliers (m,).
@@ -141,18 +145,19 @@ def accelerations(
     guided = equations.supports.nodes
     rate[guided, :3] = -np.cross(v[guided, 3:], v[guided, :3])
     start = _AtStart(equations, solver, (H, v, rate), prescribed.target_rates[1], step)
-    iterate(start, sweeps, FROZEN)
+    iterate(start, _MOST_SWEEPS if start.nonlinear else sweeps, FROZEN)
     return rate[:n], start.multipliers
 
 
 class _AtStart(Iterated):
     """Equations for accelerations and multipliers at given frames and velocities.
 
-    The equations are linear, but the matrix is that of a step: each further iteration reduces the
-    remaining residual.
+    Without friction the equations are linear, but the matrix is that of a step: each further
+    iteration reduces the remaining residual.
 
     Attributes:
         multipliers: Lagrange multipliers, shape (m,).
+        nonlinear: Whether forces depend on them, by friction in joints.
     """
 
     def __init__(
@@ -169,6 +174,7 @@ class _AtStart(Iterated):
         self._constraints = equations.constraints(self._H)
         _, self._second = self._constraints.rates(self._v)
         self._scale: Array | None = None
+        self.nonlinear, self._first = equations.unknowns.joint_friction, 0.0
 
     @property
     def missing(self) -> bool:
@@ -202,10 +208,13 @@ class _AtStart(Iterated):
         self._equations.supports.rotate_back(self._H, nodes)
         self._rate[:n] -= nodes
         self.multipliers -= self._scale * found[6 * n :]
-        return float(np.abs(found).max(initial=0.0))
+        size = float(np.abs(found).max(initial=0.0))
+        self._first = self._first or size
+        return size
 
     def judge(self, size: float) -> Verdict:
-        return Verdict.GOES_ON
+        ends = self.nonlinear and size <= _ROUND_OFF * self._first
+        return Verdict.CONVERGED if ends else Verdict.GOES_ON
 
 
 @contextmanager

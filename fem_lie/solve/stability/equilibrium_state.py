@@ -13,7 +13,7 @@ terms.
 from __future__ import annotations
 
 from fem_lie._arrays import instance
-from fem_lie.joints.redundant import RedundantConstraints
+from fem_lie.joints.joint import RedundantConstraints
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.parts.part_scene import ScenePart
 from fem_lie.results.equilibrium import StaticResult

@@ -374,6 +374,7 @@ def _refuse(scene: Scene) -> None:
         for each in (*scene.joints, *scene.connections)
         if each.sliding_definition() is not None
     ]
+    friction = [each.label for each in scene.connections if each.friction is not None]
     contacts = [c.label for c in scene.contacts if c.law.impulsive or c.law.friction > 0.0]
     reasons = {
         "flexible bodies, whose frequencies no explicit step resolves": flexible,
@@ -383,6 +384,7 @@ def _refuse(scene: Scene) -> None:
         "clamps (join the body to ground by Fixed)": [c.point.label for c in scene.clamps],
         "prescribed motions": [motion.point.label for motion in scene.motions],
         "contact with impacts or friction": contacts,
+        "friction by forces of joints, which it eliminates": friction,
     }
     refuse("MuntheKaas", {f"{what} ({found[0]})": True for what, found in reasons.items() if found})
 

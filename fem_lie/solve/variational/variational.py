@@ -128,6 +128,7 @@ def _refuse(equations: Equations) -> None:
     unknowns = equations.unknowns
     reasons = {
         "force laws without a potential (ForceLaw)": unknowns.laws_without_potential,
+        "friction in joints (JointFriction)": unknowns.joint_friction,
         "velocity constraints (KnifeEdge, RollingDisc), whose motion makes no action stationary": (
             unknowns.of_velocities > 0
         ),

@@ -21,9 +21,6 @@ from fem_lie.system.constraint_sets.relative_motions import RelativeMotions
 from fem_lie.system.nodes.held_attachments import HeldAttachments
 from fem_lie.system.nodes.numbering import Numbering
 
-_OF_DATA: Indices = np.array([0, 1, 1])
-"""Columns of laws that number their data."""
-
 _NO_ARM = 1e-9
 """Smallest moment arm of a point, over the extent of a scene."""
 
@@ -121,6 +118,7 @@ def _joined(tables: Sequence[JointArrays], rows: Sequence[Indices]) -> JointArra
         )
     }
     data = np.cumsum([0, *(len(table.data) for table in tables)])
+    pairs = np.cumsum([0, *(len(table.nodes) for table in tables)])
     return JointArrays(
         nodes=np.concatenate([numbers[table.nodes] for table, numbers in own]),
         first=np.concatenate(first),
@@ -128,11 +126,17 @@ def _joined(tables: Sequence[JointArrays], rows: Sequence[Indices]) -> JointArra
         incidences=np.full((terms, 2), -1, dtype=np.int64),
         targets=np.zeros(m),
         laws=np.concatenate(
-            [table.laws + at * _OF_DATA for table, at in zip(tables, data, strict=False)]
+            [_moved(table.laws, *at) for table, *at in zip(tables, data, pairs, strict=False)]
         ),
         clock=np.zeros(1),
         **joined,
     )
+
+
+def _moved(laws: Indices, data: int, pair: int) -> Indices:
+    """Laws (k, 5) after more ``data`` and pairs."""
+    joints = np.where(laws[:, 3] >= 0, laws[:, 3] + pair, -1)
+    return np.column_stack([laws[:, 0], laws[:, 1:3] + data, joints, laws[:, 4]])
 
 
 def _oriented(table: JointArrays, count: int, short: float) -> Flags:

@@ -120,7 +120,7 @@ class Bushings(ConstraintSet):
         d = self._motions(H) - self.arrays.rest
         return float(0.5 * np.einsum("ji,jik,jk->", d, self.arrays.stiffness, d))
 
-    def damper_loss(self, H: Array, v: Array) -> float:
+    def damper_loss(self, H: Array, v: Array, multipliers: Array) -> float:
         """Power ``ḋ·C ḋ`` dissipated by the dampers."""
         rates = np.empty((len(self.arrays.nodes), 6))
         bushings.relative_rates(H, v, self.arrays, rates)

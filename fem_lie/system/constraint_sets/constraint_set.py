@@ -394,8 +394,34 @@ class ConstraintSet(ABC):
         """Energy of all springs."""
         return 0.0
 
-    def damper_loss(self, H: Array, v: Array) -> float:
-        """Power dissipated by dampers."""
+    def add_friction(
+        self, H: Array, v: Array, multipliers: Array, index: Indices, factor: float, K: Array
+    ) -> None:
+        """Add derivatives of friction in twists, times ``factor``, to blocks, as :meth:`geometric`.
+
+        Args:
+            H: Frames of all nodes.
+            v: Twists of the moving nodes.
+            multipliers: Lagrange multipliers of all constraints.
+            index: Block of each of :attr:`pairs`, −1: none.
+            factor: Factor of the derivatives.
+            K: Blocks, shape (any, 6, 6).
+        """
+        return  # most sets have none
+
+    def add_friction_columns(self, H: Array, v: Array, multipliers: Array, rows: Array) -> None:
+        """Add derivatives of friction in multipliers to ``rows``, as :meth:`jacobian`.
+
+        Args:
+            H: Frames of all nodes.
+            v: Twists of the moving nodes.
+            multipliers: Lagrange multipliers of all constraints.
+            rows: One row of six per incidence, updated.
+        """
+        return  # most sets have none
+
+    def damper_loss(self, H: Array, v: Array, multipliers: Array) -> float:
+        """Power dissipated by dampers and friction."""
         return 0.0
 
     # --- rotations within a step ---

@@ -264,6 +264,10 @@ class OnAttachments(ConstraintSet):
         frames, J = self._inner_frames(H)
         own = np.zeros((len(self.inner.incidences.nodes), 6))
         self.inner.jacobian(frames, own)
+        self._add_rows(J, own, rows)
+
+    def _add_rows(self, J: Array, own: Array, rows: Array) -> None:
+        """Add rows per incidence of the inner set to those of the nodes."""
         moved = np.einsum("lij,li->lj", J[self._incidence_entry], own[self._inner_incidence])
         np.add.at(rows, self._to_incidence, moved)
 
@@ -336,6 +340,30 @@ class OnAttachments(ConstraintSet):
         blocks = np.zeros((self._blocks, 6, 6))
         twists = self._twists(J, v) if len(v) else v
         self.inner.stiffen(frames, twists, self._inner_index, stiff, damp, blocks)
+        self._add_without_forces(H, J, blocks, index, K)
+
+    def add_friction(
+        self, H: Array, v: Array, multipliers: Array, index: Indices, factor: float, K: Array
+    ) -> None:
+        """Add derivatives of friction in twists to blocks, as :meth:`geometric`."""
+        frames, J = self._inner_frames(H)
+        blocks, own = np.zeros((self._blocks, 6, 6)), multipliers[self.own]
+        twists = self._twists(J, v)
+        self.inner.add_friction(frames, twists, own, self._inner_index, factor, blocks)
+        self._add_without_forces(H, J, blocks, index, K)
+
+    def add_friction_columns(self, H: Array, v: Array, multipliers: Array, rows: Array) -> None:
+        """Add derivatives of friction in multipliers to ``rows``, as :meth:`jacobian`."""
+        frames, J = self._inner_frames(H)
+        own = np.zeros((len(self.inner.incidences.nodes), 6))
+        given = self._twists(J, v), multipliers[self.own]
+        self.inner.add_friction_columns(frames, *given, own)
+        self._add_rows(J, own, rows)
+
+    def _add_without_forces(
+        self, H: Array, J: Array, blocks: Array, index: Indices, K: Array
+    ) -> None:
+        """Add blocks of the inner set, without its forces on attachments."""
         self._add_pulled(J, blocks, index, K)
         self._add_averaged(H, blocks, np.zeros((self._attachments.count, 6)), index, K)
 
@@ -348,10 +376,10 @@ class OnAttachments(ConstraintSet):
         """Energy of all springs."""
         return self.inner.spring_energy(self._inner_frames(H)[0])
 
-    def damper_loss(self, H: Array, v: Array) -> float:
-        """Power dissipated by dampers."""
+    def damper_loss(self, H: Array, v: Array, multipliers: Array) -> float:
+        """Power dissipated by dampers and friction."""
         frames, J = self._inner_frames(H)
-        return self.inner.damper_loss(frames, self._twists(J, v))
+        return self.inner.damper_loss(frames, self._twists(J, v), multipliers[self.own])
 
     # --- rotations within a step ---
 

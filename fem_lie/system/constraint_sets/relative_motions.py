@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.joints.connection import Connection, ConstraintDefinition, LostBranchError
-from fem_lie.joints.equations import terms, turns
+from fem_lie.joints.equations import friction, terms, turns
 from fem_lie.joints.equations.functions import ANGLE, DISTANCE
 from fem_lie.joints.equations.joint_arrays import JointArrays, PackedJoints, pack, views
 from fem_lie.joints.equations.turns import spring_changes
 from fem_lie.joints.joint import Joint
-from fem_lie.joints.laws import ForceLawError, Law
+from fem_lie.joints.laws import ForceLawError
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.constraint_sets.constraint_set import (
     ConstrainedFrames,
@@ -106,6 +106,35 @@ class Pair(NamedTuple):
     exchanged: bool
 
 
+class _Spring(NamedTuple):
+    """A spring, damper, force law or friction along one term.
+
+    Attributes:
+        item: The connection.
+        address: Address of its force law, 0: none.
+        data: Data of its law or friction.
+        joint: First pair of the joint whose friction it is, −1: none.
+        bearing: Side of this pair to which the bearing is fixed.
+    """
+
+    item: Connection
+    address: int
+    data: Array
+    joint: int
+    bearing: int
+
+    @classmethod
+    def of(cls, item: Connection, pair: Pair, first_pair: Mapping[Connection, int]) -> _Spring:
+        """The spring of a pair of an item, with the first pairs of all items of the set."""
+        law, friction = item.force_law, item.friction
+        if friction is not None:
+            side = 0 if pair.exchanged else 1
+            return cls(item, 0, friction.data, first_pair[friction.joint], side)
+        if law is None:
+            return cls(item, 0, np.empty(0), -1, 0)
+        return cls(item, law.address, law.data, -1, 0)
+
+
 class RelativeMotions(ConstraintSet):
     """First set of constraints, in relative motions, see :mod:`fem_lie.joints.equations.terms`.
 
@@ -141,14 +170,22 @@ class RelativeMotions(ConstraintSet):
                     touched[row].update(pair.nodes)
         self.owner = np.repeat(numbers, sizes)
         self.incidences = Incidences.of(touched, constrained.count)
-        springs = [(item.spring, item.force_law) for item, _, _ in items if item.spring is not None]
+        at = np.cumsum([0, *map(len, groups)])
+        first_pair = {item: int(k) for (item, _, _), k in zip(items, at[:-1], strict=True)}
+        springs = [
+            _Spring.of(item, pair, first_pair)
+            for (item, _, _), group in zip(items, groups, strict=True)
+            for pair in group
+            for row in pair.rows
+            if row < 0
+        ]
+        self._has_friction = any(item.friction is not None for item, _, _ in items)
         self.laws = [
             (item.label, item.force_law) for item, _, _ in items if item.force_law is not None
         ]
         self.packed = _packed(constrained, pairs, self.m, springs, self.incidences, start.incidence)
         self.arrays = views(self.packed)
         self.targets = self.arrays.targets
-        self._rest = self.arrays.springs[:, 2].copy()
         # without definitions the compiled functions are not called: compiling them takes seconds
         self._ties = len(self.arrays.nodes) > 0
         self.angular = self._angles()
@@ -176,10 +213,11 @@ class RelativeMotions(ConstraintSet):
         ]
         coordinates = [c for item, _, _ in items for c in item.coordinates()]
         self._keys = pairs_of, [(c.joint.label, c.name) for c in coordinates]
-        sprung = [item for item, _, _ in items if item.spring is not None]
-        self._preloaded = np.array([item.preloaded for item in sprung], dtype=bool)
+        self._preloaded = np.array([spring.item.preloaded for spring in springs], dtype=bool)
         self._rest, self._start = self.arrays.springs[:, 2].copy(), np.empty(0)
-        self._spring_of = {item: k for k, item in enumerate(sprung)}
+        self._springs_of: dict[Connection, list[int]] = {}
+        for k, spring in enumerate(springs):
+            self._springs_of.setdefault(spring.item, []).append(k)
 
     def _probe(self, items: Sequence[Numbered], constrained: ConstrainedFrames) -> None:
         definitions = [
@@ -266,9 +304,9 @@ class RelativeMotions(ConstraintSet):
 
     def scale_spring(self, item: Connection, factor: float) -> None:
         """Multiply the stiffness and damping of the scene, or the law, of an item by a factor."""
-        if item in self._spring_of:
+        for k in self._springs_of.get(item, []):
             assert item.spring is not None
-            self.arrays.springs[self._spring_of[item], :2] = factor * np.array(item.spring[:2])
+            self.arrays.springs[k, :2] = factor * np.array(item.spring[:2])
 
     @property
     def sprung(self) -> Flags:
@@ -296,9 +334,23 @@ class RelativeMotions(ConstraintSet):
         """Energy of all springs."""
         return terms.spring_energy(H, self.arrays) if len(self.arrays.springs) else 0.0
 
-    def damper_loss(self, H: Array, v: Array) -> float:
-        """Power dissipated by dampers."""
-        return terms.damper_loss(H, v, self.arrays) if len(self.arrays.springs) else 0.0
+    def add_friction(
+        self, H: Array, v: Array, multipliers: Array, index: Indices, factor: float, K: Array
+    ) -> None:
+        """Add derivatives of friction in twists to blocks, as :meth:`geometric`."""
+        if self._has_friction:
+            friction.add_tangent(H, v, self.arrays, multipliers, index, factor, K)
+
+    def add_friction_columns(self, H: Array, v: Array, multipliers: Array, rows: Array) -> None:
+        """Add derivatives of friction in multipliers to ``rows``, as :meth:`jacobian`."""
+        if self._has_friction:
+            friction.add_columns(H, v, self.arrays, multipliers, rows)
+
+    def damper_loss(self, H: Array, v: Array, multipliers: Array) -> float:
+        """Power dissipated by dampers and friction."""
+        if not len(self.arrays.springs):
+            return 0.0
+        return float(terms.damper_loss(H, v, self.arrays, multipliers))
 
     def move_reference_angles(self, H: Array, h: Array) -> None:
         """Move reference angles along the increment ``h`` (n, 6) of nodes, made from ``H``."""
@@ -397,7 +449,7 @@ def _packed(
     constrained: ConstrainedFrames,
     pairs: Sequence[Pair],
     m: int,
-    springs: Sequence[tuple[tuple[float, float, float], Law | None]],
+    springs: Sequence[_Spring],
     incidences: Incidences | None,
     incidence: int,
 ) -> PackedJoints:
@@ -410,9 +462,7 @@ def _packed(
     at = np.full_like(nodes, -1) if incidences is None else incidences.find(of_terms, nodes)
     of_pairs = np.array([pair.nodes for pair in pairs], dtype=np.int64).reshape(-1, 2)
     frames = np.array([pair.definition.frames for pair in pairs]).reshape(-1, 2, 4, 3)
-    laws = [law for _, law in springs]
-    data = [np.empty(0) if law is None else law.data for law in laws]
-    ends = np.cumsum([0, *map(len, data)], dtype=np.int64)
+    ends = np.cumsum([0, *(len(spring.data) for spring in springs)], dtype=np.int64)
     arrays = JointArrays(
         nodes=of_pairs,
         frames=relative_frames(constrained, of_pairs, frames),
@@ -425,16 +475,17 @@ def _packed(
         curved=np.array([pair.definition.functions.any() for pair in pairs], dtype=np.int64),
         turned=np.zeros(len(pairs)),
         targets=np.zeros(m),
-        springs=np.array([row for row, _ in springs], dtype=np.float64).reshape(-1, 3),
-        laws=np.stack(
-            [
-                np.array([0 if law is None else law.address for law in laws], dtype=np.int64),
-                ends[:-1],
-                ends[1:],
-            ],
-            axis=1,
+        springs=np.array([spring.item.spring for spring in springs], dtype=np.float64).reshape(
+            -1, 3
         ),
-        data=np.concatenate([np.empty(0), *data]),
+        laws=np.array(
+            [
+                (spring.address, *ends[k : k + 2], spring.joint, spring.bearing)
+                for k, spring in enumerate(springs)
+            ],
+            dtype=np.int64,
+        ).reshape(-1, 5),
+        data=np.concatenate([np.empty(0), *(spring.data for spring in springs)]),
         clock=np.zeros(1),
     )
     return pack(arrays)

@@ -223,6 +223,8 @@ class WithMatrix:
         kkt = self.system.kkt
         kept = self.of.saved_state() | {"matrix": kkt.csr[0], "blocks": self.system.tangent.A}
         kept |= {"row pointers": kkt.indptr, "columns": kkt.indices}
+        if self.system.connections.has_friction:
+            kept["friction"] = self.system.tangent.friction_columns
         if kkt.low_rank is not None:
             kept |= {_PART + name: array for name, array in kkt.low_rank._asdict().items()}
         return kept | {
@@ -247,6 +249,8 @@ class WithMatrix:
         pattern = kept["row pointers"], kept["columns"]
         tangent.restore_pattern(*(part.astype(np.int64) for part in pattern))
         tangent.A[:] = kept["blocks"]
+        if "friction" in kept:
+            tangent.friction_columns[:] = kept["friction"]
         found: dict[str, Any] = {
             name: kept[_PART + name] for name in LowRank._fields if _PART + name in kept
         }

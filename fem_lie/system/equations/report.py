@@ -11,7 +11,7 @@ import scipy.sparse as sp
 from fem_lie._arrays import Array
 from fem_lie.bodies.model import FoldedElementError
 from fem_lie.joints.connection import LostBranchError
-from fem_lie.joints.redundant import RedundantConstraints
+from fem_lie.joints.joint import RedundantConstraints
 from fem_lie.lie.node_types import all_result_twists
 from fem_lie.linear.redundancy import IdleMultipliers
 from fem_lie.system.nodes.fixed_axes import wrenches

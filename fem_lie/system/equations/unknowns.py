@@ -12,7 +12,7 @@ from fem_lie.bodies.body import Body
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.forms.term import Term
 from fem_lie.joints.equations.joint_arrays import PackedJoints
-from fem_lie.joints.redundant import RedundantConstraints
+from fem_lie.joints.joint import RedundantConstraints
 from fem_lie.lie.node_types.floating import Floating
 from fem_lie.lie.node_types.inertia import Inertia, director_inertia, turning_of
 from fem_lie.lie.polar import PlainSurroundings
@@ -54,6 +54,7 @@ class Unknowns(NamedTuple):
         has_laws: Whether there are force laws.
         prescribes: Whether loads, drives or prescribed motions do.
         laws_without_potential: Whether there are force laws without a potential.
+        joint_friction: Whether joints have friction.
         driven: Whether targets of constraints depend on time.
         strains_change: Whether stress-free strains depend on time.
         preloaded: Whether there are springs with a prescribed rest value.
@@ -92,6 +93,7 @@ class Unknowns(NamedTuple):
     has_laws: bool
     prescribes: bool
     laws_without_potential: bool
+    joint_friction: bool
     driven: bool
     strains_change: bool
     preloaded: bool
@@ -149,6 +151,7 @@ class Unknowns(NamedTuple):
             has_laws=shared.any(connections.has_laws),
             prescribes=system.prescribes,
             laws_without_potential=shared.any(connections.laws_depend_on_time),
+            joint_friction=shared.any(connections.has_friction),
             driven=shared.any(connections.driven),
             strains_change=shared.any(system.load_cases.strains_change),
             preloaded=shared.any(connections.preloaded),

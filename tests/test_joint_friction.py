@@ -1,0 +1,292 @@
+"""Friction in joints: closed forms, a pendulum against scipy, checkpoints, messages."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import fem_lie as fl
+from fem_lie.joints import JointFriction
+
+G, SLOW = 9.81, 1e-3
+
+
+def driven_by(joint_of, gravity=(0, 0, -G), mass=2.0, inertia=(0.1, 0.1, 0.1), **friction):
+    """A body at the origin in a joint with friction; the scene, the body and the joint."""
+    scene = fl.Scene(gravity=gravity)
+    body = scene.add(fl.RigidBody(mass, inertia))
+    joint = scene.add(joint_of(fl.ground(), body.point("centre")))
+    given = {"coefficient": 0.25, "stiction_speed": SLOW, "name": "friction"} | friction
+    scene.add(JointFriction(joint, **given))
+    return scene, body, joint
+
+
+def slider(**given):
+    return driven_by(lambda a, b: fl.joints.Prismatic(a, b, axis=(1, 0, 0)), **given)
+
+
+def hinge(axis=(0, 1, 0), **given):
+    return driven_by(lambda a, b: fl.joints.Revolute(a, b, axis=axis), **given)
+
+
+def speed_on_slope(drive, friction, slow, time):
+    """Speed from rest under ``v' = drive − friction tanh(v/slow)``, once tanh is 1."""
+    late = friction * np.log(2.0 * drive / (drive - friction)) / (drive**2 - friction**2)
+    return (drive - friction) * (time + slow * late)
+
+
+@pytest.mark.parametrize("side", ["a", "b"])
+@pytest.mark.parametrize("step", [1e-4, fl.schemes.AdaptiveStep(1e-6, first=1e-4)])
+def test_block_slides_down_a_slope(side, step):
+    """a = g (sin − μ cos), with the delay of the regularised law."""
+    joints = {
+        "a": lambda a, b: fl.joints.Prismatic(a, b, axis=(1, 0, 0)),
+        "b": lambda a, b: fl.joints.Prismatic(b, a, axis=(-0.8, 0, -0.6)),
+    }
+    down = {"a": (0.6 * G, 0, -0.8 * G), "b": (0, 0, -G)}
+    scene, *_ = driven_by(joints[side], gravity=down[side], stiction_speed=0.02)
+    result = fl.GeneralisedAlpha().run(scene, duration=0.2, step=step)
+    speed = np.linalg.norm(result.velocities[-1, 0, :3])
+    exact = speed_on_slope(0.6 * G, 0.25 * 0.8 * G, 0.02, 0.2)
+    assert abs(speed / exact - 1.0) < (1e-6 if step == 1e-4 else 1e-4)
+    np.testing.assert_allclose(np.abs(result.joint_force("friction")[-1]).max(), 0.4 * G, rtol=1e-8)
+
+
+def test_disc_on_its_journal_stops():
+    """The moment μ m g r stops a disc after ω J/(μ m g r); the balance has its energy."""
+    scene, body, joint = hinge(inertia=(0.04, 0.04, 0.04), coefficient=0.3, radius=0.05)
+    body.add_velocity(omega=(0, 20.0, 0), about=(0, 0, 0))
+    deceleration = 0.3 * 2.0 * G * 0.05 / 0.04
+    end = 20.0 / deceleration
+    result = fl.GeneralisedAlpha().run(scene, duration=1.2 * end, step=end / 500, save_every=1)
+    rate = result.velocities[:, 0, 4]
+    before = result.times < end - 0.02
+    exact = 20.0 - deceleration * result.times
+    np.testing.assert_allclose(rate[before], exact[before], rtol=5e-6)
+    assert np.abs(rate[result.times > 1.01 * end]).max() < 1e-5
+    way = 0.5 * 20.0 * end
+    assert abs(result.coordinate(joint)[-1] / way - 1.0) < 1e-5
+    lost = result.balance[-1, 1]
+    assert abs(lost / (0.5 * 0.04 * 20.0**2) - 1.0) < 1e-5
+    assert result.energy_error < 1e-4
+
+
+def pendulum(coefficient=0.4, radius=0.1, **friction):
+    scene = fl.Scene(gravity=(0, 0, -G))
+    body = scene.add(fl.RigidBody(2.0, (0.02, 0.02, 0.02), position=(0.5, 0, 0)))
+    pin = fl.joints.Revolute(fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 1, 0))
+    joint = scene.add(pin)
+    scene.add(JointFriction(joint, coefficient, 0.02, radius=radius, name="friction", **friction))
+    return scene, joint
+
+
+def pendulum_rates(_, state, coefficient=0.4, radius=0.1):
+    angle, rate = state
+    friction, acceleration = coefficient * radius * np.tanh(radius * rate / 0.02), 0.0
+    for _ in range(40):
+        across = 0.5 * acceleration - G * np.cos(angle)
+        along = 0.5 * rate**2 + G * np.sin(angle)
+        moment = 2.0 * (0.5 * G * np.cos(angle) - friction * np.hypot(across, along))
+        acceleration = moment / (0.02 + 2.0 * 0.25)
+    return rate, acceleration
+
+
+def test_pendulum_on_its_journal_against_scipy():
+    """Motion and energy balance of second order; the force of the hinge changes with the motion."""
+    exact = solve_ivp(pendulum_rates, (0, 2), (0, 0), "DOP853", rtol=1e-10, atol=1e-12).y[0, -1]
+    errors, balances = [], []
+    for step in (2e-3, 1e-3):
+        scene, joint = pendulum()
+        result = fl.GeneralisedAlpha().run(scene, duration=2.0, step=step)
+        errors.append(abs(result.coordinate(joint)[-1] - exact))
+        balances.append(result.energy_error)
+    assert errors[1] < 3e-5 and 3.8 < errors[0] / errors[1] < 4.2
+    assert balances[1] < 1e-5 and 3.8 < balances[0] / balances[1] < 4.2
+
+
+def test_friction_costs_no_iterations_of_newtons_method():
+    """The matrix has the derivatives in twists and multipliers: 1.8 a step with and without."""
+    scheme = fl.GeneralisedAlpha(policy=fl.schemes.EveryIteration())
+    counts = []
+    for coefficient in (0.4, 0.0):
+        scene, _ = pendulum(coefficient)
+        counts.append(scheme.run(scene, duration=0.3, step=1e-3).iterations[-1])
+    assert counts[0] <= 1.05 * counts[1]
+
+
+def test_friction_of_a_shaft_is_along_its_slip():
+    """With J = m r² both parts of the slip shrink alike: s' = −μ g, and their ratio stays."""
+    scene, body, _ = driven_by(
+        lambda a, b: fl.joints.Cylindrical(a, b, axis=(1, 0, 0)),
+        inertia=(2.0 * 0.2**2, 0.1, 0.1),
+        radius=0.2,
+    )
+    body.add_velocity((3.0, 0, 0), omega=(20.0, 0, 0), about=body.point("centre"))
+    result = fl.GeneralisedAlpha().run(scene, duration=0.5, step=1e-3)
+    velocity, spin = result.velocities[-1, 0, [0, 3]]
+    np.testing.assert_allclose((velocity, 0.2 * spin), np.array((3.0, 4.0)) * (1 - 0.1 * 0.25 * G))
+    assert result.energy_error < 1e-9
+    force = result.joint_force("friction")[-1]
+    np.testing.assert_allclose(np.abs(force[[2, 5]]) / (0.25 * 2.0 * G), (0.6, 0.2 * 0.8))
+
+
+BEARINGS = {
+    "preload": (slider, {"preload": 5.0}, (0, 0, 0), 2.0 * G + 5.0),
+    "between the ends": (slider, {"length": 0.4}, (0.1, 0, 0), 2.0 * G),
+    "beyond an end": (slider, {"length": 0.4}, (0.3, 0, 0), 2.0 * G * 0.3 / 0.2),
+    "key": (slider, {"radius": 0.1}, (0, 0.3, 0), 2.0 * G * (1.0 + 0.3 / 0.1)),
+    "journal": (hinge, {"radius": 0.1}, (0, 0, 0), 2.0 * G * 0.1),
+    "collar": (
+        lambda **given: hinge(axis=(0, 0, 1), **given),
+        {"radius": 0.1, "collar": 0.3},
+        (0, 0, 0),
+        2.0 * G * 0.3,
+    ),
+}
+
+
+@pytest.mark.parametrize(("scene_of", "given", "load", "normal"), BEARINGS.values(), ids=BEARINGS)
+def test_what_presses_a_bearing(scene_of, given, load, normal):
+    """Weight that acts at a point of the body; the joint moves at a constant rate."""
+    scene, body, joint = scene_of(gravity=(0, 0, 0), **given)
+    scene.add(fl.PointLoad(body.point(load), force=(0, 0, -2.0 * G)))
+    (coordinate,) = joint.coordinates()
+    scene.add(fl.joints.Drive(coordinate, lambda t: 0.5 * t))
+    turning = isinstance(joint, fl.joints.Revolute)
+    along = 0.5 * joint.frame()[3]
+    if turning:
+        body.add_velocity(omega=along, about=body.point("centre"))
+    else:
+        body.add_velocity(along)
+    result = fl.GeneralisedAlpha().run(scene, duration=0.01, step=1e-3)
+    force = np.abs(result.joint_force("friction")[:, 5 if turning else 2])
+    np.testing.assert_allclose(force, 0.25 * normal, rtol=1e-9)
+
+
+@pytest.mark.parametrize("speed", [0.0, 2e-8, 3e-4, 2e-3, 0.02, 0.3])
+def test_stribeck_curve(speed):
+    law = {"coefficient": 0.1, "static": 0.3, "stribeck_speed": 0.02, "stiction_speed": 1e-3}
+    scene, body, joint = slider(**law)
+    scene.add(fl.joints.Drive(joint.displacement, lambda t: speed * t))
+    body.add_velocity((speed, 0, 0))
+    result = fl.GeneralisedAlpha().run(scene, duration=0.01, step=1e-3)
+    exact = (0.1 + 0.2 * np.exp(-((speed / 0.02) ** 2))) * np.tanh(speed / 1e-3) * 2.0 * G
+    np.testing.assert_allclose(np.abs(result.joint_force("friction")[:, 2]), exact, rtol=1e-7)
+
+
+def test_friction_in_a_joint_within_a_beam():
+    """A bead on a stiff rail between its nodes decelerates by μ g, as it does on the ground."""
+    section = fl.Section.circle(0.05, fl.Material(2e13, 0.3, 1e-3))
+    speeds = []
+    for beam in (False, True):
+        scene = fl.Scene(gravity=(0, 0, -G))
+        bead = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (0.42, 0, 0)))
+        bead.add_velocity((1.0, 0, 0))
+        rail = fl.ground()
+        if beam:
+            line = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=2))
+            scene.add(fl.Clamp(line.point("start")))
+            rail = line.point((0.42, 0, 0))
+        joint = scene.add(fl.joints.Prismatic(rail, bead.point("centre"), axis=(1, 0, 0)))
+        scene.add(JointFriction(joint, 0.2, 1e-3))
+        result = fl.GeneralisedAlpha().run(scene, duration=0.1, step=1e-3)
+        speeds.append(result.velocity(bead.point("centre"))[-1, 0])
+    np.testing.assert_allclose(speeds, 1.0 - 0.02 * G, rtol=1e-5)
+
+
+def test_small_motions_are_damped_at_rest():
+    """At rest friction is a damper μ N/s₀: response F/(k − m ω² + i ω μ N/s₀)."""
+    scene, body, joint = slider(stiction_speed=1.0)
+    scene.add(fl.joints.Spring(joint.displacement, 200.0))
+    push = fl.PointLoad(body.point("centre"), force=(1, 0, 0))
+    found = fl.post.frequency_response(scene, push, [5.0]).displacement(body.point("centre"))
+    exact = 1.0 / (200.0 - 2.0 * 5.0**2 + 5.0j * 0.25 * 2.0 * G)
+    np.testing.assert_allclose(found[0, 0], exact, rtol=1e-9)
+
+
+def test_an_event_switches_friction():
+    scene, body, _ = slider()
+    body.add_velocity((1.0, 0, 0))
+    (friction,) = scene.connections
+    scene.add(fl.schemes.Event(lambda s: s.time - 0.1, fl.schemes.Scale(friction, 0.0)))
+    result = fl.GeneralisedAlpha().run(scene, duration=0.2, step=0.01)
+    np.testing.assert_allclose(result.velocities[-1, 0, 0], 1.0 - 0.1 * 0.25 * G, rtol=1e-9)
+
+
+def test_run_resumes_to_the_last_bit(tmp_path):
+    def scene(coefficient=0.4, law=lambda t, q, rate: 0.0 * q):
+        found, joint = pendulum(coefficient)
+        found.add(fl.loads.ForceLaw(joint.angle, law))
+        return found
+
+    calls = []
+
+    def interrupted(t, q, rate):
+        calls.append(t)
+        if len(calls) > 100 and t > 0.555:
+            raise KeyError("enough")
+        return 0.0 * q
+
+    scheme, plan = fl.GeneralisedAlpha(), {"duration": 1.0, "step": 0.01, "checkpoint_every": 10}
+    whole = scheme.run(scene(), file=tmp_path / "whole.h5", **plan)
+    with pytest.raises(fl.ConvergenceError, match="enough"):
+        scheme.run(scene(law=interrupted), file=tmp_path / "run.h5", **plan)
+    resumed = scheme.resume(scene(), tmp_path / "run.h5")
+    np.testing.assert_array_equal(resumed.frames, whole.frames)
+    np.testing.assert_array_equal(resumed.balance, whole.balance)
+    np.testing.assert_array_equal(resumed.joint_force("friction"), whole.joint_force("friction"))
+    with pytest.raises(ValueError, match="force law of friction"):
+        scheme.resume(scene(0.5), tmp_path / "run.h5")
+
+
+@pytest.mark.parametrize(
+    "scheme",
+    [fl.EnergyMomentum(), fl.schemes.Variational(), fl.Explicit(), fl.schemes.MuntheKaas()],
+)
+def test_other_schemes_refuse_friction(scheme):
+    with pytest.raises(ValueError, match=r"friction (in joints|by forces of joints)"):
+        scheme.run(slider()[0], duration=0.1, step=0.01)
+
+
+NUMBERS = {
+    "a negative coefficient": ({"coefficient": -0.1}, "expected coefficient ≥ 0, got -0.1"),
+    "no stiction speed": ({"stiction_speed": 0.0}, "expected stiction_speed > 0, got 0"),
+    "a negative preload": ({"preload": -1.0}, "expected preload ≥ 0"),
+    "no length": ({"length": 0.0}, "expected length > 0"),
+    "static alone": ({"static": 0.5}, "expected static and stribeck_speed together"),
+    "static below": ({"static": 0.1, "stribeck_speed": 1.0}, "expected static ≥ coefficient"),
+    "a collar of a slider": ({"collar": 0.1}, "expected collar with a Revolute joint"),
+}
+
+
+@pytest.mark.parametrize(("given", "message"), NUMBERS.values(), ids=NUMBERS)
+def test_wrong_numbers_are_refused(given, message):
+    with pytest.raises(ValueError, match=f"friction: {message}"):
+        slider(**given)
+
+
+def test_joints_without_such_forces_are_refused():
+    scene, _, joint = slider()
+    with pytest.raises(ValueError, match="expected radius"):
+        hinge()
+    with pytest.raises(TypeError, match="Prismatic, Revolute or Cylindrical joint, which has"):
+        JointFriction(fl.joints.Spherical(joint.a, joint.b), 0.1, SLOW)
+    with pytest.raises(TypeError, match="got "):
+        JointFriction(joint.displacement, 0.1, SLOW)
+    with pytest.raises(TypeError, match="must be a number"):
+        slider(coefficient="steel")
+    idle = fl.joints.Prismatic(joint.a, joint.b, active=False)
+    with pytest.raises(ValueError, match="is not active: it has no forces"):
+        scene.add(JointFriction(idle, 0.1, SLOW))
+    with pytest.raises(ValueError, match="add the joint first"):
+        scene.add(JointFriction(fl.joints.Prismatic(joint.a, joint.b), 0.1, SLOW))
+
+
+def test_joints_whose_forces_are_not_unique_or_vanish_are_refused():
+    scene, _, joint = slider()
+    scene.redundant = fl.joints.RedundantConstraints.MINIMUM_NORM
+    with pytest.raises(ValueError, match="redundant constraints leave the forces of joints open"):
+        fl.GeneralisedAlpha().run(scene, duration=0.1, step=0.01)
+    scene, _, joint = slider()
+    scene.add(fl.schemes.Event(lambda s: s.time - 0.05, fl.schemes.Release(joint)))
+    with pytest.raises(ValueError, match="an event switches Prismatic"):
+        fl.GeneralisedAlpha().run(scene, duration=0.1, step=0.01)
