@@ -450,3 +450,19 @@ def test_distributed_meshes_are_refused(tmp_path):
     message = json.loads((tmp_path / "out.json").read_text())
     assert "expected a mesh of one process, created with MPI.COMM_SELF" in message
     assert "got a mesh on 2 processes" in message
+
+
+@pytest.mark.parametrize(("rest", "warnings"), [(1.0, 0), (0.999, 1)])
+def test_forces_before_any_load_are_a_warning(caplog, rest, warnings):
+    """They may be meant, as of a membrane under tension."""
+    q = frames()
+    stretch, curvature = fl.elements.director_strains(q)
+    strain = ufl.as_vector([stretch[0] - rest, stretch[1], stretch[2], *curvature])
+    form = fl.local_frame_forms(fl.extend.StrainEnergy(strain, law(q), measure(q)), q)
+    scene = fl.Scene()
+    scene.add(body_of(q, [form], name="bar"))
+    with caplog.at_level("WARNING", logger="fem_lie"):
+        fl.statics(scene)
+    found = [record for record in caplog.records if "unloaded configuration" in record.message]
+    assert len(found) == warnings
+    assert all(record.message.startswith("bar: the energy has forces") for record in found)

@@ -209,6 +209,15 @@ def test_the_mean_dilatation_is_the_volume_of_the_cell():
     assert energy(system, H) == pytest.approx(wanted, rel=1e-12)
 
 
+@pytest.mark.parametrize("cell", [("hexahedron", 1, None), ("tetrahedron", 2, None)])
+def test_a_material_with_stress_at_rest_is_refused(cell):
+    """Without -2 ln J a block collapsed, and statics called that solved."""
+    law = fl.sections.Hyperelastic(lambda C: 0.5 * (ufl.tr(C) - 3.0))
+    body = solid(cell, law)
+    with pytest.raises(ValueError, match=r"the material has forces .* zero derivative at C = 1"):
+        system_of(body, dynamics=False)
+
+
 def bulge(X):
     """A smooth deformation of the unit cube."""
     x, y, z = X.T

@@ -141,6 +141,11 @@ def _gather_twists(v: Array, cells: npt.NDArray[np.int32], at: int, packed: Arra
                 k += 1
 
 
+def _is_of_user(thing: object) -> bool:
+    """Whether a function, a class, or the class of an object is not of the package."""
+    return thing is not None and not str(thing.__module__).startswith("fem_lie.")
+
+
 class Assembly(BodyTerm, ViscousForces, LinearisedStress, LocalUnknowns):
     """Bodies of one kind whose elements are DOLFINx forms.
 
@@ -193,21 +198,39 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress, LocalUnknowns):
             # coefficients of the state, which come first, are stored separately
             self._velocity_at = forms.velocity_at - 12 * cells.shape[1]
 
-    def require_no_stress(self, formulation: object) -> None:
-        """Raise an error if an element of a user has forces in the unloaded configuration.
+    def require_no_stress(self, formulation: object, law: object = None) -> None:
+        """Raise an error if an element or law of a user has forces in the unloaded configuration.
 
-        They are compared with those of a uniform extension. Elements of the package are not checked
-        here: tests do that.
+        Elements and laws of the package are not checked here: tests do that.
 
         Args:
             formulation: The element.
+            law: Function or class of the material, if it may be the user's.
 
         Raises:
             ValueError: There are.
         """
-        name, module = type(formulation).__name__, type(formulation).__module__
-        if module.startswith("fem_lie."):
-            return
+        element, material = _is_of_user(formulation), _is_of_user(law)
+        if (element or material) and (found := self.initial_stress()):
+            name = type(formulation).__name__ if element else getattr(law, "__name__", "the law")
+            remedy = (
+                "Subtract the strains of that configuration from those in the energy: "
+                "strain - fem_lie.extend.present_values(strain, mesh, degree)"
+                if element
+                else "An energy of C must have zero derivative at C = 1, as "
+                "tr C - 3 - ln det C, where tr C - 3 alone has not"
+            )
+            raise ValueError(
+                f"{name}: the {'element' if element else 'material'} has forces in the unloaded "
+                f"configuration ({found}): bodies would be under stress before they are loaded. "
+                f"{remedy}"
+            )
+
+    def initial_stress(self) -> str:
+        """Size of the forces in the unloaded configuration; empty if they are round-off.
+
+        They are compared with those of a uniform extension.
+        """
         kept, forces = self.linearised_values.copy(), np.zeros((2, self.count, 6))
         for extension, out in zip((0.0, _EXTENSION), forces, strict=True):
             H = self._frames.frames.copy()
@@ -216,14 +239,9 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress, LocalUnknowns):
             self.add_forces(H, out)
         self.restore(kept)
         initial, extended = np.abs(forces).max(axis=(1, 2), initial=0.0)
-        if not initial <= _UNSTRESSED * extended:
-            raise ValueError(
-                f"{name}: the element has forces in the unloaded configuration (up to "
-                f"{initial:.3g}; an extension by {_EXTENSION:g} has {extended:.3g}): bodies would "
-                "be under stress before they are loaded. Subtract the strains of that "
-                "configuration from those in the energy: "
-                "strain - fem_lie.extend.present_values(strain, mesh, degree)"
-            )
+        if initial <= _UNSTRESSED * extended:
+            return ""
+        return f"up to {initial:.3g}; an extension by {_EXTENSION:g} has {extended:.3g}"
 
     @property
     def viscosity(self) -> ViscousForces | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Hashable, Sequence
 from typing import Any
 
@@ -21,6 +22,8 @@ from fem_lie.forms.local_forms import LocalFrameForms
 from fem_lie.forms.problems.frame_problem import FrameProblem
 from fem_lie.forms.problems.inertia import MassBlocks, mass_blocks
 from fem_lie.sections.material import Damping
+
+_log = logging.getLogger(__name__)
 
 _AROUND = {3: [0, 1, 2], 4: [0, 1, 3, 2]}
 """Where corners of DOLFINx's surface cells are in cyclic order, by their number."""
@@ -90,6 +93,14 @@ class FormModel(BodyModel):
         # a sorted list keeps its order among equals: energies come first
         first, *others = sorted(model.problem.forms, key=lambda form: not form.has_energy)
         assembly: Assembly = model.assembled(first)
+        if found := assembly.initial_stress():
+            _log.warning(
+                "%s: the energy has forces in the unloaded configuration (%s). If it is not meant "
+                "to be under stress before it is loaded, subtract the strains of that "
+                "configuration: fem_lie.extend.present_values",
+                model.label,
+                found,
+            )
         assembly.further_terms += [model.assembled(form) for form in others]
         if model.mass is not None:
             blocks = np.zeros((len(assembly.indices), 4, 4))

@@ -46,7 +46,7 @@ class SolidAssembly(Assembly):
         order[body.connectivity] = cells
         forms = body.formulation.forms(nodal, body.degree, body.material, body.parameters)
         super().__init__(nodal, forms, order, np.arange(len(cells)), None)
-        self.require_no_stress(body.formulation)
+        self.require_no_stress(body.formulation, body.material.law)
         slopes = body.rule.mean_slopes
         self.around = np.zeros((len(self.indices), 3))
         at = self._pattern.pair_index.reshape(len(cells), slopes.shape[1], -1)
