@@ -196,12 +196,15 @@ class Point:
         node: Number of its node; for an attachment frame, the first node that it depends on.
         name: Name in messages.
         attachment: Attachment frame as a function of nodal coordinates; ``None`` for a node.
+        place: Position of a point of ground, shape (3,); ``None``: ground is everywhere, so that
+            joints to it are where their other point is.
     """
 
     body: Body | None
     node: int = 0
     name: str = ""
     attachment: AttachmentFrame | None = None
+    place: Array | None = None
 
     def __post_init__(self) -> None:
         """Check the arguments: ``ValueError`` or ``TypeError`` if there is no such body or node."""
@@ -224,15 +227,20 @@ class Point:
         return self.body is None
 
     @property
+    def is_everywhere(self) -> bool:
+        """Whether it is ground without a position."""
+        return self.body is None and self.place is None
+
+    @property
     def position(self) -> Array:
         """Initial position, shape (3,)."""
-        return np.zeros(3) if self.body is None else self.frame[0]
+        return self.frame[0]
 
     @property
     def frame(self) -> Array:
         """Initial frame, shape (4, 3)."""
         if self.body is None:
-            return lie.frame(np.zeros(3), np.eye(3))
+            return lie.frame(np.zeros(3) if self.place is None else self.place, np.eye(3))
         attachment = self.any_attachment
         return (
             self.body.frames[self.node]
@@ -263,6 +271,10 @@ class Point:
         Args:
             other: Another point.
         """
+        if self.is_ground and other.is_ground:
+            return self.is_everywhere == other.is_everywhere and bool(
+                (self.position == other.position).all()
+            )
         if self.body is not other.body or (self.attachment is None) != (other.attachment is None):
             return False
         return (
@@ -279,7 +291,11 @@ class Point:
     @property
     def label(self) -> str:
         """For messages and results."""
-        return "ground" if self.body is None else f"{self.body.label}.{self.name}"
+        if self.body is not None:
+            return f"{self.body.label}.{self.name}"
+        if self.place is None:
+            return "ground"
+        return f"ground at ({', '.join(f'{x:g}' for x in self.place)})"
 
 
 def _position_of(about: Point | npt.ArrayLike) -> Array:

@@ -56,7 +56,7 @@ class CanonicalBytes:
             return b"body %d" % self._number[value]
         if isinstance(value, Point):
             if value.body is None:
-                return b"ground"
+                return b"ground" if value.place is None else b"ground" + self.of(value.place)
             where = (
                 value.node
                 if value.attachment is None

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from fem_lie._arrays import instance
+import numpy.typing as npt
+
+from fem_lie._arrays import instance, vector
 from fem_lie.bodies.body import Point
 
 A_POINT = "a point such as body.point('end'), body.point(3) or ground()"
@@ -39,6 +41,14 @@ def require_node(point: Point, what: str) -> None:
         )
 
 
-def ground() -> Point:
-    """Point of the ground, which is fixed in space."""
-    return Point(None)
+def ground(position: npt.ArrayLike | None = None) -> Point:
+    """Point of the ground, which is fixed in space.
+
+    Args:
+        position: Its position, global components, shape (3,); default: the ground is everywhere: a
+            joint to it is where its other point is, and a contact surface at the origin.
+
+    Raises:
+        ValueError: The position has another shape.
+    """
+    return Point(None, place=None if position is None else vector(position, 3, "ground: position"))

@@ -126,5 +126,5 @@ class Bushing(Connection):
             both = lie.frame(_arrays.vector(self.at, 3, f"{self.label}: at"), axes)
             return both, both
         sides = [(self.a, self.b), (self.b, self.a)]
-        first, second = (other if point.is_ground else point for point, other in sides)
+        first, second = (other if point.is_everywhere else point for point, other in sides)
         return lie.frame(first.position, axes), lie.frame(second.position, axes)

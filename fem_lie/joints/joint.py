@@ -161,7 +161,8 @@ class Joint(Connection):
         moving = [point for point in (self.a, self.b) if not point.is_ground]
         if not moving:
             raise ValueError(f"{self.label}: both points are ground; a joint needs a body")
-        positions = [point.position for point in moving]
+        placed = [point for point in (self.a, self.b) if not point.is_everywhere]
+        positions = [point.position for point in placed]
         size = max(point.size for point in moving)
         gap = np.linalg.norm(positions[-1] - positions[0])
         if gap > _COINCIDENT * size:

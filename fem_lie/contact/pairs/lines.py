@@ -150,7 +150,8 @@ class Cylinder(LineSurface):
     """Contact surface of a straight round bar with round ends, fixed to one frame.
 
     Attributes:
-        point: Midpoint of the axis: on ground, a rigid body or a node.
+        point: Midpoint of the axis: of a rigid body, a node, or of ground,
+            ``fl.ground((x, y, z))``.
         along: Vector from one end of the axis to the other, initial global components.
         radius: Radius of the bar.
     """
