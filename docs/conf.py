@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from sphinx.application import Sphinx
+from sphinx.util.inspect import TypeAliasForwardRef
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
@@ -56,6 +57,8 @@ autodoc_type_aliases = {
     name: name.rpartition(".")[2]
     for name in ("npt.ArrayLike", "Array", "Indices", "Field", "History", "Sections", "Up")
 }
+# nested in other types, Sphinx would print the name of its own class with it
+TypeAliasForwardRef.__repr__ = lambda self: self.name  # type: ignore[method-assign]
 python_use_unqualified_type_names = True
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False

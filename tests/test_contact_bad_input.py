@@ -99,7 +99,7 @@ SURFACES = {
     "kinks": (lambda: checked(beam_line(0.1, 0.3), FLOOR), "of node 0 is more than 10° off"),
     "impacts of lines": (
         lambda: checked(beam_line(0.1), FLOOR, fl.contact.Impact()),
-        "two: lines touch by Penalty, not by Impact",
+        "two: Line and Plane touch by Penalty, not by Impact",
     ),
 }
 SCHEMES = {

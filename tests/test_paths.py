@@ -242,7 +242,7 @@ def test_options_that_are_none_are_refused(make, message):
 def test_bad_scenes_are_refused(deep):
     scene, _ = arch(4)
     scene.loads.clear()
-    with pytest.raises(ValueError, match="needs a load"):
+    with pytest.raises(ValueError, match="a load that is not zero"):
         fl.follow_path(scene)
     free = fl.Scene()
     beam = free.add(

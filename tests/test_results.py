@@ -12,6 +12,7 @@ from PIL import Image
 
 import fem_lie as fl
 from fem_lie import lie
+from fem_lie.bodies.catalogue import box_corners
 from fem_lie.extend import COLOURS
 
 SPIN = np.array([0.3, -0.8, 1.5])
@@ -25,7 +26,7 @@ def _scene():
     section = fl.Section.rectangle(0.04, 0.04, fl.Material(1.0, 0.3, 1.0))
     rod = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=NODES - 1, name="rod"))
     tip = scene.add(fl.RigidBody(1.0, (1, 1, 1), (1.25, 0, 0), name="tip"))
-    tip.model.box = np.array([0.5, 0.2, 0.1])
+    tip.model.corners = box_corners(np.array([0.5, 0.2, 0.1]))
     scene.add(fl.joints.Cylindrical(rod.point("start"), fl.ground(), name="hinge"))
     scene.add(fl.joints.Fixed(tip.point("centre"), rod.point("end"), at=(1, 0, 0), name="weld"))
     return scene

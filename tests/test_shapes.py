@@ -280,3 +280,30 @@ def test_thin_tubes_have_fewer_corners(radius, corners):
     bar = fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=1, name="bar")
     (shape,) = shapes(SceneInfo.of([bar]), bar.frames[np.newaxis])
     assert len(shape.offset) == 2 * corners
+
+
+@pytest.mark.parametrize(
+    ("body", "volume"),
+    [
+        (fl.RigidBody.ball(1.0, 0.3), 4.0 / 3.0 * np.pi * 0.3**3),
+        (fl.RigidBody.cylinder(1.0, 0.2, (0, 0, 0), (0, 3, 4)), np.pi * 0.2**2 * 5.0),
+        (fl.RigidBody.box(1.0, (0.1, 0.2, 0.3)), 0.1 * 0.2 * 0.3),
+        (fl.RigidBody(1.0, (1.0, 1.0, 1.0)), 6.0**1.5),
+        (fl.RigidBody(1.0, (1e-12, 1.0, 1.0)), None),
+    ],
+    ids=["ball", "cylinder", "box", "inertia", "rod"],
+)
+def test_rigid_bodies_are_drawn_with_their_volume(body, volume):
+    """By the divergence theorem, so that all faces point outwards; a thin rod stays visible."""
+    scene = fl.Scene()
+    scene.add(body)
+    info = fl.extend.Equations(scene, dynamics=True).info
+    (shape,) = shapes(info, info.undeformed[np.newaxis])
+    a, b, c = np.moveaxis(shape.points(info.undeformed)[shape.faces.reshape(-1, 4)[:, 1:]], 1, 0)
+    enclosed = np.einsum("fi,fi->", a, np.cross(b, c)) / 6.0
+    if volume is None:
+        assert 0.0 < enclosed < 1e-3
+    else:
+        # circles are drawn as polygons with 24 corners
+        assert enclosed == pytest.approx(volume, rel=0.05)
+        assert enclosed < volume * (1.0 + 1e-12)

@@ -183,14 +183,14 @@ def test_what_shell_surfaces_refuse():
             surface,
             fl.contact.Line(beam, 0.01),
             fl.contact.Impact(),
-            "lines touch by Penalty, not by Impact",
+            "Line and ShellSurface touch by Penalty|ShellSurface and Line touch by Penalty",
         ),
         (surface, fl.contact.ShellSurface(one), law, "touches itself by one surface, given twice"),
         (
             surface,
             fl.contact.Box(ball.point("centre"), (0.1, 0.1, 0.1)),
             fl.contact.Impact(),
-            "surfaces of shells touch by Penalty, not by Impact",
+            "ShellSurface and Box touch by Penalty, not by Impact",
         ),
         (surface, fl.contact.ShellSurface(two, 1.2 * THICK), law, "they overlap by 0.005"),
     ):

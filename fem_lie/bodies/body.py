@@ -142,6 +142,12 @@ class Body(Summarised):
         Args:
             where: Name of the point, curve, face or group.
         """
+        if isinstance(where, Point):
+            raise TypeError(
+                f"expected the name of a curve, face or group of {self.label}, got the point "
+                f"{where.label!r}: supports of single points are items of the scene, as "
+                "scene.add(fl.Clamp(point))"
+            )
         text(where, f"the name of a set of points of {self.label}")
         return self.model.nodes(where)
 

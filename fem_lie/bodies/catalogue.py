@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import product
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
@@ -40,7 +41,8 @@ class BodyInfo(Summarised):
         cells: Pairs of nodes, shape (m, 2); none for a rigid body.
         outline: Outline of the section in (e₂, e₃), shape (k, 2), or of that of each cell, shape
             (m, k, 2); nan where there is none; ``None`` without outlines.
-        box: Edges of a box about the body's frame, as which a rigid body is drawn, shape (3,).
+        corners: Points in the body's frame, of which a rigid body is drawn as the convex hull,
+            shape (p, 3).
         points: Node of each named point.
         faces: Corners of surface cells, shape (m, 3 or 4).
         thickness: Thickness of these cells, shape (m,).
@@ -56,7 +58,7 @@ class BodyInfo(Summarised):
     nodes: Indices
     cells: Indices = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
     outline: Array | None = None
-    box: Array | None = None
+    corners: Array | None = None
     points: Mapping[str, int] = field(default_factory=dict)
     faces: Indices = field(default_factory=lambda: np.empty((0, 4), dtype=np.int64))
     thickness: Array = field(default_factory=lambda: np.empty(0))
@@ -73,13 +75,18 @@ class BodyInfo(Summarised):
             nodes=nodes,
             cells=nodes[model.cells],
             outline=model.outline,
-            box=model.box,
+            corners=model.corners,
             points={key: int(nodes[node]) for key, node in model.point_names.items()},
             faces=nodes[model.faces],
             thickness=model.thickness,
             node_types=_recorded_kinds(model),
             undeformed=model.frames.copy(),
         )
+
+
+def box_corners(edges: Array) -> Array:
+    """Corners of a box about the origin with edges along the axes, shape (8, 3)."""
+    return 0.5 * edges * np.array(list(product((-1.0, 1.0), repeat=3)))
 
 
 def _recorded_kinds(model: BodyModel) -> Indices:

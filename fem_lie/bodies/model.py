@@ -189,7 +189,8 @@ class BodyModel:
         cells: Pairs of nodes, for drawing, shape (m, 2).
         outline: Outline of the section in (e₂, e₃), shape (k, 2), or of that of each cell, shape
             (m, k, 2), nan where there is none; or ``None``: for drawing.
-        box: Edges of a box about a rigid body's frame, shape (3,), or ``None``: for drawing.
+        corners: Points in a rigid body's frame, of which it is drawn as the convex hull, shape
+            (p, 3), or ``None``.
         faces: Corners of surface cells, for drawing, shape (m, 3 or 4).
         thickness: Thickness of these cells, for drawing, shape (m,).
     """
@@ -210,7 +211,7 @@ class BodyModel:
         points: Mapping[str, int],
         cells: Indices | None = None,
         outline: Array | None = None,
-        box: Array | None = None,
+        corners: Array | None = None,
         masters: Indices | None = None,
         name: str = "",
     ) -> None:
@@ -223,7 +224,7 @@ class BodyModel:
             points: Node of each named point.
             cells: Pairs of nodes, for drawing, shape (m, 2); default: none.
             outline: Outline of the cross-section, see :attr:`outline`, or ``None``.
-            box: Edges of a box about a rigid body's frame, shape (3,), or ``None``.
+            corners: See :attr:`corners`.
             masters: Master node of each node, its own number if it is independent, shape (n,);
                 default: all nodes are independent.
             name: Name in messages and results.
@@ -238,7 +239,7 @@ class BodyModel:
         self.supports = np.full((count, 3, 3), np.nan)
         self.size, self.point_names = size, dict(points)
         self.cells: Indices = np.empty((0, 2), dtype=np.int64) if cells is None else cells
-        self.outline, self.box = outline, box
+        self.outline, self.corners = outline, corners
         self.faces: Indices = np.empty((0, 4), dtype=np.int64)
         self.thickness: Array = np.empty(0)
 

@@ -9,9 +9,23 @@ from fem_lie import lie
 from fem_lie._arrays import Array, direction, numbers, positive, rotation_matrix, vector
 from fem_lie.attachments.at_nodes import at_node
 from fem_lie.bodies.body import Body
+from fem_lie.bodies.catalogue import box_corners
 from fem_lie.bodies.model import BodyModel, MaterialPoint
 from fem_lie.lie.motions import Group
 from fem_lie.sections.properties import director_mass_matrix
+
+_ROUND = 24
+"""Corners of a drawn circle."""
+
+_ANGLES = 2.0 * np.pi * np.arange(_ROUND) / _ROUND
+
+_DISC: Array = np.column_stack([np.ones(_ROUND), np.cos(_ANGLES), np.sin(_ANGLES)])
+"""Corners of a circle of radius 1 about e₁, at the height 1, shape (n, 3)."""
+
+_SPHERE: Array = np.vstack(
+    [(np.cos(a), np.sin(a), np.sin(a)) * _DISC for a in np.linspace(0.0, np.pi, _ROUND // 2 + 1)]
+)
+"""Corners of a sphere of radius 1 about e₁, those at the poles repeated, shape (n, 3)."""
 
 
 class RigidBodyModel(BodyModel):
@@ -33,8 +47,10 @@ class RigidBodyModel(BodyModel):
             class_name=class_name,
             size=size,
             points={"centre": 0},
-            # the box of uniform density with the same second moments, m b²/12 each
-            box=np.sqrt(12.0 * np.diag(mass_matrix)[1:].clip(0.0) / mass_matrix[0, 0]),
+            # of the box of uniform density with the same second moments, m b²/12 each
+            corners=box_corners(
+                np.sqrt(12.0 * np.diag(mass_matrix)[1:].clip(0.0) / mass_matrix[0, 0])
+            ),
             name=name,
         )
 
@@ -150,7 +166,9 @@ class RigidBody(Body):
             ValueError: Mass or radius is not positive, or ``rotation`` is not a rotation matrix.
         """
         moment = 0.4 * mass * positive(radius, "radius") ** 2
-        return cls(mass, (moment, moment, moment), position, rotation, name=name)
+        body = cls(mass, (moment, moment, moment), position, rotation, name=name)
+        body.model.corners = radius * _SPHERE
+        return body
 
     @classmethod
     def cylinder(
@@ -188,4 +206,7 @@ class RigidBody(Body):
         e2 /= np.linalg.norm(e2)
         across = mass * (r**2 / 4.0 + float((b - a) @ (b - a)) / 12.0)
         R = np.column_stack([e1, e2, np.cross(e1, e2)])
-        return cls(mass, (mass * r**2 / 2.0, across, across), 0.5 * (a + b), R, name=name)
+        body = cls(mass, (mass * r**2 / 2.0, across, across), 0.5 * (a + b), R, name=name)
+        half = 0.5 * float(np.linalg.norm(b - a))
+        body.model.corners = np.vstack([(x, r, r) * _DISC for x in (-half, half)])
+        return body

@@ -1,4 +1,4 @@
-"""Surfaces of bodies in given frames: swept sections, sheets with a thickness, boxes."""
+"""Surfaces of bodies in given frames: swept sections, sheets with a thickness, convex hulls."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
-from fem_lie.bodies.catalogue import BodyInfo, SceneInfo
+from fem_lie.bodies.catalogue import BodyInfo, SceneInfo, box_corners
 
 # least drawn thickness, relative to the size of the scene, so that slender members are visible
 _THINNEST = 0.004
@@ -19,8 +20,6 @@ _STEP_ANGLE = np.radians(4.0)
 _MOST_STEPS = 16
 _SEEN = 3e-4  # tolerated error of outlines over the size of the scene: a quarter of a pixel
 _CIRCLE = np.column_stack([f(2.0 * np.pi * np.arange(16) / 16) for f in (np.cos, np.sin)])
-_CORNERS = np.array([[i, j, k] for i in (-0.5, 0.5) for j in (-0.5, 0.5) for k in (-0.5, 0.5)])
-_FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,15 +126,27 @@ def _boundary(body: BodyInfo) -> Shape:
     return Shape(faces, body, np.arange(len(body.nodes)), np.zeros((len(body.nodes), 3)))
 
 
-def _boxes(body: BodyInfo, size: float) -> Shape:
-    """A box at each node."""
-    edges: Array = np.full(3, 4.0 * _THINNEST * size)
-    if body.box is not None:
-        edges = np.maximum(body.box, 2.0 * _THINNEST * size)
-    count, corners = len(body.nodes), len(_CORNERS)
-    boxes = [corners * i + np.array(face) for i in range(count) for face in _FACES]
-    ring = np.repeat(np.arange(count), corners)
-    return Shape(_polygons(np.array(boxes)), body, ring, np.tile(_CORNERS * edges, (count, 1)))
+def _hulls(body: BodyInfo, size: float) -> Shape:
+    """Convex hull of the corners at each node; a small box without corners."""
+    least, corners = 2.0 * _THINNEST * size, body.corners
+    if corners is None:
+        corners = box_corners(np.full(3, 2.0 * least))
+    # the signs of zeros tell the corners of a flat box apart
+    missing = np.maximum(0.0, least - np.ptp(corners, axis=0))
+    corners = corners + np.copysign(0.5 * missing, corners)
+    hull = ConvexHull(corners)
+    outward = np.einsum("fi,fi->f", _normals(hull), hull.equations[:, :3]) > 0.0
+    faces = np.where(outward[:, np.newaxis], hull.simplices, hull.simplices[:, ::-1])
+    count = len(body.nodes)
+    each = len(corners) * np.arange(count)[:, np.newaxis, np.newaxis]
+    ring = np.repeat(np.arange(count), len(corners))
+    return Shape(_polygons((each + faces).reshape(-1, 3)), body, ring, np.tile(corners, (count, 1)))
+
+
+def _normals(hull: ConvexHull) -> Array:
+    """Normals of the faces of a hull by the order of their corners, of any length, shape (f, 3)."""
+    a, b, c = np.moveaxis(hull.points[hull.simplices], 1, 0)
+    return np.asarray(np.cross(b - a, c - a))
 
 
 def _tube(body: BodyInfo, frames: Array, size: float) -> Shape:
@@ -157,7 +168,7 @@ def _tube(body: BodyInfo, frames: Array, size: float) -> Shape:
 def _shape(body: BodyInfo, frames: Array, size: float) -> Shape:
     if len(body.faces):
         return _sheet(body, size) if body.thickness.any() else _boundary(body)
-    return _tube(body, frames, size) if len(body.cells) else _boxes(body, size)
+    return _tube(body, frames, size) if len(body.cells) else _hulls(body, size)
 
 
 def _outlines(body: BodyInfo, thinnest: float) -> Array:

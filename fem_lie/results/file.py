@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo, SupportInfo
+from fem_lie.bodies.catalogue import BodyInfo, JointInfo, SceneInfo, SupportInfo, box_corners
 from fem_lie.results.files.records import opened
 from fem_lie.results.files.storage import (
     CHECKSUMS,
@@ -303,7 +303,7 @@ def _groups(file: Any, name: str) -> list[Any]:
     return [file[name][str(i)] for i in range(len(file[name]))]
 
 
-_OF_SOME_BODIES = "outline", "box", "node_types", "undeformed"
+_OF_SOME_BODIES = "outline", "corners", "node_types", "undeformed"
 
 
 def _write_body(group: Any, body: BodyInfo) -> None:
@@ -319,6 +319,9 @@ def _write_body(group: Any, body: BodyInfo) -> None:
 
 def _read_body(group: Any) -> BodyInfo:
     names = [name.decode() for name in group["point_names"][()]]
+    given = {name: group[name][()] for name in _OF_SOME_BODIES if name in group}
+    if "box" in group:  # of earlier versions, which had edges
+        given["corners"] = box_corners(group["box"][()])
     return BodyInfo(
         name=group.attrs["name"],
         kind=group.attrs["kind"],
@@ -327,7 +330,7 @@ def _read_body(group: Any) -> BodyInfo:
         faces=group["faces"][()],
         thickness=group["thickness"][()],
         points={n: int(i) for n, i in zip(names, group["point_nodes"][()], strict=True)},
-        **{name: group[name][()] for name in _OF_SOME_BODIES if name in group},
+        **given,
     )
 
 

@@ -105,6 +105,7 @@ class Division(Stateful):
         """Log a warning if some of the steps were divided."""
         if self.divided:
             _log.warning(
-                "%d of %d steps were divided into up to %d sub-steps: whole ones did not converge",
+                "%d of %d steps were divided into up to %d sub-steps: whole ones did not converge; "
+                "smaller steps, or a scheme that damps such as GeneralisedAlpha, may need less",
                 *(self.divided, steps, self.most),
             )

@@ -81,7 +81,9 @@ def merged(obj: type, lines: Sequence[str]) -> list[str]:
 
 
 def process(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
-    """Rearrange the docstring of a class, for Sphinx's ``autodoc-process-docstring``.
+    """Rearrange docstrings of classes, and keep those of properties whole.
+
+    For Sphinx's event ``autodoc-process-docstring``.
 
     Args:
         app: The Sphinx application.
@@ -94,3 +96,6 @@ def process(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[
     del app, name, options
     if what == "class":
         lines[:] = merged(obj, lines)
+    elif what in ("property", "attribute", "data"):
+        # napoleon takes what is before a colon in the first line as a type
+        lines.insert(0, "")

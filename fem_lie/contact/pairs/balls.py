@@ -32,7 +32,6 @@ from fem_lie.contact.sides.two_sides import Balls, Sides
 class _PointPair(PenaltyPair, ImpactPair):
     """Points or balls as first surface; planes, points or balls as second surface."""
 
-    what = "points and balls"
     ignores_initial = True
 
     @property

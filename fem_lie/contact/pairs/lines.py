@@ -188,7 +188,6 @@ class _LinePair(PenaltyPair):
 
     a: LineSurface
 
-    what = "lines"
     power = 1
 
 

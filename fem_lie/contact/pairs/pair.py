@@ -64,7 +64,6 @@ class ContactPair(ABC):
         label: Label of the contact for messages.
         ignore_initial: Whether pairs of points that overlap at the start are ignored until they
             separate.
-        what: Description of the surfaces for messages.
         power: Contact forces are per length to this power: 0 of points, 1 along lines, 2 over
             areas.
         ignores_initial: Whether ``ignore_initial`` is supported.
@@ -76,7 +75,6 @@ class ContactPair(ABC):
     label: str
     ignore_initial: bool = False
 
-    what: ClassVar[str] = "surfaces"
     power: ClassVar[int] = 0
     ignores_initial: ClassVar[bool] = False
 
@@ -112,7 +110,11 @@ class ContactPair(ABC):
             ValueError: The pair supports :class:`~fem_lie.contact.Penalty` only; this is the
                 default.
         """
-        raise ValueError(f"{self.label}: {self.what} touch by Penalty, not by Impact")
+        kinds = " and ".join(dict.fromkeys(type(side).__name__ for side in (self.a, self.b)))
+        raise ValueError(
+            f"{self.label}: {kinds} touch by Penalty, not by Impact, which acts at points: "
+            "Vertices(body.points(...)) with planes, balls, boxes and polyhedra"
+        )
 
     # --- for derived classes ---
 

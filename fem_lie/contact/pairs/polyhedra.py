@@ -28,8 +28,6 @@ force jumps where the direction of this translation jumps."""
 class _PolyhedralPair(ContactPair, ImpactPair):
     """A polyhedron, and surfaces that touch it by a contact manifold."""
 
-    what = "polyhedra"
-
     @property
     def impact(self) -> ImpactPair:
         """The pair itself."""

@@ -80,8 +80,6 @@ class _OfPoints(_SampledPair):
 
     a: PointSurface
 
-    what = "points and balls"
-
     def samples(self, nodes: Nodes) -> Samples:
         """The centres."""
         return point_samples(self.a.balls(), nodes)
@@ -92,7 +90,6 @@ class _OfLines(_SampledPair):
 
     a: LineSurface
 
-    what = "lines"
     power = 1
 
     def samples(self, nodes: Nodes) -> Samples:
@@ -105,7 +102,6 @@ class _OfPatches(_SampledPair):
 
     a: PatchSurface
 
-    what = "surfaces of shells"
     power = 2
 
     def samples(self, nodes: Nodes) -> Samples:
@@ -334,8 +330,6 @@ class PolyhedronHollowPair(_InHollow):
     """A polyhedron in hollow spheres, which only its corners touch."""
 
     a: PolyhedralSurface
-
-    what = "polyhedra"
 
     def samples(self, nodes: Nodes) -> Samples:
         """The corners."""

@@ -177,7 +177,10 @@ class SceneEquilibrium(Equilibrium):
         self._found = equations.residual(self._now, self._scale, self._scratch, linearised=True)
         self.forces()
         if not self._shared.any(bool(self._load.any())):
-            raise ValueError("the arc length needs a load that is not zero on what can move")
+            raise ValueError(
+                "paths and buckling follow the factor of a load: expected a load that is not zero "
+                "on what can move, got none"
+            )
         self._find(0.0)
         self._scale = equations.fill(self._now, self._found, Plan(self._zero))
 

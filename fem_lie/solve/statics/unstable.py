@@ -126,7 +126,10 @@ POLISHED = 3
 _RESIDUAL = 10.0  # times the work of unbalanced forces: less is due to unfinished iteration
 
 
-HELD = "Is every body held by clamps or joints, with no motion left free?"
+HELD = (
+    "Is every body held by clamps or joints, with no motion left free? Contacts hold nothing as "
+    "long as they are open"
+)
 """Advice where a tangent stiffness is singular."""
 
 

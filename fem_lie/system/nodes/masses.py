@@ -67,7 +67,8 @@ def inertia_of(
         assembly.inertia is not None and assembly.inertia.damping is not None
         for _, assembly in numbering.assemblies
     )
-    for where, assembly in numbering.assemblies:
+    pairs = zip(numbering.members, numbering.assemblies, strict=True)
+    for members, (where, assembly) in pairs:
         if assembly.inertia is not None:
             r = np.repeat(np.arange(assembly.count), np.diff(assembly.indptr))
             rows.append(where.start + r)
@@ -78,9 +79,10 @@ def inertia_of(
                 damping.append(np.zeros_like(mass[-1]) if given is None else given)
         elif required:
             raise ValueError(
-                "dynamics and gravity need the inertia of all sections, and the density of all "
-                "materials: Section.from_stiffness(..., mass=..., rotary=...), NeoHooke(E, nu, "
-                "density)"
+                f"{', '.join(body.label for body in members)}: dynamics and gravity need the "
+                "inertia of all sections, and the density of all materials: Section.from_stiffness("
+                "..., mass=..., rotary=...), NeoHooke(E, nu, density), FormBody(..., inertia="
+                "fl.extend.kinetic_energy(...))"
             )
     for body in bodies:
         if isinstance(body, RigidBody):
