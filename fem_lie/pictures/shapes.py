@@ -128,9 +128,8 @@ def _boundary(body: BodyInfo) -> Shape:
 
 def _hulls(body: BodyInfo, size: float) -> Shape:
     """Convex hull of the corners at each node; a small box without corners."""
-    least, corners = 2.0 * _THINNEST * size, body.corners
-    if corners is None:
-        corners = box_corners(np.full(3, 2.0 * least))
+    least = 2.0 * _THINNEST * size
+    corners = box_corners(np.full(3, 2.0 * least)) if body.corners is None else body.corners
     # the signs of zeros tell the corners of a flat box apart
     missing = np.maximum(0.0, least - np.ptp(corners, axis=0))
     corners = corners + np.copysign(0.5 * missing, corners)
