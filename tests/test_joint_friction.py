@@ -203,6 +203,21 @@ def test_small_motions_are_damped_at_rest():
     np.testing.assert_allclose(found[0, 0], exact, rtol=1e-9)
 
 
+def test_block_rebounds_from_a_stop():
+    """Friction helps gravity on the way up; the stop takes what its restitution leaves."""
+    scene, _, joint = slider(gravity=(0.6 * G, 0, -0.8 * G))
+    scene.add(fl.joints.Limit(joint.displacement, upper=0.5, restitution=0.5))
+    result = fl.GeneralisedAlpha().run(scene, duration=0.82, step=2e-4)
+    down, up = G * (0.6 - 0.2), G * (0.6 + 0.2)
+    speed = np.sqrt(2.0 * down * 0.5)
+    way = (0.5 * speed) ** 2 / (2.0 * up)
+    first = speed / down
+    times = first, first + 0.5 * speed / up + np.sqrt(2.0 * way / down)
+    np.testing.assert_allclose(result.steps.event_times, times, atol=4e-4)
+    np.testing.assert_allclose(result.steps.event_losses[0], 0.75 * speed**2, rtol=2e-4)
+    assert result.energy_error < 1e-5
+
+
 def test_an_event_switches_friction():
     scene, body, _ = slider()
     body.add_velocity((1.0, 0, 0))

@@ -111,6 +111,18 @@ def test_the_double_pendulum_goes_through_the_loop(monkeypatch, case):
         assert compiled.phi_updates > compiled.k_updates > 0
 
 
+def test_friction_in_joints_goes_through_the_loop(monkeypatch):
+    calls, options = watched(monkeypatch), {"cost": 4.0, "refresh": 3.0}
+    scene, given = pendulum(3)[0], {"duration": 0.12, "step": 3e-4, "progress": False}
+    for joint in [each for each in scene.joints if isinstance(each, fl.joints.Revolute)]:
+        scene.add(fl.joints.JointFriction(joint, 0.3, stiction_speed=0.05, radius=0.1))
+    assert scene.connections
+    compiled = fl.GeneralisedAlpha(policy=fl.schemes.Automatic(**options)).run(scene, **given)
+    assert calls["_iterate"] == 0 and compiled.balance[-1, 1] > 0.0
+    same(compiled, fl.GeneralisedAlpha(policy=Asked(**options)).run(scene, **given))
+    assert calls["_iterate"] >= 400
+
+
 @pytest.mark.parametrize(
     "policy",
     [
