@@ -162,6 +162,37 @@ def test_what_presses_a_bearing(scene_of, given, load, normal):
     np.testing.assert_allclose(force, 0.25 * normal, rtol=1e-9)
 
 
+@pytest.mark.parametrize("fixed", ["body", "ground"])
+def test_bearing_is_fixed_to_the_second_point(fixed):
+    """A weight 0.3 m ahead of the bearing moves away from one on the ground."""
+    scene = fl.Scene()
+    body = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1)))
+    points = fl.ground(), body.point("centre")
+    joint = fl.joints.Prismatic(*(points if fixed == "body" else points[::-1]), axis=(1, 0, 0))
+    scene.add(joint)
+    scene.add(JointFriction(joint, 0.25, SLOW, length=0.4, name="friction"))
+    scene.add(fl.PointLoad(body.point((0.3, 0, 0)), force=(0, 0, -2.0 * G)))
+    sign = 1.0 if fixed == "body" else -1.0
+    scene.add(fl.joints.Drive(joint.displacement, lambda t: sign * 10.0 * t))
+    body.add_velocity((10.0, 0, 0))
+    result = fl.GeneralisedAlpha().run(scene, duration=0.01, step=1e-3)
+    ahead = 0.3 + (0.0 if fixed == "body" else 10.0) * result.times
+    force = np.abs(result.joint_force("friction")[:, 2])
+    np.testing.assert_allclose(force, 0.25 * 2.0 * G * ahead / 0.2, rtol=1e-9)
+
+
+def test_an_equilibrium_has_no_friction():
+    """Statics finds that of the spring alone, where a run stays."""
+    scene, body, joint = slider(gravity=(0.6 * G, 0, -0.8 * G))
+    scene.add(fl.joints.Spring(joint.displacement, 100.0))
+    moved = fl.statics(scene).position(body.point("centre"))[..., 0]
+    np.testing.assert_allclose(moved, 0.012 * G, rtol=1e-9)
+    scene, _, joint = slider(gravity=(0.6 * G, 0, -0.8 * G))
+    scene.add(fl.joints.Spring(joint.displacement, 100.0, rest=-0.012 * G))
+    result = fl.GeneralisedAlpha().run(scene, duration=0.1, step=0.01)
+    assert np.abs(result.velocities).max() < 1e-12
+
+
 @pytest.mark.parametrize("speed", [0.0, 2e-8, 3e-4, 2e-3, 0.02, 0.3])
 def test_stribeck_curve(speed):
     law = {"coefficient": 0.1, "static": 0.3, "stribeck_speed": 0.02, "stiction_speed": 1e-3}
