@@ -2,7 +2,7 @@
 
 import os
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 
 import h5py
 import numpy as np
@@ -12,7 +12,6 @@ from PIL import Image
 
 import fem_lie as fl
 from fem_lie import lie
-from fem_lie.bodies.catalogue import box_corners
 from fem_lie.extend import COLOURS
 
 SPIN = np.array([0.3, -0.8, 1.5])
@@ -26,7 +25,7 @@ def _scene():
     section = fl.Section.rectangle(0.04, 0.04, fl.Material(1.0, 0.3, 1.0))
     rod = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=NODES - 1, name="rod"))
     tip = scene.add(fl.RigidBody(1.0, (1, 1, 1), (1.25, 0, 0), name="tip"))
-    tip.model.corners = box_corners(np.array([0.5, 0.2, 0.1]))
+    tip.model.corners = np.array(list(product((-0.25, 0.25), (-0.1, 0.1), (-0.05, 0.05))))
     scene.add(fl.joints.Cylindrical(rod.point("start"), fl.ground(), name="hinge"))
     scene.add(fl.joints.Fixed(tip.point("centre"), rod.point("end"), at=(1, 0, 0), name="weld"))
     return scene
