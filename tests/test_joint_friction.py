@@ -181,6 +181,21 @@ def test_bearing_is_fixed_to_the_second_point(fixed):
     np.testing.assert_allclose(force, 0.25 * 2.0 * G * ahead / 0.2, rtol=1e-9)
 
 
+def test_start_of_a_flexible_body_does_not_depend_on_friction_that_is_zero():
+    """Modes that the step does not resolve take no part in the first accelerations."""
+    frames = []
+    section = fl.Section.circle(0.01, fl.Material(2e11, 0.3, 7800.0))
+    for coefficient in (None, 0.0):
+        scene = fl.Scene(gravity=(0, 0, -G))
+        beam = scene.add(fl.Beam.straight((0, 0, 0), (1, 0, 0), section, cells=4))
+        pin = fl.joints.Revolute(fl.ground(), beam.point("start"), axis=(0, 1, 0))
+        scene.add(pin)
+        if coefficient is not None:
+            scene.add(JointFriction(pin, coefficient, SLOW, radius=0.01))
+        frames.append(fl.GeneralisedAlpha().run(scene, duration=0.1, step=0.01).frames)
+    np.testing.assert_allclose(*frames, rtol=0.0, atol=1e-11)
+
+
 def test_an_equilibrium_has_no_friction():
     """Statics finds that of the spring alone, where a run stays."""
     scene, body, joint = slider(gravity=(0.6 * G, 0, -0.8 * G))

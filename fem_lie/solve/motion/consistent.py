@@ -116,8 +116,8 @@ def accelerations(
 
     They are solved with ``M + h² K/4``, so that modes that the step size does not resolve do not
     take part. For the others this is an error of order ``h²``; each further sweep, with the
-    remaining residual, gains two orders. Friction in joints depends on the multipliers; sweeps then
-    go on until these no longer change.
+    remaining residual, gains two orders. Friction in joints depends on the multipliers: then there
+    is one sweep with the friction of the multipliers before, until these no longer change.
 
     Args:
         equations: Equations of the scene; their matrix and loads are overwritten.
@@ -153,7 +153,8 @@ class _AtStart(Iterated):
     """Equations for accelerations and multipliers at given frames and velocities.
 
     Without friction the equations are linear, but the matrix is that of a step: each further
-    iteration reduces the remaining residual.
+    iteration reduces the remaining residual. With it each iteration starts from zero accelerations,
+    as unresolved modes would take part otherwise.
 
     Attributes:
         multipliers: Lagrange multipliers, shape (m,).
@@ -175,6 +176,8 @@ class _AtStart(Iterated):
         _, self._second = self._constraints.rates(self._v)
         self._scale: Array | None = None
         self.nonlinear, self._first = equations.unknowns.joint_friction, 0.0
+        self._none = self._rate[: equations.unknowns.moving].copy()
+        self._before = np.zeros(6 * equations.unknowns.moving)
 
     @property
     def missing(self) -> bool:
@@ -183,6 +186,8 @@ class _AtStart(Iterated):
     def evaluate(self, iteration: int) -> bool:
         """Evaluate the residual, which does not end the iteration."""
         n, r = self._equations.unknowns.moving, self._solver.right_hand_side
+        if self.nonlinear:
+            self._rate[:n] = self._none
         now = TimeState(self._H, self._v, self._rate[:n], self.multipliers)
         self._equations.residual(now, np.ones(len(self.multipliers)), r, linearised=True)
         drive, _ = self._constraints.rates(self._rate)
@@ -208,7 +213,11 @@ class _AtStart(Iterated):
         self._equations.supports.rotate_back(self._H, nodes)
         self._rate[:n] -= nodes
         self.multipliers -= self._scale * found[6 * n :]
-        size = float(np.abs(found).max(initial=0.0))
+        change = found.copy()
+        if self.nonlinear:
+            change[: 6 * n] -= self._before
+            self._before[:] = nodes.ravel()
+        size = float(np.abs(change).max(initial=0.0))
         self._first = self._first or size
         return size
 
