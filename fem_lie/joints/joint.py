@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import cached_property
+from math import dist
 from typing import ClassVar
 
 import numpy as np
@@ -109,11 +111,18 @@ class Joint(Connection):
         Raises:
             ValueError: The points do not coincide and ``at`` is not given, or the axis is zero.
         """
+        found = np.empty((4, 3))
+        found[0], found[1:] = self._position(), self._axes
+        return found
+
+    @cached_property
+    def _axes(self) -> Array:
+        """Axes of the joint frame, which do not depend on the bodies, shape (3, 3)."""
         e3 = self._direction(self.axis, "axis")
         e1 = self._first_axis(e3)
         # written out: np.cross is slow for single vectors
         (a, b, c), (x, y, z) = e3, e1
-        return np.array([self._position(), e1, (b * z - c * y, c * x - a * z, a * y - b * x), e3])
+        return np.array([e1, (b * z - c * y, c * x - a * z, a * y - b * x), e3])
 
     def frames(self) -> tuple[Array, Array]:
         """Frames A and B in the initial configuration."""
@@ -164,7 +173,7 @@ class Joint(Connection):
         placed = [point for point in (self.a, self.b) if not point.is_everywhere]
         positions = [point.position for point in placed]
         size = max(point.size for point in moving)
-        gap = np.linalg.norm(positions[-1] - positions[0])
+        gap = dist(positions[-1], positions[0])
         if gap > _COINCIDENT * size:
             middle = ", ".join(f"{x:.9g}" for x in 0.5 * (positions[0] + positions[-1]))
             raise ValueError(

@@ -208,8 +208,8 @@ class RelativeMotions(ConstraintSet):
         self._branches = Branches(self.arrays, self.probes, labels, of)
         pairs_of = [
             key
-            for (item, _, _), group in zip(items, groups, strict=True)
-            for key in _keys(item, group)
+            for (item, _, _), label, group in zip(items, labels, groups, strict=True)
+            for key in _keys(item, label, group)
         ]
         coordinates = [c for item, _, _ in items for c in item.coordinates()]
         self._keys = pairs_of, [(c.joint.label, c.name) for c in coordinates]
@@ -425,15 +425,16 @@ class RelativeMotions(ConstraintSet):
         return bool((arrays.nodes >= self._count).any() or arrays.springs[:, 1].any())
 
 
-def _keys(item: Connection, pairs: Sequence[Pair]) -> list[HistoryKey]:
+def _keys(item: Connection, label: str, pairs: Sequence[Pair]) -> list[HistoryKey]:
     """Keys of the angles of an item's pairs: the coordinate along which it acts, or its own."""
+    counted = [pair.definition.functions[:, ANGLE].any() for pair in pairs]
+    if not any(counted):  # pairs without an angle have no history
+        return [(label, "")] * len(pairs)
     coordinates = [] if isinstance(item, Joint) else list(item.coordinates())
-    own = [(item.label, "angle")] * len(pairs)
+    own = [(label, "angle")] * len(pairs)
     acts = [(c.joint.label, c.name) for c in coordinates]
     found = acts if len(acts) == len(pairs) else own
-    counted = [pair.definition.functions[:, ANGLE].any() for pair in pairs]
-    # pairs without an angle have no history
-    return [key if c else (item.label, "") for key, c in zip(found, counted, strict=True)]
+    return [key if c else (label, "") for key, c in zip(found, counted, strict=True)]
 
 
 def _pair(constrained: ConstrainedFrames, definition: ConstraintDefinition, first: int) -> Pair:
