@@ -446,7 +446,7 @@ ALPHA_MOTIONS = {
     "solid brick": Motion(brick, 1e-3, 400),
     "reduced slider-crank": Motion(reduced_crank, 1e-3, 500),
     "rod in a box, impacts": Motion(tumbling_in_box, 1e-4, 20_000),
-    "pile of 64 balls": Motion(lambda: piles.pile(*piles.in_box(64)), piles.STEP, 400),
+    "pile of 64 balls": Motion(lambda: piles.scene_of(piles.in_box(64)), piles.STEP, 400),
     "dropped beam, impacts": Motion(dropped_beam, 1e-3, 150),
 }
 CONSERVING_MOTIONS = {
