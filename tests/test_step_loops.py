@@ -15,6 +15,7 @@ import pytest
 
 import fem_lie as fl
 from benchmarks.conserving_mixed import SCENES as MIXED
+from benchmarks.scale import chain
 from demos.double_pendulum import STEP, pendulum
 from fem_lie._jit.records import fields_of
 from fem_lie.solve.alpha import newton
@@ -575,3 +576,17 @@ def test_rejected_steps_leave_the_turns_of_joints(monkeypatch, scheme):
     scheme.run(hinged(), duration=0.1, step=choice)
     rejected = [change for made, change in turned if not made]
     assert len(rejected) >= 1 and max(rejected) == 0.0
+
+
+def test_corrections_of_a_planar_chain_are_made_in_the_loop(monkeypatch):
+    """Forces out of its plane are round-off, of which factors leave large fractions."""
+    calls, plain = [], fl.extend.DirectSolver.correct
+
+    def observed(solver):
+        calls.append(solver._refines)
+        plain(solver)
+
+    monkeypatch.setattr(fl.extend.DirectSolver, "correct", observed)
+    result = fl.GeneralisedAlpha(radius=0.8).run(chain(10), duration=0.2, step=1e-3)
+    assert max(calls) > 0
+    assert len(calls) <= 2 * result.factorisations + 10

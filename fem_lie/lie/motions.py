@@ -34,16 +34,13 @@ from fem_lie.lie import se3, so3
 from fem_lie.lie.series import cayley, exponential
 from fem_lie.lie.tuples import (
     Vector,
-    combined,
     cross,
-    dot,
     load,
     load_row,
     minus,
     plus,
     rotate,
     rotate_back,
-    scaled,
     store,
     store_row,
 )
@@ -98,20 +95,21 @@ def tangent(kind: int, d: Array, out: Array) -> None:
         se3.tangent(d, out)
 
 
-@inlined
-def increment(kind: int, d: Array, x: Array) -> None:
-    """``x ← T⁻¹ x``: the correction of ``d`` that moves the frame by a twist ``x``, in place."""
-    θ, w = load(d, 3), load(x, 3)
-    if kind & 2:
-        half = combined(0.5, cross(θ, w), 0.25 * dot(θ, w), θ)
-        if not kind & 1:
-            p = plus(load(x, 0), scaled(0.5, cross(load(d, 0), w)))
-            store(x, 0, plus(p, scaled(0.5, cross(θ, p))))
-        store(x, 3, plus(w, half))
-    elif kind & 1:
-        so3.apply_tangent_inverse_so3(d[3:], x[3:], x[3:])
+@compiled
+def tangent_inverse(kind: int, d: Array, out: Array) -> None:
+    """``T⁻¹`` (6, 6): a twist ``h`` of the frame is that of the correction ``T⁻¹ h`` of ``d``."""
+    if kind & 1:
+        out[:] = 0.0
+        for k in range(3):
+            out[k, k] = 1.0
+        if kind & 2:
+            so3.cayley_tangent_inverse_so3(d[3:], out[3:, 3:])
+        else:
+            so3.tangent_inverse_so3(d[3:], out[3:, 3:])
+    elif kind & 2:
+        se3.cayley_tangent_inverse_se3(d, out)
     else:
-        se3.apply_tangent_inverse(d, x, x)
+        se3.tangent_inverse(d, out)
 
 
 @inlined

@@ -319,6 +319,23 @@ def cayley_tangent_se3(d: Array, out: Array) -> None:
     store_block(out, 3, 3, shifted_hat(r, scaled(-0.5 * r, ψ)))
 
 
+@inlined
+def cayley_tangent_inverse_se3(d: Array, out: Array) -> None:
+    """Inverse ``C₆⁻¹(d) = [[A, ½Aû], [0, C⁻¹]]``, ``A = I + ½ψ̂``, of :func:`cayley_tangent_se3`.
+
+    Args:
+        d: Increment (u, θ), shape (6,).
+        out: The result, shape (6, 6), written in place.
+    """
+    u, ψ = load(d, 0), load(d, 3)
+    # ¼ ψ̂ û = ¼ (u ψᵀ − (u·ψ) I)
+    coupling = shifted_hat(-0.25 * dot(u, ψ), scaled(0.5, u))
+    store_block(out, 0, 0, shifted_hat(1.0, scaled(0.5, ψ)))
+    store_block(out, 0, 3, plus_outer(coupling, scaled(0.25, u), ψ))
+    store_block(out, 3, 0, ZERO)
+    store_block(out, 3, 3, matrix((1.0, 0.5, 0.25), ψ))
+
+
 # --- load and store -----------------------------------------------------------------------------
 
 

@@ -202,7 +202,9 @@ LARGE = 20_000
 CHAINS = ByChains("lu", "mumps"), Method("lu", "mumps"), Method("lu", "umfpack")
 """Methods for large nets and trusses, most nodes of which are within cables and bars."""
 
-_FEW = 300  # unknowns up to which KLU is the fastest for any ordering
+SMALL = 300
+"""Number of unknowns up to which KLU is the fastest, for any ordering and symmetric or not."""
+
 _CHAIN = 2  # largest width of a chain, a tree or a ring
 _FILLS = 1e9  # operations from which several ranks factorise together
 _SCHUR = 2e7  # operations from which a Schur complement costs less than unsymmetric factors
@@ -230,8 +232,8 @@ class SkewPart(IntEnum):
 
     ``KEPT``: the matrix is factorised as it is. ``DROPPED_IF_SMALL``: it is dropped
     if it is so small that an iteration does not notice it (:data:`~.equilibrated.SMALL_SKEW`), so
-    that a symmetric package factorises the rest where that costs less. The equations are solved to
-    the same tolerance with both.
+    that a symmetric package factorises the rest where that costs less: not in scenes of at most
+    :data:`SMALL` unknowns. The equations are solved to the same tolerance with both.
     """
 
     KEPT = 0
@@ -269,7 +271,7 @@ def choose(kkt: KKT, prefix: str, solutions: Solutions) -> Choice:
     if len(kkt.indptr) > LARGE and 2 * len(plan_of(kkt).order) > len(kkt.indptr):
         return _logged(Choice(CHAINS), kkt, "most nodes are within chains")
     free = int((~kkt.unit_rows).sum())
-    if free <= _FEW:
+    if free <= SMALL:
         return _logged(Choice((Alone("lu", "klu"),)), kkt, f"{free} unknowns are few")
     return _by_fill(kkt, solutions)
 

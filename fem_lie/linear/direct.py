@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from time import process_time
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +14,9 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array
 from fem_lie._state import part_of
-from fem_lie.linear.choice import Choice, SkewPart, Solutions, choose
+from fem_lie.linear.choice import SMALL, Choice, SkewPart, Solutions, choose
 from fem_lie.linear.equilibrated import (
+    ITERABLE,
     Equilibrated,
     InaccurateSolutionError,
     SingularMatrixError,
@@ -101,7 +102,9 @@ class DirectSolver:
             solutions: Number of solutions per factorisation.
             skew_part: What happens to the skew-symmetric part of the matrix.
         """
-        self._kkt, self._prefix, self._skew_part = kkt, prefix, skew_part
+        self._kkt, self._prefix = kkt, prefix
+        # whatever the package, as that depends on the number of ranks and results must not
+        self._drops = skew_part == SkewPart.DROPPED_IF_SMALL and kkt.size > SMALL
         choice = Choice(tuple(methods)) if methods else choose(kkt, prefix, solutions)
         self._methods, self._expected = choice
         self._own = Equilibrated(kkt)
@@ -122,7 +125,7 @@ class DirectSolver:
         self.factorisations = self.refreshes = 0
         self._idle: IdleMultipliers | None = None
         self.columns = Columns()
-        self._checked, self._refines = False, 0
+        self._checked, self._refines, self._iterable = False, 0, False
         self._by_call: Solution | None = None
         self.right_hand_side, self.solution = np.zeros(size), np.zeros(size)
 
@@ -168,8 +171,7 @@ class DirectSolver:
         self._own.take()
         if self._kkt.shared.any(self._own.matrix is not self._local):
             self._take_over()
-        if self._skew_part == SkewPart.DROPPED_IF_SMALL:
-            # whatever the package, as that depends on the number of ranks and results must not
+        if self._drops:
             self._own.drop_skew_part()
         if self._shared is not None:
             self._shared.take()
@@ -179,7 +181,7 @@ class DirectSolver:
 
     def _set_up(self) -> None:
         """Factorise by the first method that fits the values and succeeds."""
-        self._checked, self._refines, self._by_call = False, 0, None
+        self._checked, self._refines, self._iterable, self._by_call = False, 0, False, None
         self.columns.forget()
         failure: Exception | None = None
         for tried, method in enumerate(self._methods):
@@ -251,7 +253,7 @@ class DirectSolver:
         """State for a checkpoint: methods, refinements and counts."""
         tried = self._order.index(self._methods[0])
         own: dict[str, Any] = {
-            "method": np.array([tried, self._refines, self._checked]),
+            "method": np.array([tried, self._refines, self._iterable, self._checked]),
             "counts": np.array([self.factorisations, self.refreshes]),
         }
         return own | {f"columns.{name}": part for name, part in self.columns.saved_state().items()}
@@ -266,10 +268,10 @@ class DirectSolver:
             SingularMatrixError: It cannot be factorised.
             MemoryError: There is not enough memory for the factors.
         """
-        tried, refines, checked = (int(x) for x in kept["method"])
+        tried, refines, iterable, checked = (int(x) for x in kept["method"])
         self._methods, self._expected = self._order[tried:], None
         self.factorise()
-        self._refines, self._checked = refines, bool(checked)
+        self._refines, self._iterable, self._checked = refines, bool(iterable), bool(checked)
         self.factorisations, self.refreshes = (int(x) for x in kept["counts"])
         self.columns.restore(part_of(kept, "columns"))
 
@@ -323,16 +325,31 @@ class DirectSolver:
         Raises:
             InaccurateSolutionError: No method reaches :data:`~.equilibrated.ACCURATE`.
         """
-        self._solve_for(self.right_hand_side, self.solution)
+        self._solve_by(self._solve_for)
+
+    def correct(self) -> None:
+        """:meth:`solve` for a correction of an iteration, refined only if it is not iterable.
+
+        Raises:
+            InaccurateSolutionError: No method reaches :data:`~.equilibrated.ACCURATE`.
+        """
+        self._solve_by(self._solve_roughly if self._iterable else self._solve_for)
+
+    def _solve_by(self, solve: Callable[[Array, Array], None]) -> None:
+        solve(self.right_hand_side, self.solution)
         if self._kkt.correction is not None:
             self.columns.correct(self._kkt.correction, self._solve_for, self.solution)
 
     def _solve_for(self, b: Array, x: Array) -> None:
         """Solve with the last factorisation, into ``x``."""
+        self._solve_roughly(b, x, self._refines)
+
+    def _solve_roughly(self, b: Array, x: Array, refinements: int = 0) -> None:
+        """Solve with the last factorisation and some refinements, into ``x``."""
         n = len(b)
         np.multiply(b, self._own.left[:n], self._scaled[:n])
         self._solve_scaled(self._b, self._x)
-        for _ in range(self._refines):
+        for _ in range(refinements):
             self._refine()
         if not self._checked:
             self._check()
@@ -351,17 +368,17 @@ class DirectSolver:
 
     @property
     def by_call(self) -> Solution:
-        """:meth:`solve` with the last factorisation for compiled loops.
+        """:meth:`correct` with the last factorisation for compiled loops.
 
-        It is unavailable before the first solution, which is checked, and if solutions are refined
-        or corrected.
+        It is unavailable before the first solution, which is checked, and if corrections are
+        refined or the matrix has a low-rank correction.
         """
         if self._kkt.correction is not None:
             return Solution.none()
         if self._by_call is None:
             alone = not self._shares and not self._divided
             kept = self._checked and self._idle is None and alone
-            if self._refines or not kept:
+            if (self._refines and not self._iterable) or not kept:
                 return Solution.none()
             call = addresses(self._ksp, self._b, self._x)
             scales = self._own.left, self._own.right
@@ -393,6 +410,7 @@ class DirectSolver:
     def _refined(self) -> float:
         """Refine a solution as often as necessary; return its error."""
         error = self._error()
+        self._iterable = error <= ITERABLE
         while error > self._methods[0].accurate and self._refines < MOST_REFINED:
             self._refine()
             error = self._error()

@@ -9,7 +9,7 @@ a step √2 times as large or small. To the policy this looks like the cost of a
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -135,15 +135,22 @@ class StoredFactors(DirectSolver):
 
     def solve(self) -> None:
         """Solve with the selected factorisation, not yet scaled by ``levels.factor``."""
+        self._solve_with(DirectSolver.solve)
+
+    def correct(self) -> None:
+        """Correction with the selected factorisation, not yet scaled."""
+        self._solve_with(DirectSolver.correct)
+
+    def _solve_with(self, solve: Callable[[DirectSolver], None]) -> None:
         solver = self.levels.present
         assert solver is not None
         solver.right_hand_side[:] = self.right_hand_side
-        solver.solve()
+        solve(solver)
         self.solution[:] = solver.solution
 
     @property
     def by_call(self) -> Solution:
-        """:meth:`solve` with the last factorisation for compiled loops, not yet scaled."""
+        """:meth:`correct` with the last factorisation for compiled loops, not yet scaled."""
         solver = self.levels.present
         return Solution.none() if solver is None else solver.by_call
 

@@ -11,7 +11,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined
 from fem_lie._jit.copies import copy_matrix
-from fem_lie.lie.motions import increment
+from fem_lie.lie.motions import tangent_inverse
 from fem_lie.lie.node_types.node_type import POSITION, POSITION_GRADIENT
 from fem_lie.lie.series import exponential
 from fem_lie.lie.tuples import load, rotate, store
@@ -188,21 +188,18 @@ def _add(blocks: Array, of_K: Indices) -> None:
 
 @compiled
 def _refer_to_twists(blocks: Array, of_K: Indices, kinds: Indices, d: Array, bind: Indices) -> None:
-    columns, product = np.empty((6, 6)), np.empty((6, 6))
+    inverse, product = np.empty((6, 6)), np.empty((6, 6))
     for b in range(bind.shape[0]):
         node = bind[b]
         # nodes with vector coordinates have T = 1
         if of_K[b] == b or kinds[node] >= POSITION_GRADIENT:
             continue
-        for k in range(6):
-            columns[k, :] = 0.0
-            columns[k, k] = 1.0
-            increment(kinds[node], d[node], columns[k])
+        tangent_inverse(kinds[node], d[node], inverse)
         for i in range(6):
             for j in range(6):
                 product[i, j] = 0.0
                 for k in range(6):
-                    product[i, j] += blocks[b, i, k] * columns[j, k]
+                    product[i, j] += blocks[b, i, k] * inverse[k, j]
         copy_matrix(product, blocks[b])
 
 

@@ -11,7 +11,7 @@ from math import sqrt
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie import motions
 from fem_lie.lie.node_types.node_type import (
@@ -104,6 +104,17 @@ def tangent(node_type: int, d: Array, out: Array) -> None:
             out[k, k] = 1.0
 
 
+@compiled
+def tangent_inverse(node_type: int, d: Array, out: Array) -> None:
+    """Inverse ``T⁻¹`` (6, 6) of :func:`tangent`."""
+    if node_type < POSITION_GRADIENT:
+        motions.tangent_inverse(node_type, d, out)
+    else:
+        out[:] = 0.0
+        for k in range(6):
+            out[k, k] = 1.0
+
+
 @inlined
 def to_local(node_type: int, H: Array, v: Array, vdot: Array, twist: Array, rate: Array) -> None:
     """Velocity along the node's axes and its rate, from velocity and acceleration of the group."""
@@ -141,26 +152,6 @@ def to_group(node_type: int, H: Array, x: Array) -> None:
             store(x, 0, motions.global_components(H, load(x, 0)))
     else:
         to_global_components(node_type, H, x)
-
-
-@inlined
-def to_increment(node_type: int, d: Array, held: Indices, x: Array) -> None:
-    """Correction of an increment ``d``, in the node's axes, that moves it by a twist, in place.
-
-    Of held unknowns the increments are zero. Zero twists instead would be a constraint that depends
-    on the path, on the iterates of a step.
-
-    Args:
-        node_type: Type of the node.
-        d: Increment, shape (6,).
-        held: Which unknowns are held, shape (6,).
-        x: Twist in the axes of the moved node, overwritten by the correction, shape (6,).
-    """
-    if node_type < POSITION_GRADIENT:
-        motions.increment(node_type, d, x)
-        for k in range(6):
-            if held[k]:
-                x[k] = 0.0
 
 
 @inlined

@@ -63,9 +63,10 @@ class Newton(RunState, Iterated):
     def correct(self) -> float:
         """Solve for a correction and apply it; return its size."""
         s = self.s
-        self._solve()
+        self._solve(self.solver.correct)
         if self._linearised:
             self.equations.history_variables.update_stress(s.H1, -self.dx[: s.d.size])
+        self._refer_to(s.d, self._elastic)
         scale, spread, joined = self._sizes
         size = correct(*self._plain, self.dx, scale, spread, joined, self.multipliers)
         return self.equations.shared.largest(size)

@@ -92,9 +92,9 @@ class Run(Newton):
 
         The matrix has their mass: in increments with gyroscopic terms, else in twists.
         """
-        self._solve()
+        self._solve(self.solver.solve)
         if self.matrix_terms.gyroscopic:
-            to_increments(self.s.plain, self.dx)
+            to_increments(self.s.kinds, self.s.inverse, self.dx)
 
     @property
     def _end_rule(self) -> Rule:
@@ -118,6 +118,8 @@ class Run(Newton):
         stored = (_NOWHERE, _NOTHING) if known.stored is None else known.stored
         packed = Packed(
             *s.plain,
+            self._elastic,
+            self._fixed,
             self.multipliers,
             self._first,
             *self._sizes,
@@ -316,7 +318,7 @@ class Run(Newton):
         try:
             if code == loop.MATRIX:
                 self._refactorise(Refactorisation(progress.update), self.s.H1)
-            self._solve()
+            self._solve(self.solver.correct)
         except SingularMatrixError:
             progress.increment, progress.phase = np.inf, BETWEEN
             return False

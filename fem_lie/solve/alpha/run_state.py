@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import ClassVar
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._arrays import Array, Indices
 from fem_lie._state import attributes, put_back, saved
 from fem_lie.lie.node_types import all_to_global_components, all_to_nodal_components, retract_all
 from fem_lie.linear.direct import DirectSolver
@@ -18,7 +18,14 @@ from fem_lie.solve.alpha.staleness import back_to_twists, staleness
 from fem_lie.solve.alpha.start import set_start
 from fem_lie.solve.alpha.step.loop import PROGRESS
 from fem_lie.solve.alpha.step.node import parameters
-from fem_lie.solve.alpha.step.nodes import State, accept, correct, extrapolate, predict
+from fem_lie.solve.alpha.step.nodes import (
+    State,
+    accept,
+    correct,
+    extrapolate,
+    predict,
+    refer_to,
+)
 from fem_lie.solve.alpha.violation import ViolationWarning
 from fem_lie.solve.convergence import (
     constraint_scaling,
@@ -41,15 +48,15 @@ _LARGE = 20_000
 """Number of nodes above which a matrix only for compilation costs more than the compilation."""
 
 
-def _elastic(equations: Equations) -> Flags:
-    """Which moving nodes are of elements, or have nodes of elements attached, shape (n,)."""
+def _nodes_of_elements(equations: Equations) -> Indices:
+    """Moving nodes that are of elements, or have nodes of elements attached."""
     n, arrays = equations.unknowns.moving, equations.arrays
     found: Array = np.zeros((n, 6))
     for where, _ in arrays.assemblies:
         nodes = arrays.master[where]
         found[nodes[nodes < n]] = 1.0
     equations.shared.sum(found)
-    return np.asarray(found[:, 0] > 0.0)
+    return np.flatnonzero(found[:, 0])
 
 
 class RunState(DividedIntegration[Recorder]):
@@ -70,7 +77,7 @@ class RunState(DividedIntegration[Recorder]):
         "s.H",
         "s.H1",
         "s.motion",
-        "s.factorised",
+        "_factorised",
         "multipliers",
         "scale",
         "spread",
@@ -104,8 +111,10 @@ class RunState(DividedIntegration[Recorder]):
         scaling = node_scaling(unknowns)
         held = equations.matrix.held.copy()
         held[equations.supports.nodes, :3] = False  # along other axes, in which T = 1
-        known = unknowns.kinds, scaling, held, _elastic(equations)
-        self.s = State.start(equations.start.frames, *known)
+        self._fixed: Indices = held.astype(np.int64)
+        self._elastic = _nodes_of_elements(equations)
+        self._factorised: Array = np.zeros((unknowns.moving, 6))
+        self.s = State.start(equations.start.frames, unknowns.kinds, scaling)
         self._violation = ViolationWarning(scaling, options.radius)
         self._guided, self._moving = bool(equations.supports), unknowns.moving
         self._changing = unknowns.time_dependent
@@ -299,17 +308,19 @@ class RunState(DividedIntegration[Recorder]):
         It is measured in the direction of the last correction.
         """
         x = self.dx.copy()
-        back_to_twists(self.s, x)
+        d = self._factorised.copy()
+        d[self._elastic] = self.s.d[self._elastic]
+        back_to_twists(self.s, d, x)
         return staleness(
             self.equations, self.solver, self.p.plain, self.s, self.multipliers, self._sizes, x
         )
 
-    def _solve(self) -> None:
-        """Solve; residual and solution are in local components."""
+    def _solve(self, solve: Callable[[], None]) -> None:
+        """Solve by a method of the solver; residual and solution are in local components."""
         H1, kinds = self.s.H1, self.s.kinds
         if self._turned:
             all_to_global_components(kinds, H1, self.r)
-        self.solver.solve()
+        solve()
         if self._turned:
             all_to_nodal_components(kinds, H1, self.dx)
         if self._guided:
@@ -369,10 +380,15 @@ class RunState(DividedIntegration[Recorder]):
         plan = plan._replace(inertial=turned, stressed=stressed, matrix_terms=self.matrix_terms)
         plan = plan._replace(without_low_rank=self._corrects)
         made = self.equations.fill(self._end_instant, self.forces, plan)
-        self.s.factorised[:] = self.s.d
+        self._factorised[:] = self.s.d
+        self._refer_to(self._factorised, np.arange(self._moving))
         if found is not None:
             found *= self.measure[:, np.newaxis]
         return made
+
+    def _refer_to(self, d: Array, nodes: Indices) -> None:
+        """Let solutions of some nodes be corrections of increments ``d``, shape (n, 6)."""
+        refer_to(d, self.s.kinds, self._fixed, nodes, self.s.inverse)
 
     def _ahead(self) -> Array:
         """Frames at the midpoint of the time for which the matrix is likely to stay frozen.
@@ -417,6 +433,7 @@ class RunState(DividedIntegration[Recorder]):
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Restore the state that :meth:`saved_state` returned."""
         super().restore(kept)
+        self._refer_to(self._factorised, np.arange(self._moving))
         if self.equations.unknowns.time_dependent:
             self.equations.prescribed(self.index * self.h).act()
         self._set_size(self.h / self.division.parts)

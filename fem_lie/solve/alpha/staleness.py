@@ -71,11 +71,17 @@ def staleness(
     return _size(equations, solver.solution, spread) / max(size, TINY)
 
 
-def back_to_twists(state: State, x: Array) -> None:
-    """Transform a correction (6 n + m,) of :func:`~.nodes.correct` back to twists."""
+def back_to_twists(state: State, d: Array, x: Array) -> None:
+    """Transform a correction (6 n + m,) of :func:`~.nodes.correct` back to twists.
+
+    Args:
+        state: The state.
+        d: Increments that it is a correction of, shape (n, 6).
+        x: The correction, overwritten.
+    """
     kinds, h = state.kinds, x[: state.d.size].reshape(-1, 6)
     all_from_group(kinds, state.H1, h)
-    twists(kinds, np.where(state.elastic[:, np.newaxis], state.d, state.factorised), h.copy(), h)
+    twists(kinds, d, h.copy(), h)
 
 
 def _size(equations: Equations, x: Array, spread: Array) -> float:

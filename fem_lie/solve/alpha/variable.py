@@ -40,7 +40,7 @@ IV.8).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -224,7 +224,7 @@ class AlphaSteps(Run):
             # the rows of the frozen matrix keep the scale of its factorisation
             scale = self.factors.levels.scale() * self.factors.levels.factor
             self.r[6 * n :] = scale * (share * wanted - found)
-            super()._solve()
+            super()._solve(self.solver.correct)
             across[:n] += self.dx[: 6 * n].reshape(n, 6)
         all_to_group(s.kinds, s.H, across[:n])
         return across[:n]
@@ -337,7 +337,7 @@ class AlphaSteps(Run):
         """Error of the step that was made from the state ``before``."""
         s, m = self.s, self.factors.levels.mass
         self._error.load(self.h, before["s.motion"], s.H, s.d, s.vdot, m, self.r)
-        super()._solve()
+        super()._solve(self.solver.correct)
         return self._error.of(self.dx)
 
     def recorder(
@@ -392,8 +392,8 @@ class AlphaSteps(Run):
     def _missing(self) -> bool:
         return not self.factors.usable
 
-    def _solve(self) -> None:
-        super()._solve()
+    def _solve(self, solve: Callable[[], None]) -> None:
+        super()._solve(solve)
         if self._factor != 1.0:
             self.dx *= self._factor
 

@@ -29,7 +29,7 @@ from fem_lie.joints.equations.terms import unwrap_both
 from fem_lie.lie.polar import PlainSurroundings, convect_axes
 from fem_lie.linear.factors import PlainSolution, solve_by_call
 from fem_lie.solve.alpha.step.node import PlainScheme
-from fem_lie.solve.alpha.step.nodes import TWISTS, PlainState, accept, correct, predict
+from fem_lie.solve.alpha.step.nodes import TWISTS, PlainState, accept, correct, predict, refer_to
 from fem_lie.solve.convergence import CONVERGED, GOES_ON, ROUND_OFF, UNMEASURED, estimate, judged
 from fem_lie.solve.recording.result_row import fill_whole
 from fem_lie.solve.refactorisation import KNOWN, PlainRule, due, learn
@@ -71,9 +71,9 @@ class Packed(NamedTuple):
         motion: See :class:`~fem_lie.solve.alpha.step.nodes.State`.
         kinds: Types of the nodes.
         scaling: Norm weights of the nodes.
+        inverse: See :class:`~fem_lie.solve.alpha.step.nodes.State`.
+        elastic: Nodes of elements.
         fixed: Which increments are held, shape (n, 6).
-        elastic: Which nodes are of elements, shape (n,).
-        factorised: Increments at the last factorisation, shape (n, 6).
         multipliers: Lagrange multipliers, shape (m,).
         first: Lagrange multipliers at the start of the step.
         scale: Scale of the constraints.
@@ -99,9 +99,9 @@ class Packed(NamedTuple):
     motion: Numbers3
     kinds: Integers1
     scaling: Numbers2
-    fixed: Integers2
+    inverse: Numbers3
     elastic: Integers1
-    factorised: Numbers2
+    fixed: Integers2
     multipliers: Numbers1
     first: Numbers1
     scale: Numbers1
@@ -220,6 +220,7 @@ def _correct(table: Indices, scheme: PlainScheme, state: PlainState, steps: Plai
     this, how = packed(table), Steps(*steps)
     progress = this.progress[0]
     scale, spread = this.scale, this.spread
+    refer_to(this.motion[3], this.kinds, this.fixed, this.elastic, this.inverse)
     increment = correct(scheme, state, this.dx, scale, spread, this.joined, this.multipliers)
     ratio, remaining = estimate(increment, progress.previous, progress.now)
     progress.increment, progress.now = increment, ratio
@@ -309,8 +310,7 @@ def run(
     """
     this, h = packed(table), scheme[0]
     progress = this.progress[0]
-    moved = this.H, this.H1, this.motion, this.kinds, this.scaling
-    state = (*moved, this.fixed, this.elastic, this.factorised)
+    state = this.H, this.H1, this.motion, this.kinds, this.scaling, this.inverse
     ended = Steps(*steps).ended
     while True:
         if progress.phase == BETWEEN:

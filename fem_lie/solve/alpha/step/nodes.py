@@ -11,16 +11,18 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, uncounted
 from fem_lie.lie.node_types import (
+    POSITION_GRADIENT,
     Written,
     all_from_local,
     move,
+    tangent_inverse,
     to_group,
-    to_increment,
     to_local,
 )
+from fem_lie.lie.tuples import dot, load
 from fem_lie.solve.alpha.step import node
 from fem_lie.solve.alpha.step.node import PlainScheme, Scheme
 
@@ -73,9 +75,7 @@ class State(NamedTuple):
             longer to call the more there are.
         kinds: What each node is, see :mod:`fem_lie.lie.node_types`, shape (n,).
         scaling: Weights in the size of increments, see :func:`~.convergence.node_scaling`, (n, 2).
-        fixed: Which increments are held, (n, 6).
-        elastic: Which nodes are of elements, (n,).
-        factorised: Increments ``d₀`` at the last factorisation, (n, 6).
+        inverse: ``T⁻¹`` of each node, see :func:`to_increments`, (n, 6, 6).
     """
 
     H: Array
@@ -83,18 +83,14 @@ class State(NamedTuple):
     motion: Array
     kinds: Indices
     scaling: Array
-    fixed: Indices
-    elastic: Indices
-    factorised: Array
+    inverse: Array
 
     @classmethod
-    def start(
-        cls, frames: Array, kinds: Indices, scaling: Array, held: Flags, elastic: Flags
-    ) -> State:
-        """At rest at ``frames``; ``held``: which increments are zero, shape (n, 6)."""
-        motion = np.zeros((len(Motion._fields), len(kinds), 6))
-        known = kinds, scaling, held.astype(np.int64), elastic.astype(np.int64)
-        return cls(frames.copy(), frames.copy(), motion, *known, np.zeros((len(kinds), 6)))
+    def start(cls, frames: Array, kinds: Indices, scaling: Array) -> State:
+        """At rest at ``frames``."""
+        n = len(kinds)
+        motion, inverse = np.zeros((len(Motion._fields), n, 6)), np.zeros((n, 6, 6))
+        return cls(frames.copy(), frames.copy(), motion, kinds, scaling, inverse)
 
     def copy(self) -> State:
         """With arrays of its own, of the same nodes."""
@@ -167,7 +163,7 @@ class State(NamedTuple):
         self.H[:n] = self.H1[:n] = frames[:n]
 
 
-PlainState: TypeAlias = tuple[Array, Array, Array, Indices, Array, Indices, Indices, Array]
+PlainState: TypeAlias = tuple[Array, Array, Array, Indices, Array, Array]
 """A :class:`State` at the door from Python."""
 
 
@@ -204,7 +200,7 @@ def extrapolate(
 @uncounted
 def predict(scheme: PlainScheme, state: PlainState) -> float:
     """Start a step with the old ``v̇``; returns the size of the largest motion of a node."""
-    H, H1, motion, kinds, scaling, _, _, _ = state
+    H, H1, motion, kinds, scaling, _ = state
     v, vdot, a, d, v1, vdot1, twist, rate = parts(motion)
     p, largest = Scheme(*scheme), 0.0
     for i in range(d.shape[0]):
@@ -215,19 +211,45 @@ def predict(scheme: PlainScheme, state: PlainState) -> float:
     return largest
 
 
+@compiled
+def refer_to(d: Array, kinds: Indices, held: Indices, nodes: Indices, inverse: Array) -> None:
+    """Set ``T⁻¹(d)`` of some nodes, by which corrections of their increments follow from twists.
+
+    Of held unknowns the increments are zero. Zero twists instead would be a constraint that depends
+    on the path, on the iterates of a step.
+
+    Args:
+        d: Increments, shape (n, 6).
+        kinds: Types of the nodes.
+        held: Which increments are held, shape (n, 6).
+        nodes: The nodes; those with vector coordinates, whose ``T = 1``, are left out.
+        inverse: ``T⁻¹`` of all nodes, shape (n, 6, 6), with zero rows of held increments.
+    """
+    for i in nodes:
+        if kinds[i] < POSITION_GRADIENT:
+            tangent_inverse(kinds[i], d[i], inverse[i])
+            for k in range(6):
+                if held[i, k]:
+                    for j in range(6):
+                        inverse[i, k, j] = 0.0
+
+
 @uncounted
-def to_increments(state: PlainState, x: Array) -> None:
+def to_increments(kinds: Indices, inverse: Array, x: Array) -> None:
     """Corrections of increments, in the nodes' axes, from a solution (≥ 6 n,), in place.
 
-    The matrix refers to twists of the nodes, along which stiffness is what it is: ``T⁻¹(d)`` of the
-    current increments for nodes of elements. Inertia is constant along increments: ``T⁻¹(d₀)`` of
-    the factorisation for all others, of which it stays exact however fast they rotate later.
+    The matrix refers to twists of the nodes, along which stiffness is what it is: ``T⁻¹(d)`` is
+    that of the current increments for nodes of elements. Inertia is constant along increments:
+    ``T⁻¹(d₀)`` is that of the factorisation for all others, of which it stays exact however fast
+    they rotate later.
     """
-    _, _, motion, kinds, _, fixed, elastic, factorised = state
-    d = motion[3]
     for i in range(kinds.shape[0]):
-        reference = d[i] if elastic[i] else factorised[i]
-        to_increment(kinds[i], reference, fixed[i], x[6 * i : 6 * i + 6])
+        if kinds[i] < POSITION_GRADIENT:
+            T = inverse[i]
+            u, w = load(x, 6 * i), load(x, 6 * i + 3)
+            for k in range(3):
+                x[6 * i + k] = dot(load(T[k], 0), u) + dot(load(T[k], 3), w)
+                x[6 * i + 3 + k] = dot(load(T[3 + k], 3), w)
 
 
 @uncounted
@@ -244,10 +266,10 @@ def correct(
 
     Twists become corrections of increments in ``dx``, see :func:`to_increments`.
     """
-    H, H1, motion, kinds, scaling, _, _, _ = state
+    H, H1, motion, kinds, scaling, inverse = state
     _, _, _, d, v1, vdot1, twist, rate = parts(motion)
     p, largest = Scheme(*scheme), 0.0
-    to_increments(state, dx)
+    to_increments(kinds, inverse, dx)
     for i in range(d.shape[0]):
         x = dx[6 * i : 6 * i + 6]
         to_group(kinds[i], H1[i], x)
@@ -273,7 +295,7 @@ def correct(
 @uncounted
 def change_velocities(state: PlainState, dx: Array) -> None:
     """Subtract ``dx`` (6 n,), in the nodes' frames, from the velocities at the end of the step."""
-    _, H1, motion, kinds, _, _, _, _ = state
+    _, H1, motion, kinds, _, _ = state
     _, _, _, _, v1, vdot1, twist, rate = parts(motion)
     for i in range(v1.shape[0]):
         x = dx[6 * i : 6 * i + 6]
@@ -286,7 +308,7 @@ def change_velocities(state: PlainState, dx: Array) -> None:
 @uncounted
 def accept(scheme: PlainScheme, state: PlainState) -> None:
     """Make the end of the step the start of the next."""
-    H, H1, motion, kinds, _, _, _, _ = state
+    H, H1, motion, kinds, _, _ = state
     v, vdot, a, _, v1, vdot1, _, _ = parts(motion)
     p = Scheme(*scheme)
     for i in range(v.shape[0]):
