@@ -16,7 +16,7 @@ from fem_lie._arrays import Array
 from fem_lie._state import part_of
 from fem_lie.linear.choice import SMALL, Choice, SkewPart, Solutions, choose
 from fem_lie.linear.equilibrated import (
-    ITERABLE,
+    BackwardError,
     Equilibrated,
     InaccurateSolutionError,
     SingularMatrixError,
@@ -409,15 +409,15 @@ class DirectSolver:
 
     def _refined(self) -> float:
         """Refine a solution as often as necessary; return its error."""
-        error = self._error()
-        self._iterable = error <= ITERABLE
+        found = self._error()
+        self._iterable, error = found.iterable, found.of_terms
         while error > self._methods[0].accurate and self._refines < MOST_REFINED:
             self._refine()
-            error = self._error()
+            error = self._error().of_terms
             self._refines += 1
         return error
 
-    def _error(self) -> float:
+    def _error(self) -> BackwardError:
         return self._own.backward_error(self._scaled, self._found, self._left)
 
     def _refine(self) -> None:

@@ -7,7 +7,7 @@ all systems of units. All factors are powers of two, so nothing is rounded.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from petsc4py import PETSc
 
@@ -29,13 +29,30 @@ A stable solver leaves 1e-16 … 1e-13.
 """
 
 
-ITERABLE = 1e-7
+ITERABLE = 1e-3
 """Largest residual, likewise, of a correction that an iteration takes without refinement.
 
-The next correction removes the error: times the condition numbers of equilibrated matrices, up to
-some 1e5, it is below the convergence rate with frozen factors. Larger residuals than
-:data:`ACCURATE` are common where a motion is planar: forces out of the plane are round-off.
+By so much at least the correction reduces each residual, and the next one reduces the rest. It has
+to be :data:`ACCURATE` in the norm of rows. Rows that have only small unknowns leave more than that
+of their own terms: those across the plane of a motion, or without multipliers.
 """
+
+
+class BackwardError(NamedTuple):
+    """Residual of a solution in the equations that it leaves most of.
+
+    Attributes:
+        of_terms: Over the size of the terms in the equation.
+        of_rows: Over the largest entry of its row times the largest unknown.
+    """
+
+    of_terms: float
+    of_rows: float
+
+    @property
+    def iterable(self) -> bool:
+        """Whether an iteration takes the solution without refinement."""
+        return self.of_terms <= ITERABLE and self.of_rows <= ACCURATE
 
 
 _SYMMETRIC = 5e-14
@@ -113,21 +130,26 @@ def _products(values: Array, columns: Indices, pointers: Indices, x: Array, sums
 
 
 @compiled
-def _backward_error(b: Array, sums: Array, most: float, n: int, r: Array) -> float:
-    """``r = b − A x``; returns the componentwise backward error.
+def _backward_error(
+    b: Array, sums: Array, most: float, n: int, r: Array
+) -> tuple[float, float]:
+    """``r = b − A x``; returns the backward error by components and by rows.
 
     M. Arioli, J. W. Demmel & I. S. Duff, SIAM J. Matrix Anal. Appl. 10 (1989) 165: rows with nearly
     no cancelling terms are measured by the largest unknown, ``most``, of all ``n``.
     """
-    error = 0.0
+    error = of_rows = 0.0
     for i in range(len(b)):
         left, size, norm = b[i] - sums[i, 0], abs(b[i]) + sums[i, 1], sums[i, 2]
         r[i] = left
-        if size < 1e-13 * n * (norm * most + abs(b[i])):
+        largest = norm * most + abs(b[i])
+        if size < 1e-13 * n * largest:
             size += norm * most
         if not abs(left) <= error * size:  # true for nan
             error = abs(left) / size if size > 0.0 else np.inf
-    return error
+        if not abs(left) <= of_rows * largest:
+            of_rows = abs(left) / largest if largest > 0.0 else np.inf
+    return error, of_rows
 
 
 @compiled
@@ -310,14 +332,15 @@ class Equilibrated:
         own = _skewness(*self.csr, scale, _SYMMETRIC, _WHOLE, _NO_BLOCKS)
         return self._kkt.shared.all(bool(own <= _SYMMETRIC))
 
-    def backward_error(self, b: Array, x: Array, r: Array) -> float:
+    def backward_error(self, b: Array, x: Array, r: Array) -> BackwardError:
         """Backward error of a solution ``x`` for ``b`` of this matrix; sets ``r = b − A x``."""
         shared, n = self._kkt.shared, self._kkt.held.size
         sums = np.empty((len(x), 3))
         _products(*self.csr, x, sums)
         shared.sum(sums[:n].reshape(-1, 18))
         most = shared.largest(float(np.abs(x).max(initial=0.0)))
-        return shared.largest(_backward_error(b, sums, most, self._kkt.size, r))
+        found = _backward_error(b, sums, most, self._kkt.size, r)
+        return BackwardError(*(shared.largest(error) for error in found))
 
     def idle(self) -> IdleMultipliers | None:
         """Multipliers without force in this matrix, if constraints may be redundant."""

@@ -127,7 +127,7 @@ def factorise(kkt: KKT) -> Factors:
             raise SingularMatrixError("the matrix is singular") from error
         factors = _unpacked(lu, own)
         solve(factors.plain, b / own.left, y, x)
-        left = own.backward_error(b, x / own.right, r)
+        left = own.backward_error(b, x / own.right, r).of_terms
         if left <= ACCURATE:
             return factors
         _log.info("SuperLU: residual %.1e", left)

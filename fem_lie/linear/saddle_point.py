@@ -271,8 +271,8 @@ class KKT:
     @property
     def size(self) -> int:
         """Number of unknowns, those of other ranks included; shared ones count once."""
-        own = 6 * int(self.shared.owned.sum()) + self._m
-        return int(self.shared.total(np.array(own)))
+        own = 6 * self.shared.owns + self._m
+        return int(self.shared.total(np.array(own))) if self.shared.several else own
 
     @property
     def csr(self) -> tuple[Array, npt.NDArray[Any], npt.NDArray[Any]]:

@@ -40,6 +40,7 @@ class SharedNodes:
     Attributes:
         comm: Communicator of all parts.
         owned: Nodes that count as those of this rank, shape (n,): each node has one owner.
+        owns: Number of these.
         copied: Nodes that other ranks have, too, shape (n,).
         several: Whether there are several ranks.
     """
@@ -61,6 +62,7 @@ class SharedNodes:
             nodes = neighbours.get(rank, none)
             owner[nodes], there[nodes] = rank, numbers[rank]
         self.owned: Flags = owner == comm.rank
+        self.owns = int(self.owned.sum())
         self.copied: Flags = np.zeros(count, dtype=np.bool_)
         for nodes in neighbours.values():
             self.copied[nodes] = True

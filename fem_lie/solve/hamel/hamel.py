@@ -94,9 +94,7 @@ class HamelRun(DividedIntegration[Recorder]):
     def _rolling(self) -> Array:
         """Velocities in space of mass centres of discs that do not slip, (n, 3)."""
         bodies, found = self._bodies, np.zeros((len(self.s), 3))
-        for i in np.flatnonzero(bodies.radius > 0.0):
-            arm = step.contact(self.H[i], bodies.disc[i], bodies.normal[i], bodies.radius[i])
-            found[i] = np.cross(arm, self.s[i, 3:] @ self.H[i, 1:])
+        step.rolling(self.H, self.s, bodies.disc, bodies.normal, bodies.radius, found)
         return found
 
     @property

@@ -98,6 +98,20 @@ def contact(H: Array, disc: Array, N: Array, radius: float) -> Vector:
 
 
 @compiled
+def rolling(
+    H: Array, s: Array, disc: Array, normal: Array, radius: Array, out: Array
+) -> None:
+    """Velocities in space of mass centres of discs that do not slip, (n, 3), at frames and twists.
+
+    Rows of bodies without a radius are left as they are.
+    """
+    for i in range(len(radius)):
+        if radius[i] > 0.0:
+            ω = rotate(load_row(H[i], 1), load_row(H[i], 2), load_row(H[i], 3), load(s[i], 3))
+            store(out[i], 0, cross(contact(H[i], disc[i], normal[i], radius[i]), ω))
+
+
+@compiled
 def _end(H: Array, position: Vector, ψ: Vector) -> None:
     store_row(H, 0, position)
     for k in range(1, 4):

@@ -143,7 +143,8 @@ def accelerations(
     rate[n + 1 :] = prescribed.accelerations
     # ẍ = R (u̇ + ω × u) = 0, of which supports fix some components
     guided = equations.supports.nodes
-    rate[guided, :3] = -np.cross(v[guided, 3:], v[guided, :3])
+    if len(guided):
+        rate[guided, :3] = -np.cross(v[guided, 3:], v[guided, :3])
     start = _AtStart(equations, solver, (H, v, rate), prescribed.target_rates[1], step)
     iterate(start, _MOST_SWEEPS if start.nonlinear else sweeps, FROZEN)
     return rate[:n], start.multipliers
