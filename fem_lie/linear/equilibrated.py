@@ -130,9 +130,7 @@ def _products(values: Array, columns: Indices, pointers: Indices, x: Array, sums
 
 
 @compiled
-def _backward_error(
-    b: Array, sums: Array, most: float, n: int, r: Array
-) -> tuple[float, float]:
+def _backward_error(b: Array, sums: Array, most: float, n: int, r: Array) -> tuple[float, float]:
     """``r = b − A x``; returns the backward error by components and by rows.
 
     M. Arioli, J. W. Demmel & I. S. Duff, SIAM J. Matrix Anal. Appl. 10 (1989) 165: rows with nearly

@@ -98,9 +98,7 @@ def contact(H: Array, disc: Array, N: Array, radius: float) -> Vector:
 
 
 @compiled
-def rolling(
-    H: Array, s: Array, disc: Array, normal: Array, radius: Array, out: Array
-) -> None:
+def rolling(H: Array, s: Array, disc: Array, normal: Array, radius: Array, out: Array) -> None:
     """Velocities in space of mass centres of discs that do not slip, (n, 3), at frames and twists.
 
     Rows of bodies without a radius are left as they are.
