@@ -583,8 +583,8 @@ def test_corrections_of_a_planar_chain_are_made_in_the_loop(monkeypatch):
     calls, plain = [], fl.extend.DirectSolver.correct
 
     def observed(solver):
-        calls.append(solver._refines)
         plain(solver)
+        calls.append(solver._refines)
 
     monkeypatch.setattr(fl.extend.DirectSolver, "correct", observed)
     result = fl.GeneralisedAlpha(radius=0.8).run(chain(10), duration=0.2, step=1e-3)
