@@ -28,10 +28,10 @@ scenes are in :mod:`fem_lie` itself; this module has what scenes do not show.
   :class:`DirectSolver` by a :class:`Method` of a package, which raises
   :class:`SingularMatrixError`; the iteration with a frozen matrix (:func:`iterate`,
   :class:`Iterated`, :class:`Verdict`, :class:`LinearRate`, :class:`QuadraticRate`, :data:`NEWTON`,
-  :data:`FROZEN`); the choice of step sizes (:class:`StepChoice`, :class:`Control`); the measure of
-  convergence
-  (:func:`unknown_scaling`, :func:`estimate`, :func:`failure`); consistent initial accelerations
-  (:func:`accelerations`, :func:`check_velocities`).
+  :data:`FROZEN`); the choice of step sizes (:class:`StepChoice`, :class:`Control`,
+  :class:`SymmetricControl`); the measure of convergence (:func:`unknown_scaling`,
+  :func:`estimate`, :func:`failure`); consistent initial accelerations (:func:`accelerations`,
+  :func:`check_velocities`).
 * **Diagrams** in addition to those of results: :data:`COLOURS`, in which these draw their curves.
 """
 
@@ -100,6 +100,7 @@ if TYPE_CHECKING:
     from fem_lie.solve.recording.recorder import Recorder
     from fem_lie.solve.refactorisation import Refactorisation
     from fem_lie.solve.step_control import Control, StepChoice
+    from fem_lie.solve.symmetric_steps import SymmetricControl
     from fem_lie.system.equations import Equations, Plan, TimeState
 else:
     __getattr__, __dir__ = public_names(__name__)
@@ -157,6 +158,7 @@ __all__ = [
     "StepChoice",
     "StrainEnergy",
     "Sum",
+    "SymmetricControl",
     "Term",
     "TimeState",
     "Verdict",

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from fem_lie.solve.multirate.multi_rate import MultiRate
     from fem_lie.solve.statics.load_steps import Newton
     from fem_lie.solve.step_control import AdaptiveStep, ConstantStep
+    from fem_lie.solve.symmetric_steps import SymmetricStep
     from fem_lie.solve.trees.munthe_kaas import MuntheKaas
     from fem_lie.solve.variational.variational import Variational
     from fem_lie.system.nodes.element_rotations import CoarseElementsWarning
@@ -66,6 +67,7 @@ __all__ = [
     "Sensor",
     "SkewPart",
     "Stop",
+    "SymmetricStep",
     "TimeErrorEstimate",
     "TripleJump",
     "Variational",

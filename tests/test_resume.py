@@ -325,7 +325,7 @@ class OneSize(fl.schemes.ConstantStep):
 
 
 def test_steps_of_a_users_own_are_refused_in_files(tmp_path):
-    with pytest.raises(ValueError, match="ConstantStep or AdaptiveStep, got OneSize"):
+    with pytest.raises(ValueError, match="AdaptiveStep or SymmetricStep, got OneSize"):
         fl.GeneralisedAlpha().run(
             slowing(), duration=0.01, step=OneSize(1e-3), file=tmp_path / "run.h5"
         )

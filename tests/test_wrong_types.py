@@ -328,6 +328,9 @@ CASES: dict[str, tuple] = {
     ),
     "EnergyDecaying": (fl.EnergyDecaying, dict(radius=(0.8, "number"), tolerance=(0, "number"))),
     "AdaptiveStep": (fl.schemes.AdaptiveStep, dict(tolerance=(1e-3, "number"))),
+    "SymmetricStep": (
+        fl.schemes.SymmetricStep, dict(distance=(1e-3, "number"), largest=(1e-3, "number"))
+    ),
     "DisplacementControl": (
         fl.stability.DisplacementControl,
         dict(point=(END, "point"), direction=((0, 0, 1), "vector"), to=(1.0, "number")),
@@ -369,7 +372,7 @@ def _check(made: object) -> None:
     """What a scene, or whoever takes it, checks."""
     if isinstance(made, fl.stability.DisplacementControl):
         made.check()
-    elif isinstance(made, fl.schemes.AdaptiveStep):
+    elif isinstance(made, fl.schemes.AdaptiveStep | fl.schemes.SymmetricStep):
         made.check(1.0)
     elif hasattr(made, "check"):
         scene().add(made)

@@ -16,7 +16,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import ceil, floor, inf, isfinite, log2, sqrt
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -115,8 +115,7 @@ class ConstantStep(StepChoice):
         positive(self.size, "the step")
         if abs(round(duration / self.size) * self.size - duration) > 1e-6 * self.size:
             raise ValueError(f"duration {duration} is not a multiple of the step {self.size}")
-        _check_events(self.events, duration)
-        _check_refinement(self.refinement)
+        check_events(self.events, duration, self.refinement)
 
     def control(
         self, duration: float, length: float, order: int, jumps: Sequence[float] = ()
@@ -129,7 +128,7 @@ class ConstantStep(StepChoice):
             order: Order of the scheme.
             jumps: Times at which loads or drives jump.
         """
-        times = _sorted(self.events, jumps, duration)
+        times = sorted_events(self.events, jumps, duration)
         smallest = self.size / 2**HALVINGS
         control = Control(self.size, inf, inf, times, self.size, smallest, order)
         control.fitted_steps = inf
@@ -180,8 +179,7 @@ class AdaptiveStep(StepChoice):
                 "expected smallest ≤ first ≤ largest step, got "
                 f"{smallest:g}, {first:g}, {largest:g}"
             )
-        _check_events(self.events, duration)
-        _check_refinement(self.refinement)
+        check_events(self.events, duration, self.refinement)
 
     def control(
         self, duration: float, length: float, order: int, jumps: Sequence[float] = ()
@@ -196,7 +194,7 @@ class AdaptiveStep(StepChoice):
         """
         smallest, first, largest = self._sizes(duration)
         rotation = self.rotation_tolerance or self.tolerance / length
-        times = _sorted(self.events, jumps, duration)
+        times = sorted_events(self.events, jumps, duration)
         return Control(first, self.tolerance, rotation, times, largest, smallest, order)
 
     def _sizes(self, duration: float) -> tuple[float, float, float]:
@@ -205,13 +203,29 @@ class AdaptiveStep(StepChoice):
         return smallest, self.first or min(1e-3 * duration, largest), largest
 
 
-def _check_events(events: Sequence[float], duration: float) -> None:
+def check_events(events: Sequence[float], duration: float, refinement: int) -> None:
+    """Raise ``ValueError`` if events are not within the run, or the refinement is no number.
+
+    Args:
+        events: Times of discontinuities.
+        duration: Duration of the run.
+        refinement: Number of sub-steps.
+    """
     if any(not 0.0 < time < duration for time in events):
         raise ValueError(f"events must be in (0, {duration:g}), got {list(events)}")
+    whole(refinement, "refinement")
 
 
-def _sorted(events: Sequence[float], jumps: Sequence[float], duration: float) -> tuple[float, ...]:
-    """All events in order, and the end; events closer than round-off are merged."""
+def sorted_events(
+    events: Sequence[float], jumps: Sequence[float], duration: float
+) -> tuple[float, ...]:
+    """All events in order, and the end; events closer than round-off are merged.
+
+    Args:
+        events: Times of discontinuities.
+        jumps: Times at which loads or drives jump.
+        duration: Duration of the run.
+    """
     times: list[float] = []
     for time in sorted(map(float, (*events, *jumps))):
         if not times or time - times[-1] > SAME * duration:
@@ -219,20 +233,24 @@ def _sorted(events: Sequence[float], jumps: Sequence[float], duration: float) ->
     return (*times, duration)
 
 
-def _check_refinement(parts: int) -> None:
-    whole(parts, "refinement")
-
-
 _CHOICES: dict[str, Callable[..., StepChoice]] = {
     kind.__name__: kind for kind in (ConstantStep, AdaptiveStep)
 }
+
+ChoiceT = TypeVar("ChoiceT", bound=StepChoice)
+
+
+def readable(kind: type[ChoiceT]) -> type[ChoiceT]:
+    """Add a class of choices to those that :func:`described` writes; for a decorator."""
+    _CHOICES[kind.__name__] = kind
+    return kind
 
 
 def described(choice: StepChoice) -> str:
     """Text of a choice, which :func:`step_choice` reads.
 
     Raises:
-        ValueError: The choice is not from this module.
+        ValueError: The choice is of a class of a user.
     """
     name = type(choice).__name__
     if name not in _CHOICES or type(choice) is not _CHOICES[name]:

@@ -32,6 +32,7 @@ from fem_lie.solve.recording.parts_file import PartsFile
 from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan, Saving
 from fem_lie.solve.recording.whole_state import is_whole
 from fem_lie.solve.step_control import ConstantStep, Control, StepChoice
+from fem_lie.solve.symmetric_steps import SymmetricStep
 from fem_lie.system.equations import Equations
 
 _log = logging.getLogger(__name__)
@@ -50,6 +51,9 @@ class Integrator(ABC):
 
     _order: ClassVar[int] = ORDER
     """Order of the error estimate of a step, over its size."""
+
+    _reports_energy: ClassVar[bool] = False
+    """Whether variable steps are chosen by their kinetic energy, and not by their error."""
 
     def run(
         self,
@@ -71,8 +75,9 @@ class Integrator(ABC):
             duration: End time; a multiple of ``step``.
             step: Step size h; or :class:`~fem_lie.schemes.AdaptiveStep`, which chooses it by a
                 tolerance, or :class:`~fem_lie.schemes.ConstantStep`, which also estimates the error
-                of each step. If a load, drive or motion declares discontinuities
-                (:mod:`fem_lie.joints.histories`), constant steps are fitted to end at them.
+                of each step; for ``Variational`` :class:`~fem_lie.schemes.SymmetricStep`. If a
+                load, drive or motion declares discontinuities (:mod:`fem_lie.joints.histories`),
+                constant steps are fitted to end at them.
             save_every: Record every n-th state, and the last one.
             save_at: Record instead the states at these increasing times, or at all multiples of an
                 interval and at the end, whatever the steps are. States between two steps are
@@ -155,6 +160,11 @@ class Integrator(ABC):
             return partial(self._integration, step=plan.step)
         assert isinstance(plan, ChosenSteps)
         choice, steppers = plan.choice, self._steppers(scene, plan)
+        if isinstance(choice, SymmetricStep) and not self._reports_energy:
+            raise ValueError(
+                f"{type(self).__name__} chooses steps by their error: expected AdaptiveStep, got "
+                f"{choice} (which is for Variational)"
+            )
 
         def begin(equations: Equations) -> VariableSteps:
             jumps, length = events(scene, plan.duration), equations.unknowns.length

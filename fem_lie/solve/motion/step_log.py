@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -199,6 +200,9 @@ class StepLog:
                 f"{text}did not converge, and smaller ones than {control.smallest:.3g} are not "
                 f"allowed: last increment {increment:.2e}"
             )
+        if control.tolerance == inf:
+            smaller = f"smaller ones than {control.smallest:.3g} are not allowed"
+            return f"{text}is not admissible, and {smaller}"
         moved = error.translation / control.tolerance >= error.rotation / control.rotation_tolerance
         size, tolerance, unit, node = (
             (error.translation, control.tolerance, "length", error.translation_node)

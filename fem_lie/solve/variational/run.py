@@ -94,7 +94,7 @@ class Newton(RunState, Iterated):
 
 _log = logging.getLogger(__name__)
 
-_CHANGED = "H", "rest", "steps", "before", "multipliers", "earlier", "gap", "_made"
+CHANGED = "H", "rest", "steps", "before", "multipliers", "earlier", "gap", "_made"
 """State that the acceptance of a step changes."""
 
 _AT_A_TIME = 20_000
@@ -267,7 +267,7 @@ class VariationalRun(Newton):
         """
         delta, _, end, middle = self.coordinates
         n, start = self._n, self.H.copy()
-        was = None if self._contacts is None else saved(self, _CHANGED)
+        was = None if self._contacts is None else saved(self, CHANGED)
         advance(self.H[:n], self.rest, delta[:n])
         momenta.keep_axes(self.equations.unknowns.kinds, end, self.H)
         self.H[n:] = end[n:]
@@ -279,7 +279,7 @@ class VariationalRun(Newton):
         self._made += 1
         if self._contacts is not None and not self._touch(self._contacts, time, ahead):
             assert was is not None
-            put_back(self, _CHANGED, was)
+            put_back(self, CHANGED, was)
             return False
         if not self._accept_history(start, middle):
             return False

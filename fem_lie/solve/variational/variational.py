@@ -21,6 +21,8 @@ and a step satisfies the momenta at its start and the constraints at its end::
 Forces without a potential, follower loads and dampers enter by their virtual work at the midpoint
 frames (Lagrange-d'Alembert), with the velocities ``(u, ψ)/h``. The scheme is symmetric, of second
 order and symplectic; the energy oscillates with the square of the step size and does not drift.
+Steps of variable size keep that of reversible motions if they are chosen symmetrically
+(:mod:`fem_lie.solve.symmetric_steps`).
 With a quadratic potential it is as stable as the trapezoidal rule.
 
 Contacts by impacts change frames and momenta at the end of a step, as in generalised-α
@@ -37,8 +39,9 @@ Math. 9 (2009) 197; Leyendecker, Marsden & Ortiz, ZAMM 88 (2008) 677 (constraint
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from fem_lie.bodies.model import MassMatrix
 from fem_lie.lie.motions import Group
@@ -47,14 +50,21 @@ from fem_lie.solve.impacts.impulses import massless
 from fem_lie.solve.impacts.step_end import refuse_impacts
 from fem_lie.solve.motion.integrator import Integrator, check_until_round_off, refuse
 from fem_lie.solve.motion.policies import Automatic, RefactorisationPolicy
+from fem_lie.solve.motion.variable_steps import Stepper
+from fem_lie.solve.recording.plan import ChosenSteps
+from fem_lie.solve.step_control import Control
+from fem_lie.solve.symmetric_steps import SymmetricControl, SymmetricStep
 from fem_lie.solve.variational.run import VariationalRun
 from fem_lie.solve.variational.run_state import Options
+from fem_lie.solve.variational.variable import VariationalSteps
 from fem_lie.system.equations import Equations
 
 
 @dataclass(frozen=True)
 class Variational(Integrator):
-    """Options of the scheme; :meth:`run` integrates with constant steps.
+    """Options of the scheme; :meth:`run` integrates with constant or symmetric steps.
+
+    Steps of variable size, :class:`~fem_lie.schemes.SymmetricStep`, follow the speed of the motion.
 
     Attributes:
         tolerance: 0: iterate down to round-off. Otherwise the predicted iteration error in each
@@ -73,9 +83,11 @@ class Variational(Integrator):
     """
 
     _wanted_step: ClassVar[str] = (
-        "makes constant steps, for its energy would drift with others: expected the step size "
-        "as a number and a scene without discontinuities (or use EnergyMomentum)"
+        "makes constant steps, or symmetric ones, for its energy would drift with others: expected "
+        "the step size as a number and a scene without discontinuities, or SymmetricStep (or use "
+        "EnergyMomentum)"
     )
+    _reports_energy = True
 
     tolerance: float = 0.0
     policy: RefactorisationPolicy = field(default_factory=Automatic)
@@ -121,6 +133,23 @@ class Variational(Integrator):
 
     def _integration(self, equations: Equations, step: float) -> VariationalRun:
         return VariationalRun(self.options(), equations, step)
+
+    def _steppers(
+        self, scene: Scene, plan: ChosenSteps
+    ) -> Callable[[Equations, Control], Stepper[Any]]:
+        if not isinstance(plan.choice, SymmetricStep):
+            return super()._steppers(scene, plan)
+        if contacts := scene.without_impacts().impacts:
+            raise ValueError(
+                f"{contacts[0].label}: Impact is for Variational with constant steps, expected "
+                f"the step size as a number, got {plan.choice}"
+            )
+
+        def begin(equations: Equations, control: Control) -> VariationalSteps:
+            assert isinstance(control, SymmetricControl)
+            return VariationalSteps(self.options(), equations, control)
+
+        return begin
 
 
 def _refuse(equations: Equations) -> None:
