@@ -105,6 +105,7 @@ ATTRIBUTES = {
     "angular_velocity": "result.velocity(point)[:, 3:], in the frame of the point",
     "buckling": "fl.buckling(scene)",
     "clamp": "scene.add(fl.Clamp(body.point(...)))",
+    "colours": "fl.post.resultant_colours(fl.post.resultant_series(result, shell), name)",
     "constraint_force": "result.joint_force(joint)",
     "contact_force": "fl.post.contact_forces(result, contact)",
     "contact_forces": "fl.post.contact_forces(result, contact)",

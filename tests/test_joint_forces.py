@@ -58,6 +58,8 @@ def test_a_weight_pulls_downwards_on_what_it_hangs_on(make, tmp_path):
     result.save(tmp_path / "hangs.h5")
     loaded = type(result).load(tmp_path / "hangs.h5")
     np.testing.assert_allclose(loaded.joint_force(hook, axes="global")[-1], wanted, atol=1e-9)
+    with pytest.raises(ValueError, match="fl.StaticResult.load reads it"):
+        fl.Result.load(tmp_path / "hangs.h5")
     if point.any_attachment is None:
         named = loaded.joint_force("hook", axes="global")
         np.testing.assert_allclose(named[-1], wanted, atol=1e-9)
@@ -140,3 +142,12 @@ def test_a_joint_that_slides_has_the_axes_of_the_section_only():
         result.joint_force(slide, axes="global")
     with pytest.raises(ValueError, match="expected 'joint' or 'global', got 'space'"):
         result.joint_force(slide, axes="space")
+
+
+def test_tables_have_global_components_where_they_are_known():
+    """Readers took columns Fx for global ones, when they were those of the joint."""
+    result, hinge, _ = swing("ball")
+    table = result.to_dataframe()
+    force = result.joint_force(hinge, axes="global")
+    np.testing.assert_array_equal(table[f"{hinge.label} Fx"], force[:, 0])
+    np.testing.assert_array_equal(table[f"{hinge.label} Mz"], force[:, 5])

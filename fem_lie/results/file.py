@@ -209,9 +209,11 @@ def read(path: str | os.PathLike[str], names: Sequence[str]) -> Stored:
         given = file.attrs.get("format"), file.attrs.get("version")
         if given[0] == _FORMAT and given[1] in _READERS:
             return _READERS[given[1]](file, names)
+    other = str(given[0]).removeprefix("fem_lie ")
+    hint = f"; fl.{other}.load reads it" if other == "StaticResult" else ""
     raise ValueError(
         f"{str(path)!r} is not a file of results of versions {min(_READERS)} to {_VERSION}: "
-        f"format {given[0]!r}, version {given[1]}"
+        f"format {given[0]!r}, version {given[1]}{hint}"
     )
 
 

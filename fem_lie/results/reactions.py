@@ -12,7 +12,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, shown
 from fem_lie.bodies.body import Point
-from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.bodies.catalogue import JointInfo, SceneInfo
 from fem_lie.scene.supports import Clamp, PrescribedMotion
 
 if TYPE_CHECKING:
@@ -79,9 +79,8 @@ def joint_axes(joint: Connection | str, info: SceneInfo, frames: Array) -> Array
             is on an attachment and only its name is given.
     """
     known = info.joints[info.joint(joint)]
-    if known.axes is not None:
-        R = np.eye(3) if known.side < 0 else frames[:, known.side, 1:]
-        return np.broadcast_to(known.axes @ R, (len(frames), 3, 3))
+    if (found := recorded_axes(known, frames)) is not None:
+        return found
     side = None if isinstance(joint, str) else joint.force_side
     if side is None:
         raise ValueError(
@@ -91,6 +90,20 @@ def joint_axes(joint: Connection | str, info: SceneInfo, frames: Array) -> Array
         )
     point, axes = side
     return np.asarray(axes @ point.frame[1:].T @ info.frame(point, frames)[:, 1:])
+
+
+def recorded_axes(joint: JointInfo, frames: Array) -> Array | None:
+    """Axes of the force of a joint, shape (k, 3, 3), as :func:`joint_axes` if they are known."""
+    if joint.axes is None:
+        return None
+    R = np.eye(3) if joint.side < 0 else frames[:, joint.side, 1:]
+    return np.broadcast_to(joint.axes @ R, (len(frames), 3, 3))
+
+
+def in_space(wrench: Array, axes: Array) -> Array:
+    """Force and moment (k, 6) along axes (k, 3, 3), in global components."""
+    parts = wrench.reshape(-1, 2, 3)
+    return np.asarray(np.einsum("kpi,kij->kpj", parts, axes).reshape(-1, 6))
 
 
 def _point(support: Support) -> Point | str:

@@ -23,9 +23,9 @@ from fem_lie.pictures.page.page import Diagram, Page, Slider, page
 from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.pictures.vtk import ForcesInBeam, forces_in_cells
 from fem_lie.results.files.functions import NodalFields
-from fem_lie.results.files.tables import WRENCH, Columns, components
+from fem_lie.results.files.tables import OWN_WRENCH, WRENCH, Columns, components
 from fem_lie.results.files.written import Written, rotation_vectors
-from fem_lie.results.reactions import Support, joint_axes, reaction
+from fem_lie.results.reactions import Support, in_space, joint_axes, reaction, recorded_axes
 
 if TYPE_CHECKING:
     from dolfinx import fem
@@ -177,11 +177,19 @@ class StateSeries(Summarised, Displaced, Written):
         }
 
     def _quantities(self) -> Columns:
-        """Forces of joints and supports, if they were recorded."""
+        """Forces of joints and supports, if they were recorded.
+
+        Components are global ones, ``Fx`` and so on; those of joints whose axes in space are not
+        known are along these axes, ``F1`` and so on.
+        """
         joints, supports = self._forces()
         columns: Columns = {}
         for j, joint in enumerate(self.info.joints[: joints.shape[1]]):
-            columns |= components(joint.name, joints[:, j], WRENCH)
+            axes = recorded_axes(joint, self.frames) if len(self.frames) else None
+            if axes is None:
+                columns |= components(joint.name, joints[:, j], OWN_WRENCH)
+            else:
+                columns |= components(joint.name, in_space(joints[:, j], axes), WRENCH)
         names = self.info.node_labels()
         for s, node in enumerate(self.info.supports.at[: supports.shape[1]]):
             columns |= components(f"reaction {names[node]}", supports[:, s], WRENCH)
@@ -222,8 +230,7 @@ class StateSeries(Summarised, Displaced, Written):
         wrench = np.asarray(self.joint_forces[:, self.info.joint(joint)])
         if axes == "joint":
             return wrench
-        A = joint_axes(joint, self.info, self.frames)
-        return np.einsum("kpi,kij->kpj", wrench.reshape(-1, 2, 3), A).reshape(-1, 6)
+        return in_space(wrench, joint_axes(joint, self.info, self.frames))
 
     def reaction(self, *supports: Support) -> Array:
         """Force and moment of a clamp, roller or prescribed motion, or of several together, (k, 6).

@@ -11,7 +11,10 @@ from fem_lie._arrays import Array, instance, number, numbers, positive, positive
 
 @dataclass(frozen=True)
 class Material:
-    """Isotropic elastic material.
+    """Isotropic elastic material, linear in the strains of beams and shells.
+
+    Strains of shells are Green's: at 1 % of extension the force is 1.5 % larger than by Hooke's law
+    in engineering strain.
 
     Attributes:
         E: Young's modulus, force per area.

@@ -105,7 +105,8 @@ class SupportedSurface(Body):
             raise ValueError(
                 f"{name!r} of {self.label} is not on a plane of symmetry with the normal {n}: "
                 f"positions vary by {np.ptp(heights):.2e} along it, directors by "
-                f"{np.abs(tilts).max():.2e}; give an exact director"
+                f"{np.abs(tilts).max():.2e}; give the normal of its plane, and on curved surfaces "
+                "an exact director"
             )
         return nodes, n
 

@@ -14,7 +14,10 @@ import numpy.typing as npt
 from fem_lie._arrays import Array
 
 WRENCH = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
-"""Names of the components of a force and a moment."""
+"""Names of the components of a force and a moment along global axes."""
+
+OWN_WRENCH = ("F1", "F2", "F3", "M1", "M2", "M3")
+"""Names of these along the axes of a joint."""
 
 Columns = dict[str, npt.NDArray[Any]]
 """Values of k states by name, each of shape (k,)."""
