@@ -58,7 +58,7 @@ def test_a_weight_pulls_downwards_on_what_it_hangs_on(make, tmp_path):
     result.save(tmp_path / "hangs.h5")
     loaded = type(result).load(tmp_path / "hangs.h5")
     np.testing.assert_allclose(loaded.joint_force(hook, axes="global")[-1], wanted, atol=1e-9)
-    with pytest.raises(ValueError, match="fl.StaticResult.load reads it"):
+    with pytest.raises(ValueError, match=r"fl\.StaticResult\.load reads it"):
         fl.Result.load(tmp_path / "hangs.h5")
     if point.any_attachment is None:
         named = loaded.joint_force("hook", axes="global")
