@@ -5,6 +5,7 @@ from pathlib import Path
 
 from mpi4py import MPI
 
+import divided_conserving
 import divided_scenes
 import numpy as np
 
@@ -19,6 +20,13 @@ SCENES = {
     "linked beams": divided_scenes.linked,
     "balls": divided_scenes.balls,
 }
+CONSERVING = {
+    "linkage, conserving": (divided_conserving.linkage, fl.EnergyMomentum()),
+    "swinging block, conserving": (divided_scenes.swinging_block, fl.EnergyMomentum()),
+    "net, decaying": (divided_scenes.net, fl.EnergyDecaying(radius=0.6)),
+    "plate, decaying": (divided_scenes.tumbling_plate, fl.EnergyDecaying(radius=0.6)),
+}
+"""Scenes and schemes, by case."""
 
 
 def turning(build):
@@ -35,6 +43,8 @@ def cases():
         if name in ("net", "linked beams", "balls"):
             scene = turning(build)
             yield f"{name}, explicit", fl.Explicit(), scene, 0.5 * fl.Explicit().stable_step(scene)
+    for name, (build, scheme) in CONSERVING.items():
+        yield name, scheme, build()[0], STEP
 
 
 def run(folder):

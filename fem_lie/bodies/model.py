@@ -271,6 +271,11 @@ class BodyModel:
         """
         return None
 
+    @property
+    def neighbour_cells(self) -> Indices:
+        """Nodes of cells of other parts, here without stiffness and mass, (c, k); default: none."""
+        return np.empty((0, 1), dtype=np.int64)
+
     def restricted(
         self: AnyModel, cells: Indices, holds: Sequence[HeldRotation]
     ) -> tuple[AnyModel, Indices]:

@@ -263,6 +263,11 @@ class CableModel(LineModel):
         part.clamped_nodes = [int(node) for node in np.searchsorted(nodes, ends)]
         return part, nodes
 
+    @property
+    def neighbour_cells(self) -> Indices:
+        """Nodes of the elements of other parts to which springs of this part reach, (c, 2)."""
+        return self.elements[self.own :]
+
     def cells_of(self, group: str | None = None) -> Indices:
         """Elements of a named group (default: all that have stiffness and mass).
 

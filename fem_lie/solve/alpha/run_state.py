@@ -412,7 +412,7 @@ class RunState(DividedIntegration[Recorder]):
     def divided_state(self) -> dict[str, Array]:
         """See the base class; motion is that of all nodes as in ``s.motion``."""
         s, n = self.s, self._moving
-        moving = MovingState(s.H[:n], s.motion, self.multipliers, self.balance.total)
+        moving = MovingState(s.H[:n], s.motion, self.multipliers[np.newaxis], self.balance.total)
         return saved(self, _COMMON) | moving._asdict()
 
     def restart(self, state: MovingState, common: Mapping[str, Array]) -> None:
@@ -423,7 +423,7 @@ class RunState(DividedIntegration[Recorder]):
         now.act()
         s.H[:n], s.H[n + 1 :], s.motion[:] = state.frames, now.frames, state.motion
         s.H1[:] = s.H
-        self.multipliers[:], self.balance.total[:] = state.multipliers, state.balance
+        self.multipliers[:], self.balance.total[:] = state.multipliers[0], state.balance
         self.equations.history_variables.update_stress(s.H)
         self._set_size(self.h / self.division.parts)
         self._scale_constraints()

@@ -168,7 +168,6 @@ class EnergyMomentum(Integrator):
             "steps of different sizes": not isinstance(plan, EqualSteps),
             "secants": self.policy.secants > 0,
             "contacts in conserving steps": bool(scene.contacts),
-            "files of conserving steps": file is not None,
         }
         part = divided(scene, PREFIX, refused)
         return None if part is None else self.equations(scene, part)

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
+from functools import cached_property
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._state import part_of
+from fem_lie._state import part_of, put_back, saved
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.solve.conserving import steps
+from fem_lie.solve.conserving.cell_state import CellState
 from fem_lie.solve.conserving.midpoint.any_node import twists
 from fem_lie.solve.conserving.midpoint.end_forces import at_end, rates_at_end
 from fem_lie.solve.conserving.run_state import PREFIX
@@ -25,6 +27,7 @@ from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import History
+from fem_lie.solve.recording.whole_state import MovingState
 
 _log = logging.getLogger(__name__)
 
@@ -33,6 +36,12 @@ _AT_A_TIME = 20_000
 interrupted."""
 _CANCELLED = 1e-13
 """Relative error of energies, over the largest one of a run, above which a warning is logged."""
+
+_COMMON = (
+    *("decisions", "division", "progress", "counts", "size", "unpredicted"),
+    *("s.filter_state", "s.sizes"),
+)
+"""State that all ranks of a divided scene have in common."""
 
 
 class Run(Steps):
@@ -212,6 +221,56 @@ class Run(Steps):
         return self.equations.report(s.H, v, rates, multipliers, linearised=False).reactions
 
     # --- checkpoints ---
+
+    def divided_state(self) -> dict[str, Array]:
+        """See the base class; motion and constraints are those of :class:`~.step.records.State`."""
+        s, n = self.s, self.moving
+        last = s.last_residual.copy()
+        self.equations.shared.sum(last)  # owners have it
+        digits = (each[:n].reshape(n, 2, 6).swapaxes(0, 1) for each in (s.rest, s.V, s.w))
+        motion = np.concatenate([*digits, s.rates, [s.trend, last]])
+        of_joints = np.stack([s.multipliers, *s.earlier, s.gap, self.model.scale])
+        of_cells = self._cell_state.pairs, self._cell_state.values
+        moving = MovingState(s.H[:n], motion, of_joints, s.balance, *of_cells)
+        return saved(self, _COMMON) | moving._asdict()
+
+    @property
+    def cell_pairs(self) -> Indices:
+        """See the base class."""
+        return self._cell_state.pairs
+
+    @cached_property
+    def _cell_state(self) -> CellState:
+        cells, dissipates = (self.cells, self.vector_cells), self.options.dissipation > 0.0
+        return CellState(self.equations, *cells, self.s, dissipates=dissipates)
+
+    def restart(self, state: MovingState, common: Mapping[str, Array]) -> None:
+        """Restart from the state of a scene that was divided, with a new matrix."""
+        put_back(self, _COMMON, common)
+        equations, s, n, time = self.equations, self.s, self.moving, self.index * self.h
+        s.H[:n], s.H[n + 1 :] = state.frames, equations.prescribed(time).frames
+        digits = state.motion[:6].reshape(3, 2, n, 6).swapaxes(1, 2).reshape(3, n, 4, 3)
+        s.rest[:], s.V[:n], s.w[:n] = digits
+        s.rates[:], s.trend[:], s.last_residual[:] = state.motion[6:8], *state.motion[8:]
+        s.last_residual[~equations.shared.owned] = 0.0
+        s.multipliers[:], s.earlier[:], s.gap[:], self.model.scale[:] = (
+            *(state.multipliers[0], state.multipliers[1:3]),
+            *state.multipliers[3:],
+        )
+        s.balance[:] = state.balance
+        self._push_products(s.H, s.V)
+        self._set_size(self.size)
+        if self._changing:  # loads as in the last step
+            equations.prescribed(time - 0.5 * s.sizes[0]).act()
+            self.cells.pack()
+            self._take_loads()
+        self._evaluate_start()
+        self._cell_state.restore(state.of_cells)
+        equations.history_variables.update_stress(s.H)
+        if self.joints is not None:
+            self.joints.restart(s.H, s.gap)
+        self._end_forces.at_rest(s.H)
+        self._forget_iteration()
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Restore the state that :meth:`saved_state` returned."""

@@ -208,7 +208,8 @@ class ExplicitRun(Integration[Recorder]):
     def divided_state(self) -> dict[str, Array]:
         """See the base class; motion is the momenta, and multipliers are the last impulses."""
         impulses = self._none if self._joints is None else self._joints.impulses
-        moving = MovingState(self.H[: self._n], self.p[np.newaxis], impulses, self.balance.total)
+        found = self.H[: self._n], self.p[np.newaxis], impulses[np.newaxis], self.balance.total
+        moving = MovingState(*found)
         return saved(self, _COMMON) | moving._asdict()
 
     def restart(self, state: MovingState, common: Mapping[str, Array]) -> None:
@@ -221,7 +222,7 @@ class ExplicitRun(Integration[Recorder]):
         self.p[:], self.balance.total[:] = state.motion[0], state.balance
         self.equations.history_variables.update_stress(self.H)
         if self._joints is not None:
-            self._joints.impulses[:] = state.multipliers
+            self._joints.impulses[:] = state.multipliers[0]
         self._begin(time)
 
     @property

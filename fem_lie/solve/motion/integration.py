@@ -13,7 +13,7 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie._state import HasState, Stateful, attributes
 from fem_lie.bodies.model import FoldedElementError
 from fem_lie.forms.abilities import PassedThroughError
@@ -28,7 +28,7 @@ from fem_lie.solve.progress_bars import Stopwatch
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import Plan
 from fem_lie.solve.recording.recorder import History
-from fem_lie.solve.recording.whole_state import MovingState
+from fem_lie.solve.recording.whole_state import NO_CELLS, MovingState
 from fem_lie.system.equations import Equations
 
 HistoryT = TypeVar("HistoryT", bound=History)
@@ -98,6 +98,11 @@ class Driver(ABC, Stateful, Generic[HistoryT]):
         Schemes that divide scenes define it.
         """
         raise TypeError(f"{type(self).__name__} does not divide scenes among ranks")
+
+    @property
+    def cell_pairs(self) -> Indices:
+        """Pairs of cells and nodes of which :meth:`divided_state` has something; default: none."""
+        return NO_CELLS
 
     def restart(self, state: MovingState, common: Mapping[str, Array]) -> None:
         """Restart from the state of a scene that was divided, as :meth:`divided_state`.

@@ -26,7 +26,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie._state import HasState
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.results import file as results_file
@@ -80,6 +80,10 @@ class Last(NamedTuple):
 
 class Restartable(HasState, Protocol):
     """A run whose state can be written, as a whole or that of a part of a divided scene."""
+
+    @property
+    def cell_pairs(self) -> Indices:
+        """Pairs of cells and nodes of which the state of a part has something."""
 
     def divided_state(self) -> dict[str, Array]:
         """What moves in a part of a scene, and what all ranks have in common."""

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from functools import partial
 from math import prod
 from pathlib import Path
+from typing import Any
 
 from mpi4py import MPI
 
@@ -128,7 +129,8 @@ class PartsFile(Checkpoints):
 
     def restore(self, run: Restartable) -> None:
         """Restart a run from the state of the whole scene."""
-        run.restart(own(self._gathering, self._equations, self.state), self.state)
+        known = self._gathering, self._equations, self.state
+        run.restart(own(*known, run.cell_pairs), self.state)
 
     def rows(self, count: int) -> dict[str, Array]:
         """The first rows of all results of the whole scene, mapped into memory."""
@@ -144,7 +146,8 @@ class PartsFile(Checkpoints):
             state: What all ranks have in common, and the fields of the part's
                 :class:`~fem_lie.solve.recording.whole_state.MovingState`.
         """
-        moving = MovingState(*(state[name] for name in MovingState._fields))
+        fields: Any = [state[name] for name in MovingState._fields]
+        moving = MovingState(*fields)
         kept = {name: each for name, each in state.items() if name not in MovingState._fields}
         kept |= whole(self._gathering, self._equations, moving)
         rows = {name.removeprefix(WINDOW): np.asarray([kept.pop(name)]) for name in _rows_in(kept)}

@@ -12,6 +12,8 @@ import json
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from mpi4py import MPI
+
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
@@ -25,6 +27,10 @@ _FRAMES, _MOTION, _BALANCE, _TURNS = (
     "whole.turns",
 )
 _MULTIPLIERS, _OWNERS = "whole.multipliers", "whole.owners"
+_CELLS, _OF_CELLS = "whole.cells", "whole.of_cells"
+
+NO_CELLS: Indices = np.empty((0, 1), dtype=np.int64)
+"""No pairs of cells and nodes, see :attr:`MovingState.cells`."""
 
 
 class MovingState(NamedTuple):
@@ -33,14 +39,20 @@ class MovingState(NamedTuple):
     Attributes:
         frames: Frames of the moving nodes, shape (n, 4, 3).
         motion: What the scheme has of each of them, shape (k, n, 6).
-        multipliers: Lagrange multipliers of the constraints, shape (m,).
+        multipliers: What it has of each constraint, such as its multiplier, shape (j, m).
         balance: Energy balance of the part, shape (15,).
+        cells: Nodes of the cell of each pair of a cell and one of its nodes, in any order, -1 where
+            it has fewer, then this node; shape (c, w + 1). Pairs of cells with the same nodes have
+            the same order in all divisions.
+        of_cells: What the scheme has of each pair, shape (c, 12).
     """
 
     frames: Array
     motion: Array
     multipliers: Array
     balance: Array
+    cells: Indices = NO_CELLS
+    of_cells: Array = np.empty((0, 12))
 
 
 def is_whole(kept: Mapping[str, Array]) -> bool:
@@ -59,13 +71,16 @@ def whole(gathering: Gathering, equations: Equations, state: MovingState) -> dic
     comm, nodes = gathering.part.comm, gathering.nodes[equations.unknowns.masters]
     joints = gathering.part.connections[equations.arrays.owner]
     turns = comm.gather([*equations.history_variables.turns.items()])
-    pairs = comm.gather((joints, state.multipliers))
+    pairs = comm.gather((joints, state.multipliers.T))
+    cells, of_cells = _numbered(gathering, state.cells), comm.gather(state.of_cells)
+    width = comm.allreduce(cells.shape[1], op=MPI.MAX)
+    of_all = comm.gather(_padded(cells, width))
     found = {
         _FRAMES: gathering.of_nodes(state.frames[np.newaxis], nodes),
         _MOTION: gathering.of_nodes(state.motion, nodes),
         _BALANCE: gathering.sum(state.balance[np.newaxis]),
     }
-    if turns is None or pairs is None:
+    if turns is None or pairs is None or of_cells is None or of_all is None:
         return {}
     owners, values = (np.concatenate(each) for each in zip(*pairs, strict=True))
     order = np.argsort(owners, kind="stable")
@@ -74,10 +89,14 @@ def whole(gathering: Gathering, equations: Equations, state: MovingState) -> dic
         _OWNERS: owners[order],
         _MULTIPLIERS: values[order],
         _TURNS: np.frombuffer(known.encode(), dtype=np.uint8),
+        _CELLS: np.concatenate(of_all),
+        _OF_CELLS: np.concatenate(of_cells),
     }
 
 
-def own(gathering: Gathering, equations: Equations, kept: Mapping[str, Array]) -> MovingState:
+def own(
+    gathering: Gathering, equations: Equations, kept: Mapping[str, Array], cells: Indices = NO_CELLS
+) -> MovingState:
     """State of the equations of a scene or of its part on this rank, from that of the whole scene.
 
     The joints of the equations get their full turns.
@@ -86,19 +105,49 @@ def own(gathering: Gathering, equations: Equations, kept: Mapping[str, Array]) -
         gathering: Numbers of their nodes and joints in the whole scene.
         equations: The equations.
         kept: State of the whole scene, the same on all ranks.
+        cells: Pairs of cells and nodes of which the scheme has something, as in
+            :class:`MovingState`.
     """
     masters = gathering.nodes[equations.unknowns.masters]
     joints = gathering.part.connections[equations.arrays.owner]
-    rows = np.searchsorted(kept[_OWNERS], joints) + _occurrences(joints)
+    owners, known = (np.asarray(kept[name], dtype=np.int64) for name in (_OWNERS, _CELLS))
+    rows = _rows_of(owners, joints)
     turns = {(name, angle): turn for (name, angle), turn in json.loads(bytes(kept[_TURNS]))}
     equations.history_variables.turns = turns
     balance = kept[_BALANCE][0]
     return MovingState(
         kept[_FRAMES][0, masters],
         kept[_MOTION][:, masters],
-        kept[_MULTIPLIERS][rows],
+        kept[_MULTIPLIERS][rows].T,
         balance if equations.shared.comm.rank == 0 else np.zeros_like(balance),
+        cells,
+        kept[_OF_CELLS][_rows_of_cells(known, _numbered(gathering, cells))],
     )
+
+
+def _numbered(gathering: Gathering, cells: Indices) -> Indices:
+    """Pairs of cells and nodes by numbers in the whole scene, the nodes of a cell descending."""
+    numbers = np.append(gathering.nodes, -1)[cells]
+    return np.column_stack([np.sort(numbers[:, :-1], axis=1)[:, ::-1], numbers[:, -1]])
+
+
+def _padded(pairs: Indices, width: int) -> Indices:
+    """The same with ``width`` columns."""
+    missing = np.full((len(pairs), width - pairs.shape[1]), -1)
+    return np.column_stack([pairs[:, :-1], missing, pairs[:, -1]])
+
+
+def _rows_of_cells(known: Indices, pairs: Indices) -> Indices:
+    """Rows of pairs among those of the whole scene."""
+    both = np.concatenate([known, _padded(pairs, known.shape[1])])
+    numbers = np.unique(both, axis=0, return_inverse=True)[1].ravel()
+    order = np.argsort(numbers[: len(known)], kind="stable")
+    return order[_rows_of(numbers[: len(known)][order], numbers[len(known) :])]
+
+
+def _rows_of(known: Indices, numbers: Indices) -> Indices:
+    """Rows of numbers, which may repeat, among known ascending ones."""
+    return np.searchsorted(known, numbers) + _occurrences(numbers)
 
 
 def _occurrences(numbers: Indices) -> Indices:

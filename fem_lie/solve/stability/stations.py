@@ -34,7 +34,7 @@ def whole_station(model: StableEquilibrium, station: Station) -> Station:
     moving = MovingState(
         station.state.frames[:n],
         np.empty((0, n, 6)),
-        station.state.multipliers,
+        station.state.multipliers[np.newaxis],
         np.zeros(_BALANCE),
     )
     kept = whole(gathering, equations, moving)
@@ -70,6 +70,6 @@ def own_station(walker: Walker, station: Station) -> Station:
         return station
     of_scene = undivided(equations.scene) if part is None else part
     found = own(Gathering(equations.info, of_scene), equations, kept)
-    model.place(found.frames, found.multipliers)
+    model.place(found.frames, found.multipliers[0])
     again = walker.start(station.factor, station.sign)
     return replace(again, iterations=station.iterations, test=station.test)

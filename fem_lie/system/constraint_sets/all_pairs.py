@@ -30,6 +30,7 @@ class AllPairs(NamedTuple):
 
     Attributes:
         joints: The joints; frames of which only positions matter may rotate arbitrarily.
+        tables: Arrays of the sets from which the joints are copied.
         attachments: The attachment frames.
         oriented: Nodes and attachments of which more than the position matters, shape (n + g,).
         turns: Whether any angle is counted beyond a full turn.
@@ -38,6 +39,7 @@ class AllPairs(NamedTuple):
     """
 
     joints: PackedJoints
+    tables: Sequence[JointArrays]
     attachments: HeldAttachments
     oriented: Flags
     turns: bool
@@ -82,7 +84,7 @@ def all_pairs(
     )
     turns, loose = bool(table.functions.any()), bool((oriented & ~whole).any())
     springs = [each.what for each in sets[len(parts) :] if len(each.springs)]
-    return AllPairs(pack(table), attachments, oriented, turns, loose, springs)
+    return AllPairs(pack(table), tables, attachments, oriented, turns, loose, springs)
 
 
 def _in_pairs(given: ConstraintSet) -> TypeGuard[OnAttachments]:

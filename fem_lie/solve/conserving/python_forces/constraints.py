@@ -298,6 +298,9 @@ class _FramePairs(Stateful):
     def accept(self, H: Array, driven: Array, gap: Array) -> None:
         """Accept a step, which changes nothing: compiled steps sum violations."""
 
+    def restart(self, H: Array, gap: Array) -> None:
+        """Restart, which needs nothing: compiled steps have full turns in their arrays."""
+
     def energy(self, H: Array) -> float:
         """Energy of springs at nodes ``H``."""
         return _spring_energy(self._packed, H)
@@ -378,6 +381,10 @@ class OtherConstraints:
         self._pairs.accept(H, driven, gap)
         if not self._equations.unknowns.driven:
             gap[self._own] = self._equations.constraints(H).values[self._own]
+
+    def restart(self, H: Array, gap: Array) -> None:
+        """Restart at nodes ``H`` with these constraint violations (m,)."""
+        self._pairs.restart(H, gap)
 
     def energy(self, H: Array) -> float:
         """Energy of springs at nodes ``H``."""

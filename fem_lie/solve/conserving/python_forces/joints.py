@@ -219,6 +219,16 @@ class Joints:
         self.reached += driven[own]
         gap[own] += _BACK * (found - self.reached - gap[own])
 
+    def restart(self, H: Array, gap: Array) -> None:
+        """Restart at nodes ``H`` with these constraint violations (m,).
+
+        Counted angles are those of the history variables of the equations.
+        """
+        turned = views(self._pairs.joints).turned
+        turned[:] = np.concatenate([table.turned for table in self._pairs.tables])
+        _violations(self._pairs.joints, self._all(H), self.reached)
+        self.reached -= gap[: self.count]
+
     def energy(self, H: Array) -> float:
         """Energy of springs at nodes ``H``."""
         return _spring_energy(self._pairs.joints, self._all(H))
