@@ -360,6 +360,25 @@ def line_on_plane(**law) -> fl.Scene:
     )
 
 
+def mortar_on_plane(law: fl.contact.MortarPenalty) -> fl.Scene:
+    """The same with pressures of nodes."""
+    scene = touching()
+    _, two, line = scene.bodies
+    plane = fl.contact.Plane(two.point((0.5, 1.65, 0.2)), (0.02, 0.87, -0.5))
+    scene.add(fl.contact.Contact(fl.contact.Line(line, 0.4), plane, law))
+    return scene
+
+
+def mortar_on_line() -> fl.Scene:
+    """Two elements along each other with pressures of nodes."""
+    scene = touching()
+    *_, line = scene.bodies
+    other = scene.add(fl.Beam.straight((-1.5, 1.26, 0.05), (2.5, 1.28, 0), SECTION, cells=1))
+    lines = fl.contact.Line(line, 0.4), fl.contact.Line(other, 0.33)
+    scene.add(fl.contact.Contact(*lines, fl.contact.MortarPenalty(50.0)))
+    return scene
+
+
 def reduced_order() -> fl.Scene:
     """A beam with a bow, in its ends and four shapes between."""
     full = fl.Scene()
@@ -478,6 +497,13 @@ TERMS: dict[str, Case] = {
     "line on a bar": Case(line_on_bar, TOUCH),
     "line on a line": Case(line_on_line, TOUCH),
     "line on a plane": Case(line_on_plane, TOUCH),
+    "mortar on a plane": Case(
+        lambda: mortar_on_plane(fl.contact.MortarPenalty(50.0)), "mortar contacts"
+    ),
+    "multipliers on a plane": Case(
+        lambda: mortar_on_plane(fl.contact.Mortar(50.0)), "mortar contacts with multipliers"
+    ),
+    "mortar on a line": Case(mortar_on_line, "mortar contacts"),
     "shell on a shell": Case(shell_on_shell, TOUCH),
     "triangles on triangles": Case(lambda: shell_on_shell("triangle"), TOUCH),
     "shell on quadratic cells": Case(lambda: shell_on_shell(degree=2), TOUCH),

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from fem_lie.contact.contact import Contact
     from fem_lie.contact.convex.polyhedron import ConvexPolyhedron
     from fem_lie.contact.laws.energy import UnresolvedContactWarning
-    from fem_lie.contact.laws.law import Impact, Penalty
+    from fem_lie.contact.laws.law import Impact, Mortar, MortarPenalty, Penalty
     from fem_lie.contact.pairs.lines import Cylinder, Line
     from fem_lie.contact.pairs.patch_surfaces import Facets
     from fem_lie.contact.pairs.shapes import Box, Plane, Sphere, Vertices
@@ -27,6 +27,8 @@ __all__ = [
     "Facets",
     "Impact",
     "Line",
+    "Mortar",
+    "MortarPenalty",
     "Penalty",
     "Plane",
     "Rings",

@@ -14,6 +14,7 @@ from fem_lie._arrays import flag, instance, text
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.model import HeldRotation
 from fem_lie.contact.laws.law import ContactLaw, ContactTerm
+from fem_lie.contact.mortar import pairs as mortar  # noqa: F401  (registers its pairs)
 from fem_lie.contact.pairs import known  # noqa: F401  (registers the pairs of the package)
 from fem_lie.contact.pairs.pair import ContactPair, bodies_of, pair_class, pair_of
 from fem_lie.contact.sides.surfaces import ContactSurface

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import InitVar, dataclass, replace
+from dataclasses import InitVar, dataclass, field, replace
 from typing import ClassVar
 
 from fem_lie._arrays import Array, Indices, number, positive
@@ -47,10 +47,12 @@ class ContactLaw(ABC):
     Attributes:
         friction: Coefficient of friction μ.
         impulsive: Whether the law has impulses at the ends of steps, instead of forces.
+        static: Whether the law is for equilibria only.
     """
 
     friction: float
     impulsive: ClassVar[bool]
+    static: ClassVar[bool] = False
 
     @property
     def path_dependent(self) -> bool:
@@ -172,6 +174,73 @@ class Penalty(ContactLaw):
         """Stiffness and friction as constants; see :attr:`k` for errors."""
         holding = self.k if self.holding is None else self.holding
         return CoulombLaw(float(self.k), float(self.friction), float(holding))
+
+
+@dataclass(frozen=True)
+class MortarPenalty(ContactLaw):
+    """Contact law along lines with a penalty on mean gaps: one pressure per node of a line.
+
+    The first of two surfaces is a :class:`~fem_lie.contact.Line`. The pressure is linear between
+    its nodes and proportional to the mean overlap near each node. Products of shape functions of
+    both lines are integrated exactly, so that an even pressure is transmitted exactly between
+    meshes that do not match. Without friction and damping; for statics and, in dynamics, for
+    :class:`~fem_lie.GeneralisedAlpha`, :class:`~fem_lie.schemes.Variational` and
+    :class:`~fem_lie.Explicit`.
+
+    A pressure acts on the mean gap near a node. For lines that cross at large angles use
+    :class:`~fem_lie.contact.Penalty`.
+
+    Attributes:
+        stiffness: k, force per length of the first line and overlap, N/m². Default: as for
+            :class:`~fem_lie.contact.Penalty`.
+    """
+
+    stiffness: float | None = None
+    friction: float = field(default=0.0, init=False)
+
+    impulsive: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` or ``ValueError`` for wrong types or values out of range."""
+        if self.stiffness is not None:
+            positive(self.stiffness, f"{type(self).__name__}: stiffness")
+
+    def with_stiffness(self, choose: Callable[[], float]) -> MortarPenalty:
+        """The law with the given stiffness, or else the chosen one."""
+        return self if self.stiffness is not None else replace(self, stiffness=choose())
+
+    @property
+    def k(self) -> float:
+        """The stiffness of the law of a contact.
+
+        Raises:
+            ValueError: The stiffness is neither given nor chosen by a contact yet.
+        """
+        if self.stiffness is None:
+            raise ValueError(f"{type(self).__name__}: stiffness is chosen by its Contact")
+        return self.stiffness
+
+
+@dataclass(frozen=True)
+class Mortar(MortarPenalty):
+    """Contact law along lines with Lagrange multipliers: one pressure per node of a line.
+
+    Mean gaps near the nodes of the first line are zero where there is a pressure, and pressures are
+    not negative. Weighted gaps are those of :class:`~fem_lie.contact.MortarPenalty`. Equilibria do
+    not depend on the stiffness, which governs how fast Newton's method finds the multipliers. The
+    law is for statics. In dynamics a multiplier of the last step would do work in the next one.
+
+    Attributes:
+        stiffness: k of the augmented Lagrangian, N/m². Default: as for
+            :class:`~fem_lie.contact.Penalty`.
+    """
+
+    static: ClassVar[bool] = True
+
+    @property
+    def path_dependent(self) -> bool:
+        """True: multipliers are those of the last accepted state."""
+        return True
 
 
 @dataclass(frozen=True)

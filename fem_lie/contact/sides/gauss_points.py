@@ -122,7 +122,7 @@ def set_position(strands: Strands, i: int, s: float, out: Side, q: int) -> None:
 
 
 @uncounted
-def _set_sliding(b: Strands, j: int, σ: float, P: Vector, out: Sliding, q: int) -> None:
+def set_sliding(b: Strands, j: int, σ: float, P: Vector, out: Sliding, q: int) -> None:
     """Set how the closest point to ``P`` moves along a segment."""
     D = b.curves[j]
     separation, t = minus(P, position_at(D, σ)), slope(D, σ)
@@ -181,7 +181,7 @@ def _add_points(
                     continue
                 set_position(b, j, σ, out.b, count)
                 out.pairs[count, 1], out.first[count] = count, block[j - other.first]
-                _set_sliding(b, j, σ, position_at(C, s), out.sliding, count)
+                set_sliding(b, j, σ, position_at(C, s), out.sliding, count)
             set_position(a, i, s, out.a, count)
             out.pairs[count, 0] = count
             out.weight[count] = 0.5 * (high - low) * GAUSS_WEIGHT[p] * a.lengths[i]
@@ -265,7 +265,7 @@ def set_nearest_of_lines(
         if not square < (beyond * reach) ** 2:
             continue
         set_position(b, j, σ, out.b, count)
-        _set_sliding(b, j, σ, P, out.sliding, count)
+        set_sliding(b, j, σ, P, out.sliding, count)
         out.pairs[count, 0], out.pairs[count, 1] = i, count
         out.weight[count], out.first[count] = samples.measures[i], blocks[e + j - first]
         if keys.shape[0] > 0:

@@ -20,6 +20,7 @@ from fem_lie.contact.sides.patches import (
     NET,
     ROWS,
     VALUE,
+    Nearest,
     Patches,
     bends_at,
     combination,
@@ -238,6 +239,26 @@ def _face_of(H: Array, a: Side, i: int, separation: Vector) -> int:
     return 1 if dot(separation, load_row(H[a.nodes[i, 0]], 3)) > 0.0 else 0
 
 
+@inlined_uncounted
+def _set_evaluated(
+    b: Patches, j: int, found: Nearest, P: Vector, W: Array, out: ContactPoints, count: int
+) -> None:
+    """Set the closest point to ``P`` on a patch, at which ``W`` is evaluated, as second point."""
+    _reset(b, j, out.b, count)
+    _set_position(b, j, W, VALUE, 1.0, out.b.weights[count], out.b.arms[count])
+    out.b.radii[count], out.b.owners[count] = b.radii[j], b.nodes[j, 0]
+    _set_sliding(b, j, found.edge, found.end, P, W, out.sliding, count)
+
+
+@uncounted
+def set_closest(
+    b: Patches, j: int, found: Nearest, P: Vector, W: Array, out: ContactPoints, count: int
+) -> None:
+    """Set the closest point to ``P`` on a patch as second point of a contact; ``W`` overwritten."""
+    set_shapes(is_triangle(b, j), b.straight, found.u, found.v, W)
+    _set_evaluated(b, j, found, P, W, out, count)
+
+
 @uncounted
 def add_contacts_of(
     H: Array,
@@ -298,10 +319,8 @@ def add_contacts_of(
             seen = (True, seen[1]) if face == 0 else (seen[0], True)
             keys[count, 0], keys[count, 1] = key, face
             _set_fixed(b, j, found.u[q], found.v[q], fixed, count)
-        _reset(b, j, out.b, count)
-        _set_position(b, j, W, VALUE, 1.0, out.b.weights[count], out.b.arms[count])
-        out.b.radii[count], out.b.owners[count] = b.radii[j], b.nodes[j, 0]
-        _set_sliding(b, j, found.edges[q], found.ends[q], P, W, out.sliding, count)
+        here = Nearest(found.squares[q], found.u[q], found.v[q], found.edges[q], found.ends[q])
+        _set_evaluated(b, j, here, P, W, out, count)
         out.pairs[count, 0], out.pairs[count, 1] = i, count
         out.weight[count], out.first[count] = measure, blocks[first + q]
         count += 1

@@ -159,9 +159,16 @@ class Equations:
             part: What this rank has of the scene, if it is divided; states are those of the part.
 
         Raises:
-            ValueError: See :class:`~fem_lie.system.system.System`.
+            ValueError: Inertia is needed, and a contact law is for statics; or see
+                :class:`~fem_lie.system.system.System`.
         """
         self.part, self.scene = part, scene if part is None else part.scene
+        for contact in self.scene.contacts if dynamics else ():
+            if contact.law.static:
+                raise ValueError(
+                    f"{contact.label}: {type(contact.law).__name__} is for statics; expected a law "
+                    "for motions such as MortarPenalty or Penalty"
+                )
         self._system = System(
             self.scene,
             dynamics=dynamics,
