@@ -122,6 +122,37 @@ def find_name(groups: Mapping[str, Indices], name: str, what: str) -> Indices:
     return groups[name]
 
 
+def entities_where(
+    where: Callable[[Array], npt.ArrayLike], x: Array, entities: Indices, what: str
+) -> Indices:
+    """Rows of ``entities`` (e, k) whose nodes are all where a function of positions says.
+
+    Args:
+        where: Function of positions, shape (3, n), that returns n truth values, as the markers of
+            ``dolfinx.mesh.locate_entities``.
+        x: Positions of all nodes, shape (n, 3).
+        entities: Nodes of each entity, shape (e, k).
+        what: Name of what is chosen, for messages.
+
+    Raises:
+        ValueError: The function returns anything else, or no entity is there.
+    """
+    inside = np.asarray(where(np.ascontiguousarray(x.T)))
+    if inside.shape != (len(x),) or inside.dtype != np.bool_:
+        raise ValueError(
+            f"{what}: expected a function of positions, shape (3, n), that returns n truth values; "
+            f"got shape {inside.shape} of {inside.dtype} for {len(x)} positions"
+        )
+    rows = np.flatnonzero(inside[entities].all(axis=1))
+    if not len(rows):
+        spot = x[np.unique(entities)]
+        raise ValueError(
+            f"{what}: nothing is there; {int(inside.sum())} nodes are, but no part has all of its "
+            f"corners among them; x is in {spot.min(axis=0).tolist()} … {spot.max(axis=0).tolist()}"
+        )
+    return rows
+
+
 LARGEST = 1e75
 """Largest admissible magnitude: the fourth power of a larger length overflows."""
 

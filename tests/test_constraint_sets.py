@@ -115,6 +115,14 @@ def edge_on_beam(scene):
     )
 
 
+def coupling(scene):
+    """Nodes of a solid and of a beam that move with a rigid body away from them."""
+    rubber = fl.sections.NeoHooke(1e6, 0.3, 1000.0)
+    block = scene.add(fl.Solid.brick((0.2, 0.1, 0.1), rubber, cells=(1, 1, 1), name="block"))
+    beam, a = rail(scene), body(scene, (0.1, 0, 0)).point("centre")
+    scene.add(fl.joints.KinematicCoupling(a, [*block.points("a=1"), beam.point("start")]))
+
+
 BUSHING = np.diag([30.0, 20.0, 25.0, 1.0, 2.0, 1.5])
 BUSHING[1, 5] = BUSHING[5, 1] = 2.0
 
@@ -137,6 +145,7 @@ BUSHINGS = bushings.Bushings.what
 ON_ATTACHMENTS = "{} on points that are not nodes".format
 SETS = {
     "joints": (joints, JOINTS),
+    "kinematic coupling": (coupling, JOINTS),
     "joints on geodesics": (joints_on(None), ON_ATTACHMENTS(JOINTS)),
     "joints on two directors": (joints_on(fl.elements.DirectorBeam(1)), ON_ATTACHMENTS(JOINTS)),
     "joints on three directors": (joints_on(fl.elements.DirectorBeam(2)), ON_ATTACHMENTS(JOINTS)),

@@ -356,3 +356,32 @@ def test_bad_gmsh_files_are_named(tmp_path, frame_file):
     with pytest.raises(ValueError, match="curve 1 has cells of type 'Line 3'"):
         fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(tmp_path / "quadratic.geo"))
     assert not gmsh.isInitialized()
+
+
+def test_names_by_place_in_a_volume_mesh():
+    """Facets of the boundary and vertices, beside the names that the mesh has."""
+    mesh = fl.mesh.brick((1, 1, 2), (2, 2, 4))
+    named = mesh.named(
+        faces={"top": lambda x: x[2] > 1.999, "middle or side": lambda x: x[0] < 1e-9},
+        points={"corner": lambda x: (x < 1e-9).all(axis=0)},
+    )
+    np.testing.assert_array_equal(named.face("top"), np.sort(mesh.face("c=1")))
+    np.testing.assert_array_equal(named.face("middle or side"), np.sort(mesh.face("a=0")))
+    assert set(named.faces) == {*mesh.faces, "top", "middle or side"}
+    solid = fl.Solid(named, fl.sections.NeoHooke(1e6, 0.3))
+    np.testing.assert_array_equal(solid.nodes("corner"), solid.nodes("000"))
+
+
+@pytest.mark.parametrize(
+    ("where", "message"),
+    [
+        (lambda x: x[2] > 5.0, "face 'top': nothing is there; 0 nodes are"),
+        (lambda x: np.isclose(x[2], 1.0), "face 'top': nothing is there; 9 nodes are"),
+        (lambda x: x[2], "face 'top': expected a function of positions"),
+        (lambda x: True, "face 'top': expected a function of positions"),
+    ],
+)
+def test_places_without_parts_have_a_message(where, message):
+    mesh = fl.mesh.brick((1, 1, 2), (2, 2, 2))
+    with pytest.raises(ValueError, match=message):
+        mesh.named(faces={"top": where})

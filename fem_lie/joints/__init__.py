@@ -22,7 +22,7 @@ if TYPE_CHECKING:
         Spherical,
         Universal,
     )
-    from fem_lie.joints.rigid_link import RigidLink
+    from fem_lie.joints.rigid_link import KinematicCoupling, RigidLink
     from fem_lie.joints.rolling import KnifeEdge, RollingDisc
     from fem_lie.joints.sliding import Collar, Sleeve, Sliding
     from fem_lie.joints.springs import Drive, Gear, Spring
@@ -42,6 +42,7 @@ __all__ = [
     "InPlane",
     "Joint",
     "JointFriction",
+    "KinematicCoupling",
     "KnifeEdge",
     "Limit",
     "Planar",

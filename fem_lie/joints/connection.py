@@ -175,6 +175,11 @@ class Connection(ABC):
         """Definitions of position constraints; results report the force of the first."""
 
     @property
+    def summed(self) -> bool:
+        """Whether results report the sum over all definitions, which then have one frame A."""
+        return False
+
+    @property
     def size(self) -> int:
         """Number of position constraints."""
         return 0

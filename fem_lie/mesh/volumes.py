@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations, product
 
 import dolfinx
@@ -16,6 +16,7 @@ from fem_lie._arrays import (
     Array,
     Flags,
     Indices,
+    entities_where,
     find_name,
     instance,
     members_within,
@@ -24,6 +25,9 @@ from fem_lie._arrays import (
 )
 from fem_lie._summary import Summarised
 from fem_lie.mesh.shapes import nodes_of, rule, tabulated
+
+Where = Callable[[Array], npt.ArrayLike]
+"""Function of positions, shape (3, n), that returns n truth values."""
 
 _GEOMETRY = {4: 1, 10: 2, 8: 1, 27: 2}
 """Degree of a cell's geometry by its number of nodes."""
@@ -151,6 +155,49 @@ class VolumeMesh(Summarised):
             ValueError: There is none; the message lists those that exist.
         """
         return find_name(dict(self.faces), name, "face")
+
+    def named(
+        self,
+        *,
+        faces: Mapping[str, Where] | None = None,
+        points: Mapping[str, Where] | None = None,
+    ) -> VolumeMesh:
+        """Mesh with names by place, beside those that it has, as for CAD without names.
+
+        Args:
+            faces: For each name, where all corners of its facets are: a function of positions,
+                shape (3, n), that returns n truth values. Only facets of the boundary are meant.
+            points: Likewise for vertices.
+
+        Raises:
+            ValueError: Nothing is there, or a function returns anything else.
+
+        Example:
+            >>> mesh = fl.mesh.brick((1, 1, 2), (2, 2, 4))
+            >>> mesh = mesh.named(faces={"top": lambda x: x[2] > 1.999})
+            >>> len(mesh.face("top"))
+            4
+        """
+        mesh, vertices = self.mesh, geometry_of_vertices(self.mesh)
+        connected = mesh.topology.connectivity
+        mesh.topology.create_entities(2)
+        for pair in ((2, 0), (2, 3)):
+            mesh.topology.create_connectivity(*pair)
+        facets = dolfinx.mesh.exterior_facet_indices(mesh.topology).astype(np.int64)
+        count = mesh.topology.index_map(2).size_local
+        corners = vertices[connected(2, 0).array.reshape(count, -1)][facets]
+        x, every = mesh.geometry.x, vertices[:, np.newaxis]
+        found = {
+            name: facets[entities_where(where, x, corners, f"face {name!r}")]
+            for name, where in (faces or {}).items()
+        }
+        spots = {
+            name: entities_where(where, x, every, f"point {name!r}")
+            for name, where in (points or {}).items()
+        }
+        return replace(
+            self, faces={**self.faces, **found}, named_points={**self.named_points, **spots}
+        )
 
     def restricted(self, cells: Indices) -> tuple[VolumeMesh, Indices]:
         """Mesh of some cells on this process alone, with all names.

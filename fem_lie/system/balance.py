@@ -91,7 +91,7 @@ def _add_joints(
 ) -> None:
     """Add joint forces of some ends, given by pairs and sides, to ``r`` (n, 6)."""
     (pairs, sides), table, moved = ends, joint_arrays(joints), np.empty(6)
-    wrenches(H, v, table, multipliers, pairs, sides, forces)
+    wrenches(H, v, table, multipliers, pairs, sides, np.arange(len(pairs)), forces)
     for e in range(len(pairs)):
         pair, side = pairs[e], sides[e]
         lie.apply_adjoint_inverse_transposed(table.frames[pair, side], forces[e], moved)

@@ -431,8 +431,8 @@ class Connections:
     # --- results ---
 
     @property
-    def reported(self) -> tuple[Indices, Indices, Indices]:
-        """Pairs of the first set whose forces results report, their sides, and all owners."""
+    def reported(self) -> tuple[Indices, Indices, Indices, Indices]:
+        """Pairs of the first set whose forces results report, sides and items; all owners."""
         return *self.first.reported, self.owner
 
     def wrenches(self, H: Array, v: Array, multipliers: Array) -> Array:

@@ -33,7 +33,7 @@ GROUPS = {
         "cantilever_shear cantilever_moment laminate i_beam_shell adaptive_shell adaptive_goals "
         "adaptive_splines"
     ),
-    "Solids": "cooks_membrane solid_hub",
+    "Solids": "cooks_membrane solid_hub bracket",
     "Buckling and snapping": (
         "euler_column deep_arch hinged_roof lateral_torsional spherical_cap bistable_strip "
         "thin_cylinder compressed_cylinder folding_sheet flutter"

@@ -206,12 +206,17 @@ def wrenches(
     multipliers: Array,
     pairs: Indices,
     side: Indices,
+    rows: Indices,
     out: Array,
 ) -> None:
     """Force and moment of chosen pairs on frame A or B (``side`` 0 or 1), in that frame.
 
-    ``out`` has one row of six for each of ``pairs``.
+    ``rows`` has the row of ``out`` (r, 6) to which each of ``pairs`` adds.
     """
+    # a slice here counts references: it corrupted the forces of friction
+    for i in range(out.shape[0]):
+        for k in range(6):
+            out[i, k] = 0.0
     work = vector_at(stack(WORKSPACE), WORKSPACE)
     A, B, z, p, f, c, sides, _ = workspace(work)
     for i in range(pairs.shape[0]):
@@ -220,7 +225,7 @@ def wrenches(
         load(v, arrays, j, z, f, multipliers, p, c)
         force(z, p, sides[0], sides[1])
         for k in range(6):
-            out[i, k] = -sides[side[i], k]
+            out[rows[i], k] -= sides[side[i], k]
 
 
 @compiled

@@ -51,6 +51,7 @@ class SceneArrays(NamedTuple):
         probes: Packed arrays of the reported joint coordinates.
         pairs: Node pairs whose forces are reported, (f,).
         sides: Sides of these pairs, (f,).
+        items: Connections to whose forces these pairs add, (f,).
         owner: Connection of each constraint, (m,).
         limits: Largest allowed rotations of elements, (w,).
         ends: Nodes of these elements along the axis, (w, 3).
@@ -70,6 +71,7 @@ class SceneArrays(NamedTuple):
     probes: PackedJoints
     pairs: Integers1
     sides: Integers1
+    items: Integers1
     owner: Integers1
     limits: Numbers1
     ends: Integers2
@@ -131,7 +133,8 @@ class ResultRow:
         """Pack the arrays of the equations."""
         known = equations.arrays
         nodes = known.kinds, known.master, known.offset, *known.inertia, known.conservative
-        joints = *known.joints, *known.probes, known.pairs, known.sides, known.owner
+        reported = known.pairs, known.sides, known.items
+        joints = *known.joints, *known.probes, *reported, known.owner
         self._equations, self._complete = equations, known.complete
         turns = known.limits, known.ends, known.whole, known.lengths, known.chords
         self._fixed = PackedArrays([*nodes, *joints, *turns, known.turning, *known.floating])
@@ -354,8 +357,8 @@ def _fill_joints(
     given, kept = scene_arrays_of(scene), columns_of(rows)
     arrays = joint_arrays(given.joints)
     if _any(kept.joint_forces):
-        forces = kept.joint_forces[row, : given.pairs.shape[0]]
-        terms.wrenches(H, v, arrays, multipliers, given.pairs, given.sides, forces)
+        forces = kept.joint_forces[row]
+        terms.wrenches(H, v, arrays, multipliers, given.pairs, given.sides, given.items, forces)
     if _any(kept.joint_coordinates):
         largest, values = kept.joint_violations[row], np.zeros(multipliers.shape[0])
         largest[:] = 0.0

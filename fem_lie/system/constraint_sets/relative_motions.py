@@ -142,9 +142,9 @@ class RelativeMotions(ConstraintSet):
         arrays: Packed constraints and springs; ``packed``: the same for calls from Python.
         probes: Table whose constraints are the coordinates in results; ``packed_probes``: likewise.
         probed: Numbers of these among the coordinates of all sets, increasing, (p,).
-        tied: Items with pairs of frames, in ascending order.
         turns: Whether any angle is counted beyond a full turn.
-        reported: Pair of each of these items whose force results report, and its side.
+        reported: Pairs whose forces results report, the side of each, and the item to whose force
+            it adds.
     """
 
     what = "joints"
@@ -198,10 +198,14 @@ class RelativeMotions(ConstraintSet):
         self._keeps = np.array([not isinstance(item, Joint) for item, _, _ in items], dtype=bool)
         self._keeps = np.repeat(self._keeps, sizes)
         counts = np.array([len(group) for group in groups], dtype=np.int64)
-        has = np.flatnonzero(counts)
-        self.tied = numbers[has]
-        exchanged = [groups[k][0].exchanged for k in has]
-        self.reported = (np.cumsum(counts) - counts)[has], np.array(exchanged, dtype=np.int64)
+        starts = np.cumsum(counts) - counts
+        chosen = [
+            (pair, groups[k][0].exchanged, numbers[k])
+            for k, (item, _, _) in enumerate(items)
+            for pair in range(starts[k], starts[k] + _reported(item, counts[k]))
+        ]
+        of_pairs, sides_of, items_of = np.array(chosen, dtype=np.int64).reshape(-1, 3).T.copy()
+        self.reported = of_pairs, sides_of, items_of
         self._probe(items, constrained)
         labels = [item.label for item, _, _ in items]
         of = np.repeat(np.arange(len(items)), counts)
@@ -401,9 +405,9 @@ class RelativeMotions(ConstraintSet):
         """Add force and moment on side A of each item, in its axes there, to the rows of items."""
         if not self._ties:
             return
-        found: Array = np.empty((len(self.tied), 6))
+        found = np.empty_like(out)
         terms.wrenches(H, v, self.arrays, multipliers, *self.reported, found)
-        out[self.tied] += found
+        out += found
 
     def coordinates(self, H: Array, out: Array) -> None:
         """Set the coordinates of its items in ``out``, shape (c,)."""
@@ -415,14 +419,21 @@ class RelativeMotions(ConstraintSet):
 
     def places(self) -> dict[int, Place]:
         """Position on side A of each item, or on side B if A is ground, and axes of its force."""
-        arrays, (pairs, sides) = self.arrays, self.reported
-        return places(self.tied, arrays.nodes[pairs], arrays.frames[pairs], self._count, sides)
+        arrays, (pairs, sides, items) = self.arrays, self.reported
+        own, first = np.unique(items, return_index=True)
+        pairs, sides = pairs[first], sides[first]
+        return places(own, arrays.nodes[pairs], arrays.frames[pairs], self._count, sides)
 
     @property
     def outward(self) -> bool:
         """Whether there are dampers, or connections to ground or prescribed motions."""
         arrays = self.arrays
         return bool((arrays.nodes >= self._count).any() or arrays.springs[:, 1].any())
+
+
+def _reported(item: Connection, count: int) -> int:
+    """Number of an item's pairs, from its first one, whose forces results report."""
+    return int(count) if item.summed else min(int(count), 1)
 
 
 def _keys(item: Connection, label: str, pairs: Sequence[Pair]) -> list[HistoryKey]:

@@ -204,6 +204,7 @@ class SystemArrays(NamedTuple):
         probed: Numbers of these among all coordinates in results, increasing, (p,).
         pairs: Pairs of frames whose forces are reported, (f,).
         sides: Reported sides of these pairs, (f,).
+        items: Items to whose forces these pairs add, (f,).
         owner: Item of each constraint, (m,).
         limits: Largest rotations of elements, rad, (w,).
         ends: Nodes of these elements from end to end, (w, 3).
@@ -240,6 +241,7 @@ class SystemArrays(NamedTuple):
     probed: Indices
     pairs: Indices
     sides: Indices
+    items: Indices
     owner: Indices
     limits: Array
     ends: Indices
