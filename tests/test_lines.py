@@ -163,7 +163,10 @@ def refuse_curl() -> None:
 
 REFUSED = {
     "curl": (refuse_curl, "are not unique"),
-    "impact": (lambda: crossing(fl.contact.Impact()).check(), "two: lines touch by Penalty"),
+    "impact": (
+        lambda: crossing(fl.contact.Impact()).check(),
+        "two: Line and Line touch by Penalty",
+    ),
     "overlap": (lambda: crossing(LAW, 0.018).check(), r"two: they overlap by 0.0019"),
     "itself": (refuse_twice, "touches itself by one Line, given twice"),
     "ball": (refuse_ball, r"Sphere on ground.* they overlap by 0\.1"),

@@ -110,7 +110,7 @@ class ContactPair(ABC):
             ValueError: The pair supports :class:`~fem_lie.contact.Penalty` only; this is the
                 default.
         """
-        kinds = " and ".join(dict.fromkeys(type(side).__name__ for side in (self.a, self.b)))
+        kinds = " and ".join(type(side).__name__ for side in (self.a, self.b))
         raise ValueError(
             f"{self.label}: {kinds} touch by Penalty, not by Impact, which acts at points: "
             "Vertices(body.points(...)) with planes, balls, boxes and polyhedra"
