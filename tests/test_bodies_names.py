@@ -55,16 +55,16 @@ BODIES = {
 """All bodies of the package, each with a function that makes one."""
 
 OF_ITS_KIND = {
-    fl.RigidBody: set(),
+    fl.RigidBody: {"box", "ball", "cylinder"},
     fl.Beam: {"straight", "polyline", "curve", "point_in_cell"},
     fl.Rod: {"straight", "polyline", "curve", "point_in_cell"},
     fl.Cable: {"straight", "curve", "clamp", "pin", "convect_axes"},
     fl.Net: {"clamp", "pin", "convect_axes"},
     fl.SplineCable: {"of", "through", "circle", "clamp", "pin", "convect_axes"},
     fl.AncfBeam: {"straight", "curve", "clamp", "pin", "point_in_cell"},
-    fl.Shell: {"clamp", "hinge", "roller", "symmetry"},
-    fl.ThinShell: {"clamp", "hinge", "roller", "symmetry", "point_in_cell"},
-    fl.AncfShell: {"clamp", "hinge", "roller", "symmetry", "point_in_cell"},
+    fl.Shell: {"clamp", "hinge", "roller", "symmetry", "guided"},
+    fl.ThinShell: {"clamp", "hinge", "roller", "symmetry", "guided", "point_in_cell"},
+    fl.AncfShell: {"clamp", "hinge", "roller", "symmetry", "guided", "point_in_cell"},
     fl.Solid: {"brick", "clamp", "roller"},
     fl.reduction.ReducedOrderBody: set(),
     fl.extend.ElementBody: {"clamp"},
