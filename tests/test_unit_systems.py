@@ -1,6 +1,7 @@
 """The converter of units, and laws that hold in each system."""
 
 from functools import cache, partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -105,7 +106,8 @@ def test_each_factorisation_is_checked_once(error, refined, package):
 
 
 def test_no_accurate_solver_is_an_error(monkeypatch):
-    monkeypatch.setattr(fl.extend.DirectSolver, "_error", lambda solver: 1.0)
+    error = SimpleNamespace(of_terms=1.0, iterable=False)
+    monkeypatch.setattr(fl.extend.DirectSolver, "_error", lambda solver: error)
     with pytest.raises(ValueError, match=r"residual is 1\.0e\+00 of its terms"):
         fl.GeneralisedAlpha().run(closed_loop(), duration=1e-3, step=1e-3)
 
