@@ -112,7 +112,8 @@ class Joint(Connection):
             ValueError: The points do not coincide and ``at`` is not given, or the axis is zero.
         """
         found = np.empty((4, 3))
-        found[0], found[1:] = self._position(), self._axes
+        found[1:] = self._axes  # first, as an error about the axis says more
+        found[0] = self._position()
         return found
 
     @cached_property
