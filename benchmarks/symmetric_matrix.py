@@ -1,4 +1,4 @@
-"""Steps with the symmetric part of the iteration matrix beside steps with all of it.
+"""Steps with the symmetric part of the iteration matrix, compared with those with all of it.
 
     RUN -m benchmarks.symmetric_matrix [--cells 64] [--meshes 48] [--steps 40] [--rounds 3]
 

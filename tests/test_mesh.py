@@ -359,7 +359,7 @@ def test_bad_gmsh_files_are_named(tmp_path, frame_file):
 
 
 def test_names_by_place_in_a_volume_mesh():
-    """Facets of the boundary and vertices, beside the names that the mesh has."""
+    """Facets of the boundary and vertices, added to the names that the mesh has."""
     mesh = fl.mesh.brick((1, 1, 2), (2, 2, 4))
     named = mesh.named(
         faces={"top": lambda x: x[2] > 1.999, "middle or side": lambda x: x[0] < 1e-9},

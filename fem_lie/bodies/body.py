@@ -278,9 +278,8 @@ class Point:
             other: Another point.
         """
         if self.is_ground and other.is_ground:
-            return self.is_everywhere == other.is_everywhere and bool(
-                (self.position == other.position).all()
-            )
+            same_place = np.array_equal(self.position, other.position)
+            return same_place and self.is_everywhere == other.is_everywhere
         if self.body is not other.body or (self.attachment is None) != (other.attachment is None):
             return False
         return (

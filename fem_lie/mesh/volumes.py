@@ -162,7 +162,7 @@ class VolumeMesh(Summarised):
         faces: Mapping[str, Where] | None = None,
         points: Mapping[str, Where] | None = None,
     ) -> VolumeMesh:
-        """Mesh with names by place, beside those that it has, as for CAD without names.
+        """Mesh with further names, given by place, as for CAD without names.
 
         Args:
             faces: For each name, where all corners of its facets are: a function of positions,

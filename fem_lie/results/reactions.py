@@ -117,9 +117,7 @@ def _of(
     if isinstance(support, PrescribedMotion):
         joint = info.joint(f"motion of {support.point.label}")
         at = info.frame(support.point, frames)
-        axes = at[:, 1:]
-        parts = joint_forces[:, joint].reshape(-1, 2, 3)
-        return ("motion", joint), at[:, 0], np.einsum("tij,tki->tkj", axes, parts).reshape(-1, 6)
+        return ("motion", joint), at[:, 0], in_space(joint_forces[:, joint], at[:, 1:])
     row = info.supports.row(info.node(_point(support)))
     if row is None:
         names = [

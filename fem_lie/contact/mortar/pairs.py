@@ -47,7 +47,6 @@ class MortarPair(ContactPair):
     a: LineSurface
     law: Mortar | MortarPenalty
 
-    what = "lines"
     power = 1
 
     @abstractmethod

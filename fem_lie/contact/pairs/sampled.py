@@ -13,7 +13,7 @@ import numpy as np
 
 from fem_lie.contact.pairs.line_patches import LinePatchSides
 from fem_lie.contact.pairs.lines import piece_arrays
-from fem_lie.contact.pairs.pair import PenaltyPair
+from fem_lie.contact.pairs.pair import PenaltyPair, bodies_of
 from fem_lie.contact.pairs.patch_surfaces import (
     PatchSurface,
     corner_areas,
@@ -24,7 +24,6 @@ from fem_lie.contact.pairs.point_sides import CurveSides, PatchSides
 from fem_lie.contact.sides.gauss_points import line_samples
 from fem_lie.contact.sides.patches import Patches
 from fem_lie.contact.sides.surfaces import (
-    ContactSurface,
     GapSurface,
     HollowSurface,
     LineSurface,
@@ -227,14 +226,9 @@ class PatchPair(_OfPatches, _OnSurfaces):
 
     def check(self) -> None:
         """Raise ``ValueError`` for two surfaces of one body, or for an overlap at the start."""
-        if self.a is not self.b and set(self.bodies_of(self.a)) & set(self.bodies_of(self.b)):
+        if self.a is not self.b and set(bodies_of(self.a)) & set(bodies_of(self.b)):
             raise ValueError(f"{self.label}: a shell touches itself by one surface, given twice")
         super().check()
-
-    @staticmethod
-    def bodies_of(surface: ContactSurface) -> list[object]:
-        """Bodies of a surface."""
-        return [point.body for point in surface.points]
 
     def meeting(self, nodes: Nodes) -> Sides:
         """Both sides, for the evaluation of contact points."""
