@@ -18,12 +18,15 @@ import ast
 import importlib.util
 import sys
 from collections.abc import Callable
+from difflib import get_close_matches
 from functools import cache
 from importlib import import_module
 from typing import Any, NamedTuple
 
 from fem_lie._arguments import explain_class, explained_function
 from fem_lie._renamed import MEANT, RENAMED
+
+_NEAR = 0.75  # ratio of equal letters from which a name is meant
 
 PACKAGE = __name__.partition(".")[0]
 
@@ -139,8 +142,25 @@ def unknown_name(namespace: str, name: str) -> AttributeError:
     message = f"{namespace} has no {name!r}"
     if name in RENAMED:
         message += f"; it is {RENAMED[name]} now (fl is fem_lie)"
-    elif name in MEANT:
-        message += f"; expected {MEANT[name]} (fl is fem_lie)"
-    elif found := [f"{each}.{name}" for each, at in namespaces().items() if name in origins(at)]:
+    elif found := _similar(name):
         message += f"; expected {' or '.join(found)} (fl is fem_lie)"
     return AttributeError(message, name=name, obj=sys.modules[namespace])
+
+
+def _similar(name: str) -> list[str]:
+    """Where a name is, or what stands for it: as it is written, in other letters, or nearly so."""
+    known: dict[str, list[str]] = {each: [meant] for each, meant in MEANT.items()}
+    for each, module in namespaces().items():
+        for there in origins(module):
+            known.setdefault(there, []).append(f"{each}.{there}")
+    if name in known:
+        return known[name]
+    letters: dict[str, list[str]] = {}
+    for each, found in known.items():
+        letters.setdefault(_letters(each), []).extend(found)
+    nearest = get_close_matches(_letters(name), letters, n=1, cutoff=_NEAR)
+    return list(dict.fromkeys(letters[nearest[0]])) if nearest else []
+
+
+def _letters(name: str) -> str:
+    return name.replace("_", "").lower()

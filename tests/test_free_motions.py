@@ -169,3 +169,40 @@ def test_the_message_names_the_node_that_moves_most():
         fl.statics(scene)
     with pytest.raises(ValueError, match=expected):
         fl.follow_path(scene)
+
+
+def free_body(scene, kind):
+    """A body that nothing holds, with two opposite corners or its ends."""
+    if kind == "beam":
+        body = fl.Beam.straight((0, 0, 0), AXIS, SECTION, cells=4)
+        return scene.add(body), ("start", "end")
+    if kind == "shell":
+        mesh = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (3, 3))
+        return scene.add(fl.Shell(mesh, fl.ShellSection.layer(0.01, SOFT))), ("00", "10")
+    body = fl.Solid.brick((1, 1, 1), fl.sections.NeoHooke(1e6, 0.3, 100.0), cells=(2, 2, 2))
+    return scene.add(body), ("000", "100")
+
+
+@pytest.mark.parametrize("kind", ["beam", "shell", "solid"])
+@pytest.mark.parametrize(
+    ("force", "opposite", "ball", "count"),
+    [
+        ((1, 0, 0), False, False, 6),
+        ((0, 0, 1), False, False, 6),
+        ((1, 0, 0), True, False, 4),
+        ((1, 0, 0), False, True, 1),
+        ((0, 0, 1), False, True, 3),
+    ],
+    ids=["pulled", "lifted", "stretched", "pulled on a joint", "lifted on a joint"],
+)
+def test_all_free_motions_are_counted(kind, force, opposite, ball, count):
+    """A load resists a rotation only where it is balanced, as a taut string shows."""
+    scene = fl.Scene()
+    body, (start, end) = free_body(scene, kind)
+    scene.add(fl.PointLoad(body.point(end), force=force))
+    if opposite:
+        scene.add(fl.PointLoad(body.point(start), force=np.negative(force)))
+    if ball:
+        scene.add(fl.joints.Spherical(fl.ground(), body.point(start)))
+    with pytest.raises(fl.ConvergenceError, match=f"nothing resists {count} rigid motion"):
+        fl.statics(scene)

@@ -131,6 +131,9 @@ def test_modes_swing():
         out, back = x[quarter] - x[0], x[2 * quarter] - x[0]
         assert max(np.abs(out).max(), np.abs(back).max()) > 1000
         assert shown["plays"]
+        values = array(body["values"]).reshape(len(x), -1)
+        assert (values == values[0]).all() and {values.min(), values.max()} == {0, 255}
+        assert shown["colours"]["label"] == "displacement / largest"
 
 
 def test_a_title_cannot_end_the_script():

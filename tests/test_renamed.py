@@ -89,9 +89,24 @@ def test_what_was_not_recorded_keeps_its_own_error():
         result.kinetic  # noqa: B018
 
 
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("beam", "fl.Beam"),
+        ("Beem", "fl.Beam"),
+        ("rigid_body", "fl.RigidBody"),
+        ("revolute", "fl.joints.Revolute"),
+        ("pointload", "fl.PointLoad"),
+    ],
+)
+def test_a_name_in_other_letters_is_understood(name, meant):
+    with pytest.raises(AttributeError, match=rf"; expected {meant} \(fl is"):
+        getattr(fl, name)
+
+
 def test_a_name_that_is_nowhere_has_no_hint():
-    with pytest.raises(AttributeError, match=r"^fem_lie has no 'Beem'$"):
-        fl.Beem  # noqa: B018
+    with pytest.raises(AttributeError, match=r"^fem_lie has no 'quantum'$"):
+        fl.quantum  # noqa: B018
 
 
 def test_few_names_stand_at_the_top():

@@ -308,6 +308,32 @@ def test_diagrams_show_the_data_with_units(rod, tmp_path):
     assert len(rod.plot_momentum().axes) == 2
 
 
+def test_forces_and_displacements_are_drawn_along_global_axes(tmp_path):
+    """A rod that hangs on a hinge: known forces, in motion and in statics."""
+    scene = fl.Scene(gravity=(0, 0, -10.0))
+    rod = scene.add(fl.RigidBody.cylinder(2.5, 0.01, (0, 0, 0), (0, 0, -1), name="rod"))
+    hinge = fl.joints.Revolute(fl.ground(), rod.point((0, 0, 0)), axis=(0, 1, 0), name="hinge")
+    scene.add(hinge)
+    end = rod.point((0, 0, -1))
+    clamp = scene.add(fl.Clamp(scene.add(fl.RigidBody.ball(1.0, 0.1)).point("centre")))
+    for result in (
+        fl.statics(scene),
+        fl.GeneralisedAlpha().run(scene, duration=0.01, step=0.005, progress=False),
+    ):
+        figure = result.plot(hinge, "hinge", quantity="joint_force")
+        assert len(figure.axes) == 4, "force and moment of each"
+        up = figure.axes[0].lines[2].get_ydata()
+        np.testing.assert_allclose(np.abs(up), 25.0, rtol=1e-9)
+        assert figure.axes[1].get_ylabel() == "hinge [N m]"
+        figure = result.plot(clamp, quantity="reaction", path=tmp_path / "reaction.png")
+        np.testing.assert_allclose(figure.axes[0].lines[2].get_ydata(), 10.0, rtol=1e-9)
+        figure = result.plot(end, quantity="displacement")
+        drawn = np.array([line.get_ydata() for line in figure.axes[0].lines]).T
+        np.testing.assert_array_equal(drawn[-1], result.displacement(end)[-1])
+        with pytest.raises(ValueError, match="quantity: expected one of 'position', 'displacem"):
+            result.plot(end, quantity="stress")
+
+
 # --- pictures ------------------------------------------------------------------------------------
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,7 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 
 _NIL = 1e-9  # of the largest component
+_MARKED = 30  # states: each of more is not marked in a curve
 
 
 def energies(
@@ -73,59 +74,44 @@ def momenta(
     return saved(figure, path)
 
 
-def positions(
-    times: Array,
-    points: Sequence[tuple[str, Array]],
+class VectorSeries(NamedTuple):
+    """Components of a vector in k states.
+
+    Attributes:
+        label: What it belongs to, and its unit.
+        symbol: Symbol of the components; empty: their axes alone.
+        values: Shape (k, 3).
+    """
+
+    label: str
+    symbol: str
+    values: Array
+
+
+def components(
+    along: tuple[Array, str, str],
+    series: Sequence[VectorSeries],
+    title: str,
     path: str | os.PathLike[str] | None = None,
     *,
     units: Units = SI,
 ) -> Figure:
-    """Components of the positions of points over time, one diagram for each point.
+    """Components of vectors over time or load factor, one diagram for each vector.
 
     Args:
-        times: Shape (T,).
-        points: Label and positions, shape (T, 3), of each point.
+        along: Times or load factors, shape (k,), their name, and unit.
+        series: The vectors.
+        title: Title of the figure.
         path: Name of the file if it is to be saved.
         units: Units of the axes.
-
-    Raises:
-        ValueError: No point is given.
     """
-    if not points:
-        raise ValueError("give at least one point whose position is to be plotted")
-    figure, axes = figure_of_rows(len(points), "Position", units)
-    for ax, (label, vectors) in zip(axes, points, strict=True):
-        _components(ax, times, vectors, "")
-        ax.set_ylabel(f"{label} [{units.length}]")
-    return saved(figure, path)
-
-
-def displacements(
-    factors: Array,
-    points: Sequence[tuple[str, Array]],
-    path: str | os.PathLike[str] | None = None,
-    *,
-    units: Units = SI,
-) -> Figure:
-    """Components of the displacements of points over the load factor, one diagram for each point.
-
-    Args:
-        factors: Load factors, shape (k,); the undeformed state is drawn before them.
-        points: Label and displacements, shape (k, 3), of each point.
-        path: Name of the file if it is to be saved.
-        units: Units of the axes.
-
-    Raises:
-        ValueError: No point is given.
-    """
-    if not points:
-        raise ValueError("give at least one point whose displacement is to be plotted")
-    figure, axes = figure_of_rows(len(points), "Displacement", units)
-    factors = np.concatenate([[0.0], factors])
-    for ax, (label, moved) in zip(axes, points, strict=True):
-        _components(ax, factors, np.vstack([np.zeros(3), moved]), "u", marker="o")
-        ax.set_ylabel(f"{label} [{units.length}]")
-    axes[-1].set_xlabel("load factor")
+    figure, axes = figure_of_rows(len(series), title, units)
+    values, name, unit = along
+    marker = "" if len(values) > _MARKED else "o"
+    for ax, (label, symbol, vectors) in zip(axes, series, strict=True):
+        _components(ax, values, vectors, symbol, marker)
+        ax.set_ylabel(label)
+    axes[-1].set_xlabel(f"{name} [{unit}]" if unit else name)
     return saved(figure, path)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.catalogue import SCENE_RECORDS, SceneInfo
-from fem_lie.pictures import bodies, diagrams
+from fem_lie.pictures import bodies
 from fem_lie.pictures.bodies import Arrows
 from fem_lie.pictures.page.page import Diagram, along_a_load
 from fem_lie.pictures.stage import SI, Canvas, Units
@@ -24,7 +24,9 @@ from fem_lie.results.states import StateSeries, evenly, label_of, nearest
 from fem_lie.scene.rotation import Rotation
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from fem_lie.joints.connection import Connection
+    from fem_lie.results.plotted_quantities import Curves, Quantity
+    from fem_lie.results.reactions import Support
 
 
 @dataclass(frozen=True, repr=False)
@@ -84,6 +86,7 @@ class StaticResult(StateSeries, Saved):
         yield from (("stable", bool(self.stable[-1])),) if len(self.negative_pivots) else ()
         yield "seconds", self.seconds
 
+    _PLOTTED: ClassVar[Quantity] = "displacement"
     _PARTS: ClassVar[tuple[type, ...]] = (*SCENE_RECORDS, Rotation, FrictionForces)
     _NOT_SAVED: ClassVar[tuple[str, ...]] = ("subdomains",)
 
@@ -109,22 +112,6 @@ class StaticResult(StateSeries, Saved):
     def total_iterations(self) -> int:
         """Number of linear solutions, including those of rejected steps."""
         return super().total_iterations + self.failed_iterations
-
-    def plot(
-        self,
-        *points: Point | str | int,
-        path: str | os.PathLike[str] | None = None,
-        units: Units = SI,
-    ) -> Figure:
-        """Plot displacements of points over the load factor; saved if ``path`` is given.
-
-        Args:
-            points: Points whose displacements are drawn.
-            path: Name of the file; default: none is written.
-            units: Units, for labels.
-        """
-        moved = [(label_of(point), self.displacement(point)) for point in points]
-        return diagrams.displacements(self.factors, moved, path, units=units)
 
     def picture(
         self,
@@ -173,6 +160,16 @@ class StaticResult(StateSeries, Saved):
                 raise ValueError(f"there are {count} states, got the index {state}")
             return int(state) % count
         return nearest(self.factors, state, "a load factor")
+
+    def _curves(
+        self, of: Sequence[Point | Connection | Support | str | int], name: Quantity, units: Units
+    ) -> Curves:
+        """As of all results; displacements begin with the undeformed state."""
+        (factors, label, unit), series = super()._curves(of, name, units)
+        if name == "displacement" and factors[0] > 0.0:
+            factors = np.insert(factors, 0, 0.0)
+            series = [s._replace(values=np.vstack([np.zeros(3), s.values])) for s in series]
+        return (factors, label, unit), series
 
     def _along(self, units: Units) -> tuple[Array, str, str]:
         """Load factors, and their label."""

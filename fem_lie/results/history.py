@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import partial, reduce
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -34,13 +34,14 @@ from fem_lie.results.record import (
     row_shapes,
 )
 from fem_lie.results.resampling import resampled
-from fem_lie.results.states import StateSeries, label_of, nearest
+from fem_lie.results.states import StateSeries, nearest
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fem_lie.bodies.body import Point
     from fem_lie.joints.connection import Connection
+    from fem_lie.results.plotted_quantities import Quantity
 
 _DRAWN = 6  # states in a picture
 
@@ -54,7 +55,7 @@ class Result(Balanced, StateSeries):
 
     Attributes:
         times: Recorded times, shape (T,).
-        frames: Frames of the N nodes, shape (T, N, 4, 3): position, then the directors e₁, e₂, e₃
+        frames: Frames of the N nodes, shape (T, N, 4, 3): position, then the directors d₁, d₂, d₃
             in global components (:mod:`fem_lie.lie`).
         velocities: Velocities (translation, rotation) in the nodes' own axes, shape (T, N, 6).
         joint_forces: Force and moment of each joint on its point ``a``, about the joint and in its
@@ -133,6 +134,8 @@ class Result(Balanced, StateSeries):
         yield "iterations", self.total_iterations
         yield "factorisations", self.factorisations
         yield "seconds", self.seconds
+
+    _PLOTTED: ClassVar[Quantity] = "position"
 
     @property
     def recorded(self) -> Record:
@@ -307,22 +310,6 @@ class Result(Balanced, StateSeries):
         """
         parts = self.momentum, self.angular_momentum
         return diagrams.momenta(self.times, *parts, path, units=units)
-
-    def plot(
-        self,
-        *points: Point | str | int,
-        path: str | os.PathLike[str] | None = None,
-        units: Units = SI,
-    ) -> Figure:
-        """Plot positions of points over time; saved if ``path`` is given.
-
-        Args:
-            points: Points whose positions are drawn.
-            path: Name of the file; default: none is written.
-            units: Units, for labels.
-        """
-        positions = [(label_of(point), self.position(point)) for point in points]
-        return diagrams.positions(self.times, positions, path, units=units)
 
     def picture(
         self,

@@ -16,6 +16,7 @@ from fem_lie._arrays import Array, Flags, Scalar, instance, number
 from fem_lie._summary import Summarised
 from fem_lie.bodies.catalogue import SCENE_RECORDS, SceneInfo
 from fem_lie.pictures import bodies
+from fem_lie.pictures.page.colours import NodalColours
 from fem_lie.pictures.page.content import drawn
 from fem_lie.pictures.page.page import Page, Slider, page
 from fem_lie.pictures.stage import SI, Canvas, Units
@@ -33,6 +34,7 @@ LARGEST_ROTATION = 0.5
 """Largest rotation in pictures, rad, unless an amplitude is given."""
 
 _PHASES = 49  # states of one oscillation in a page
+_SIZE = "displacement / largest"
 _PART = 0.1  # largest displacement in pictures, relative to the length of the model
 
 _Shapes = TypeVar("_Shapes", bound=npt.NDArray[Any])
@@ -49,7 +51,24 @@ class ModeLook(NamedTuple):
 
     title: str
     size: float
-    parts: Sequence[float] = (1.0,)
+    parts: Sequence[float] = (0.0, 1.0)
+
+
+def size_colours(info: SceneInfo, shape: npt.NDArray[Any], states: int) -> list[NodalColours]:
+    """Colours of a page by the modulus of the displacement over the largest, none without any.
+
+    Args:
+        info: Bodies of the scene.
+        shape: Increments of all nodes, real or complex, shape (n, 6).
+        states: Number of states of the page.
+    """
+    size = np.linalg.norm(np.abs(shape[:, :3]), axis=1)
+    if not size.max() > 0.0:
+        return []
+    return [
+        NodalColours(body.name, np.tile(size[body.nodes] / size.max(), (states, 1)), _SIZE)
+        for body in info.bodies
+    ]
 
 
 class ModeShapes(ABC):
@@ -145,7 +164,9 @@ class ModeShapes(ABC):
             ValueError: As for :meth:`picture`, or the name does not end in ``.html``.
         """
         phases = np.linspace(0.0, 2 * np.pi, _PHASES)
-        content = drawn(self.info, self._frames(mode, amplitude, np.sin(phases)), (), (), units)
+        frames = self._frames(mode, amplitude, np.sin(phases))
+        colours = size_colours(self.info, self.shape(mode), _PHASES)
+        content = drawn(self.info, frames, (), colours, units)
         slider = Slider(np.degrees(phases), "phase", "°", seconds, plays=True)
         return page(path, content, slider, (), self._look(mode).title if title is None else title)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, Protocol, SupportsIndex
+from typing import TYPE_CHECKING, ClassVar, Literal, Protocol, SupportsIndex
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.joints.connection import Connection
 from fem_lie.lie.node_types import NodeType, has_position
-from fem_lie.pictures import bodies
+from fem_lie.pictures import bodies, diagrams
 from fem_lie.pictures.page.colours import NodalColours
 from fem_lie.pictures.page.content import drawn
 from fem_lie.pictures.page.page import Diagram, Page, Slider, page
@@ -25,10 +25,12 @@ from fem_lie.pictures.vtk import ForcesInBeam, forces_in_cells
 from fem_lie.results.files.functions import NodalFields
 from fem_lie.results.files.tables import OWN_WRENCH, WRENCH, Columns, components
 from fem_lie.results.files.written import Written, rotation_vectors
+from fem_lie.results.plotted_quantities import Curves, Quantity, label_of, plotted
 from fem_lie.results.reactions import Support, in_space, joint_axes, reaction, recorded_axes
 
 if TYPE_CHECKING:
     from dolfinx import fem
+    from matplotlib.figure import Figure
 
 
 class Located:
@@ -124,6 +126,9 @@ class StateSeries(Summarised, Displaced, Written):
         seconds: Wall time of the solution, without set-up.
     """
 
+    _PLOTTED: ClassVar[Quantity]
+    """What :meth:`plot` draws by default."""
+
     joint_forces: Array
     reactions: Array
     iterations: Indices
@@ -207,6 +212,37 @@ class StateSeries(Summarised, Displaced, Written):
     def total_iterations(self) -> int:
         """Number of linear solutions in all accepted steps."""
         return int(self.iterations[-1]) if len(self.iterations) else 0
+
+    def plot(
+        self,
+        *of: Point | Connection | Support | str | int,
+        quantity: Quantity | None = None,
+        path: str | os.PathLike[str] | None = None,
+        units: Units = SI,
+    ) -> Figure:
+        """Plot components of positions, displacements or forces; saved if ``path`` is given.
+
+        Args:
+            of: Points; joints for ``"joint_force"``; supports for ``"reaction"``. Each has a
+                diagram, or two, of the force and of the moment.
+            quantity: ``"position"``, ``"displacement"``, ``"joint_force"`` or ``"reaction"``, along
+                global axes; default: positions over time, displacements over the load factor.
+            path: Name of the file; default: none is written.
+            units: Units, for labels.
+
+        Raises:
+            ValueError: There is no such quantity, or nothing it is to be drawn of.
+        """
+        name = quantity or self._PLOTTED
+        along, series = self._curves(of, name, units)
+        title = name.replace("_", " ").capitalize()
+        return diagrams.components(along, series, title, path, units=units)
+
+    def _curves(
+        self, of: Sequence[Point | Connection | Support | str | int], name: Quantity, units: Units
+    ) -> Curves:
+        """Times or load factors with their label, and the components over them."""
+        return self._along(units), plotted(self, of, name, units)
 
     def joint_force(
         self, joint: Connection | str, axes: Literal["joint", "global"] = "joint"
@@ -416,8 +452,3 @@ def nearest(values: Array, wanted: float, what: str) -> int:
         TypeError: The value is not a number.
     """
     return int(np.abs(values - number(wanted, what)).argmin())
-
-
-def label_of(point: Point | str | int) -> str:
-    """Label of a point in diagrams."""
-    return point if isinstance(point, str) else str(getattr(point, "label", f"node {point}"))

@@ -230,7 +230,7 @@ class ResultantValues(Fields):
         Args:
             name: A component, "N max", "N min", "M max", "M min" (principal values), "Q" (magnitude
                 of the shear), "von Mises top", "von Mises bottom" (for a homogeneous layer; the top
-                is the side to which the directors e₃ point).
+                is the side to which the directors d₃ point).
 
         Raises:
             ValueError: There is no such quantity, or this section has no such stress; likewise in

@@ -16,7 +16,7 @@ from fem_lie.pictures.page.content import drawn
 from fem_lie.pictures.page.page import Page, Slider, page
 from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.results.files.tables import Columns
-from fem_lie.results.mode_shapes import LARGEST_ROTATION, ModeDisplacements, chosen
+from fem_lie.results.mode_shapes import LARGEST_ROTATION, ModeDisplacements, chosen, size_colours
 
 Complex = npt.NDArray[np.complex128]
 
@@ -190,7 +190,9 @@ class Modes(ModeDisplacements[np.complex128]):
             units: Units of the axes.
         """
         phases = np.linspace(0.0, 2 * np.pi, _PHASES)
-        content = drawn(self.info, self.moved(mode, amplitude, phases), (), (), units)
+        frames = self.moved(mode, amplitude, phases)
+        colours = size_colours(self.info, chosen(self.shapes, mode), _PHASES)
+        content = drawn(self.info, frames, (), colours, units)
         slider = Slider(np.degrees(phases), "phase", "°", seconds, plays=True)
         return page(path, content, slider, (), self._title(mode, title, units))
 

@@ -353,7 +353,7 @@ class SceneEquilibrium(Equilibrium):
         The state is polished first.
         """
         search = FreeMotions(self.equations)
-        if not search.possible or not len(search.allowed(self._H)):
+        if not len(search.allowed(self._H)):
             return ""
         # unbalanced forces would contribute resistance
         kept = self.state()

@@ -30,6 +30,7 @@ from fem_lie.solve.statics.unstable import (
     HELD,
     POLISHED,
     FreeMotions,
+    FreeStartError,
     SingularStartError,
     negative_pivots,
 )
@@ -190,7 +191,7 @@ class LoadSteps(Iterated):
     ) -> StaticResult:
         reached, now = self.equations.scene.began.factor, step
         if reached and not self.solve(reached):
-            raise ConvergenceError(self._failure(reached, reached), self.result())
+            raise self._failure(reached, reached)
         strained = not reached and self.equations.unknowns.preloaded
         for level in levels:
             while reached < level:
@@ -211,8 +212,7 @@ class LoadSteps(Iterated):
                     continue
                 now /= 2
                 if now < smallest:
-                    kind = SingularStartError if self._singular else ConvergenceError
-                    raise kind(self._failure(reached, target), self.result())
+                    raise self._failure(reached, target)
                 _log.info("step to load factor %g failed, halved to %g", target, now)
         return self.result()
 
@@ -231,23 +231,21 @@ class LoadSteps(Iterated):
                 self.H, self.multipliers = H, multipliers
                 return
 
-    @property
-    def _singular(self) -> bool:
-        """Whether the last step failed at once, because its matrix is singular."""
-        return self.iterations == 1 and not np.isfinite(self.last)
-
-    def _failure(self, reached: float, target: float) -> str:
-        return (
+    def _failure(self, reached: float, target: float) -> ConvergenceError:
+        text = (
             f"no equilibrium from load factor {reached:g} to {target:g}: after {self.iterations} "
             f"iterations the residual is {self.residual:.2e} and the last increment "
-            f"{self.last:.2e} (tolerance {self._options.tolerance:g}). {self.advice()}"
-            f"{self._lost or self.equations.report(self.H).rotation_hint}"
+            f"{self.last:.2e} (tolerance {self._options.tolerance:g}). "
         )
+        kind, lost = ConvergenceError, self._lost
+        if free := "" if self._factors else self._free_at_start():
+            kind = FreeStartError
+        if self.iterations == 1 and not np.isfinite(self.last):
+            kind = SingularStartError
+        why = lost or self.equations.report(self.H).rotation_hint
+        return kind(f"{text}{free or self._advice()}{why}", self.result())
 
-    def advice(self) -> str:
-        """Advice in the error message."""
-        if not self._factors and (free := self._free_at_start()):
-            return free
+    def _advice(self) -> str:
         if not np.isfinite(self.last):
             return f"The matrix is singular. {HELD}"
         if not self._options.linearised_stress:
@@ -259,14 +257,24 @@ class LoadSteps(Iterated):
 
     def _free_at_start(self) -> str:
         """Message on rigid motions that nothing resists in the first state, if there are any."""
-        search = FreeMotions(self.equations)
+        search, target, none = FreeMotions(self.equations), self._factor, np.zeros_like(self._r)
         if not len(allowed := search.allowed(self.H)):
             return ""
-        self._fill(self._factor)
-        free = search.unresisted(allowed, np.zeros_like(self._r))
-        if not len(free):
-            return ""
-        return f"In the first state {search.freedom(free)}"
+        self._act(self.equations.scene.began.factor)
+        free = search.unresisted(allowed, none)
+        self._act(target)
+        # second derivatives along motions depend on coordinates unless forces are balanced there
+        if len(free) and search.balanced(free, self._r):
+            free = search.unresisted(free, none)
+        return f"In the first state {search.freedom(free)}" if len(free) else ""
+
+    def _act(self, factor: float) -> None:
+        """Residual and matrix of the current state with the loads and supports of a factor."""
+        now = self.equations.prescribed(factor)
+        now.act(factor, 1.0)
+        self.H[self._moving + 1 :] = now.frames
+        self._factor = factor
+        self._fill(factor)
 
     def solve(self, factor: float) -> bool:
         """Go to the load factor and record that state; on failure, stay at the old one."""
@@ -345,7 +353,7 @@ class LoadSteps(Iterated):
             SingularStartError: It has.
         """
         self._to_check, search = False, FreeMotions(self.equations)
-        if not search.possible or not len(search.allowed(self.H)):
+        if not len(search.allowed(self.H)):
             return
         history = self.equations.history_variables
         H, multipliers, saved = self.H.copy(), self.multipliers.copy(), history.saved_state()

@@ -17,7 +17,7 @@ from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.statics.arc_length import ArcLength
 from fem_lie.solve.statics.follow import beyond, followed, in_proportion
 from fem_lie.solve.statics.load_steps import LoadSteps, Newton
-from fem_lie.solve.statics.unstable import SingularStartError, warn_if_unstable
+from fem_lie.solve.statics.unstable import FreeStartError, SingularStartError, warn_if_unstable
 
 _MANY = 10  # number of load steps if full steps and the arc length fail
 
@@ -121,16 +121,19 @@ def _first_that_arrives(roads: Sequence[Callable[[], StaticResult]]) -> StaticRe
     for road in roads:
         try:
             found = road()
+        except SingularStartError:
+            raise
         except ConvergenceError as error:
             errors.append(error)
-            if isinstance(error, SingularStartError):
-                break
             _log.info("%s Now another way.", error)
         else:
             vain = sum(error.result.total_iterations for error in errors)
             return replace(found, failed_iterations=found.failed_iterations + vain)
     if len(errors) == 1:
         raise errors[0]
+    for cause in errors:
+        if isinstance(cause, FreeStartError):
+            raise cause  # the other messages tell how it showed
     farthest = max(errors, key=lambda error: error.result.factors.max(initial=0.0))
     tries = " ".join(f"({k}) {error}" for k, error in enumerate(errors, 1))
     raise ConvergenceError(f"{len(errors)} methods were tried: {tries}", farthest.result)

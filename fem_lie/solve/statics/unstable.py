@@ -16,7 +16,6 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array
-from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.pivots import inertia, negative_determinant
@@ -123,6 +122,8 @@ _ULPS = 1e-14  # over the sum of absolute values: less is round-off
 POLISHED = 3
 """Further iterations of an equilibrium before its stiffness in rigid motions is tested."""
 
+_BALANCED = 1e-9  # over norms of motion and forces: a smaller work is round-off
+
 _RESIDUAL = 10.0  # times the work of unbalanced forces: less is due to unfinished iteration
 
 
@@ -137,14 +138,19 @@ class SingularStartError(ConvergenceError):
     """A step began with a singular matrix, or a motion is free: no other loading method helps."""
 
 
+class FreeStartError(ConvergenceError):
+    """No equilibrium was found, and rigid motions are free in the first state.
+
+    Another loading method may still find one to which the structure moves, such as a pendulum.
+    """
+
+
 class FreeMotions:
-    """Search for rigid motions that nothing resists, in scenes with nodes other than frames."""
+    """Search for rigid motions that nothing resists."""
 
     def __init__(self, equations: Equations) -> None:
         """Set up for the equations of a scene."""
         self._equations, unknowns = equations, equations.unknowns
-        vectors = bool((unknowns.kinds >= POSITION_GRADIENT).any())
-        self.possible: bool = equations.shared.any(vectors)
         self._weight = unknowns.units
         self._free = np.flatnonzero(~unknowns.held.ravel())
         self._unknowns = free_unknowns(equations.shared, self._free)
@@ -174,6 +180,13 @@ class FreeMotions:
         small = _ULPS * (sizes * (abs(K) @ sizes.T).T).sum(axis=1)
         small += _RESIDUAL * self._unknowns.owned(sizes) @ np.abs(weight * r[free])
         return np.asarray(motions[np.abs(stiffness) <= self._unknowns.total(small)])
+
+    def balanced(self, Z: Array, r: Array) -> bool:
+        """Whether forces with residual ``r`` do no work along the motions of ``Z``."""
+        own, f = self._unknowns.owned(Z), self._weight[self._free] * r[self._free]
+        works = self._unknowns.total(own @ f)
+        sizes = np.sqrt(self._unknowns.total((own**2).sum(axis=1)) * self._unknowns.total(f @ f))
+        return bool((np.abs(works) <= _BALANCED * sizes).all())
 
     def message(self, motions: Array, factor: float) -> str:
         """Message on motions that are free in the equilibrium at a load factor."""
