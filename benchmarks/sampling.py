@@ -122,7 +122,7 @@ class Case:
 
     def here(self, basis: fl.reduction.Basis) -> fl.reduction.Basis:
         """The same shapes of the body of the scene."""
-        return fl.reduction.Basis(self.body, basis.modes)
+        return basis.transferred(self.body)
 
     def pod(self, modes: int) -> tuple[fl.reduction.Basis, fl.reduction.ReducedStates]:
         """Shapes of the training, and its states in them."""

@@ -206,3 +206,18 @@ def test_all_free_motions_are_counted(kind, force, opposite, ball, count):
         scene.add(fl.joints.Spherical(fl.ground(), body.point(start)))
     with pytest.raises(fl.ConvergenceError, match=f"nothing resists {count} rigid motion"):
         fl.statics(scene)
+
+
+@pytest.mark.parametrize("corners", [("00",), ("00", "01")])
+def test_a_shell_clamped_at_one_node_turns_about_its_normal_there(corners):
+    """A node with a director has no rotation about the normal that a clamp could hold."""
+    scene = fl.Scene()
+    body, _ = free_body(scene, "shell")
+    for corner in corners:
+        scene.add(fl.Clamp(body.point(corner)))
+    scene.add(fl.PointLoad(body.point("10"), force=(0, 1e-3, 0)))
+    if len(corners) == 1:
+        with pytest.raises(fl.ConvergenceError, match="nothing resists 1 rigid motion"):
+            fl.statics(scene)
+    else:
+        assert fl.statics(scene).displacement(body.point("10"))[-1, 1] > 0.0

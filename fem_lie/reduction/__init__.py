@@ -7,7 +7,13 @@ from fem_lie._public_names import public_names
 if TYPE_CHECKING:
     from fem_lie.bodies.reduced.reduced_body import ReducedOrderBody
     from fem_lie.reduction.axes import FixedAxes, MeanAxes, NodeAxes
-    from fem_lie.reduction.bases import craig_bampton, krylov, pod, with_derivatives
+    from fem_lie.reduction.bases import (
+        craig_bampton,
+        interpolated_basis,
+        krylov,
+        pod,
+        with_derivatives,
+    )
     from fem_lie.reduction.basis import Basis, ReducedStates, load_basis
     from fem_lie.reduction.energy_sampling import CellSample, ecsw
     from fem_lie.reduction.making import inertial_modes, reduced_order_body
@@ -38,6 +44,7 @@ __all__ = [
     "craig_bampton",
     "ecsw",
     "inertial_modes",
+    "interpolated_basis",
     "krylov",
     "load_basis",
     "load_reduced",

@@ -21,6 +21,7 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 import numpy.typing as npt
+import scipy.interpolate
 import scipy.linalg
 import scipy.sparse as sp
 import scipy.sparse.linalg
@@ -35,34 +36,177 @@ from fem_lie.results.states import StateSeries
 from fem_lie.scene import Scene
 
 
-def pod(result: StateSeries, body: Body, modes: int, *, axes: Axes | None = None) -> Basis:
-    """Proper orthogonal decomposition (POD) of the local motion in all states of a result.
+def pod(
+    result: StateSeries | Sequence[StateSeries],
+    body: Body | Sequence[Body],
+    modes: int,
+    *,
+    axes: Axes | None = None,
+) -> Basis:
+    """Proper orthogonal decomposition (POD) of the local motion in all states of results.
 
-    The modes are left singular vectors of the snapshots, orthonormal with rotations multiplied by
-    the size of the body.
+    The modes are left singular vectors of the snapshots: displacements over the size of the body,
+    and rotations. Several results, such as those of a body with other dimensions or loads, give one
+    basis for all of them (global POD), in which each state has the same weight.
 
     Args:
-        result: The states.
-        body: A body of the scene.
+        result: The states, or several results.
+        body: A body of the scene, or the body of each result: all with as many nodes.
         modes: Number of modes.
         axes: Floating frame; default: :class:`MeanAxes`.
 
+    Returns:
+        A basis of the first body; see :meth:`Basis.transferred` for the others.
+
     Raises:
-        ValueError: The result has no such body, or fewer independent states than ``modes``.
+        ValueError: A result has no such body, the numbers of bodies and results differ, or there
+            are fewer independent states than ``modes``.
+
+    Example:
+        >>> steel = fl.Material(E=2e11, nu=0.3, density=7800.0)
+        >>> square = fl.Section.rectangle(0.02, 0.02, steel)
+        >>> bodies, results = [], []
+        >>> for length in (1.0, 2.0):
+        ...     scene = fl.Scene()
+        ...     beam = scene.add(fl.Beam.straight((0, 0, 0), (length, 0, 0), square, cells=8))
+        ...     clamp = scene.add(fl.Clamp(beam.point("start")))
+        ...     load = scene.add(fl.PointLoad(beam.point("end"), force=(0, 0, 100 / length**2)))
+        ...     bodies.append(beam)
+        ...     results.append(fl.statics(scene))
+        >>> basis = fl.reduction.pod(results, bodies, 1, axes=fl.reduction.FixedAxes())
+        >>> len(basis.transferred(bodies[1]))
+        1
     """
     whole(modes, "modes")
-    frames = frames_of(result, body)
-    motion = local_motion(body, frames, MeanAxes() if axes is None else axes)
-    scale = np.repeat([1.0, body.model.size], 3)
-    snapshots = (motion.increments * scale).reshape(len(frames), -1)
-    _, sizes, mode_vectors = np.linalg.svd(snapshots, full_matrices=False)
-    rank = int((sizes > 1e-12 * body.model.size).sum())
+    results = [result] if isinstance(result, StateSeries) else list(result)
+    bodies = [body] * len(results) if isinstance(body, Body) else list(body)
+    if not results or len(results) != len(bodies):
+        raise ValueError(
+            f"pod: expected a body for each result, got {len(results)} results and {len(bodies)} "
+            "bodies"
+        )
+    snapshots = []
+    for states, each in zip(results, bodies, strict=True):
+        _check_nodes(bodies[0], each)
+        frames = frames_of(states, each)
+        motion = local_motion(each, frames, MeanAxes() if axes is None else axes)
+        snapshots.append((motion.increments / _dimensions(each)).reshape(len(frames), -1))
+    _, sizes, mode_vectors = np.linalg.svd(np.concatenate(snapshots), full_matrices=False)
+    rank = int((sizes > 1e-12).sum())
     if modes > rank:
         raise ValueError(
-            f"modes must be at most {rank}, the number of independent states of {body.label} in "
-            f"the result, got {modes}"
+            f"modes must be at most {rank}, the number of independent states of {bodies[0].label} "
+            f"in the result, got {modes}"
         )
-    return Basis(body, mode_vectors[:modes].reshape(modes, -1, 6) / scale)
+    return _unit_basis(bodies[0], mode_vectors[:modes])
+
+
+def interpolated_basis(
+    bases: Sequence[Basis], parameters: npt.ArrayLike, at: npt.ArrayLike, body: Body | None = None
+) -> Basis:
+    """Basis at other parameters, between bases that were computed at some.
+
+    Interpolated are the subspaces, not the modes, whose order and signs are arbitrary: in the
+    tangent space of the Grassmann manifold at the nearest one (D. Amsallem & C. Farhat, AIAA J. 46
+    (2008) 1803), by cubic radial functions, which are splines for one parameter.
+
+    Args:
+        bases: Bases with as many modes, of bodies with as many nodes.
+        parameters: Parameters of each, shape (k, p), or (k,) for one parameter.
+        at: Parameters at which a basis is wanted, shape (p,), or a number.
+        body: The body there; default: that of the nearest basis.
+
+    Raises:
+        ValueError: Shapes differ, there are fewer than p + 1 bases, their parameters lie in a line
+            or plane, or two subspaces are nearly orthogonal.
+
+    Example:
+        >>> steel = fl.Material(E=2e11, nu=0.3, density=7800.0)
+        >>> square, lengths, bases = fl.Section.rectangle(0.02, 0.02, steel), (1.0, 1.5), []
+        >>> for length in lengths:
+        ...     part = fl.Scene()
+        ...     beam = part.add(fl.Beam.straight((0, 0, 0), (length, 0, 0), square, cells=8))
+        ...     clamp = part.add(fl.Clamp(beam.point("start")))
+        ...     bases.append(fl.reduction.craig_bampton(part, interfaces=[], modes=4))
+        >>> len(fl.reduction.interpolated_basis(bases, lengths, 1.2))
+        4
+    """
+    instance(bases, Sequence, "interpolated_basis: bases", "a sequence of bases")
+    for each in bases:
+        instance(each, Basis, "interpolated_basis: bases", "bases such as those of pod")
+    x, wanted = np.asarray(parameters, dtype=np.float64), np.atleast_1d(np.asarray(at, np.float64))
+    x = x[:, np.newaxis] if x.ndim == 1 else x
+    if x.shape != (len(bases), len(wanted)) or not np.isfinite(x).all():
+        raise ValueError(
+            f"interpolated_basis: parameters: expected shape ({len(bases)}, {len(wanted)}), for "
+            f"{len(bases)} bases and {len(wanted)} parameters at which one is wanted, got {x.shape}"
+        )
+    ranges = np.ptp(x, axis=0)
+    if len(bases) <= len(wanted) or np.linalg.matrix_rank(x - x[0]) < len(wanted):
+        raise ValueError(
+            f"interpolated_basis: expected at least {len(wanted) + 1} bases whose parameters do "
+            f"not lie in a line or plane, got {x.tolist()}"
+        )
+    x, wanted = x / ranges, wanted / ranges
+    origin = int(np.linalg.norm(x - wanted, axis=1).argmin())
+    for each in bases:
+        _check_nodes(bases[origin].body, each.body)
+        if len(each) != len(bases[origin]):
+            raise ValueError(
+                f"interpolated_basis: expected bases with as many modes, got {len(each)} and "
+                f"{len(bases[origin])}"
+            )
+    subspaces = [
+        np.linalg.qr((each.modes / _dimensions(each.body)).reshape(len(each), -1).T)[0]
+        for each in bases
+    ]
+    V0 = subspaces[origin]
+    tangents = np.array([_tangent(V0, V) for V in subspaces])
+    model = scipy.interpolate.RBFInterpolator(
+        x, tangents.reshape(len(bases), -1), kernel="cubic", degree=1
+    )
+    U, angles, W = np.linalg.svd(
+        model(wanted[np.newaxis])[0].reshape(V0.shape), full_matrices=False
+    )
+    V = (V0 @ W.T) * np.cos(angles) + U * np.sin(angles)
+    there = bases[origin].body if body is None else body
+    _check_nodes(bases[origin].body, there)
+    return _unit_basis(there, V.T)
+
+
+_ORTHOGONAL = 1e-3  # cosine of the largest angle between subspaces that are interpolated
+
+
+def _tangent(V0: Array, V: Array) -> Array:
+    """Tangent vector (n, m) at a subspace from which a geodesic leads to another; orthonormal."""
+    cosines = V0.T @ V
+    if np.linalg.svd(cosines, compute_uv=False)[-1] < _ORTHOGONAL:
+        raise ValueError(
+            "interpolated_basis: two bases are nearly orthogonal: expected bases at more parameters"
+        )
+    across = np.linalg.solve(cosines.T, (V - V0 @ cosines).T).T
+    U, tangents, W = np.linalg.svd(across, full_matrices=False)
+    return np.asarray((U * np.arctan(tangents)) @ W)
+
+
+def _dimensions(body: Body) -> Array:
+    """Units of increments, shape (6,): the size of the body, and 1 rad."""
+    return np.repeat([body.model.size, 1.0], 3)
+
+
+def _unit_basis(body: Body, vectors: Array) -> Basis:
+    """Basis of dimensionless vectors (m, 6 n): their translations are displacements."""
+    units = _dimensions(body) / body.model.size
+    return Basis(body, vectors.reshape(len(vectors), -1, 6) * units)
+
+
+def _check_nodes(one: Body, other: Body) -> None:
+    instance(other, Body, "body", "a body of the scene")
+    if len(one.frames) != len(other.frames):
+        raise ValueError(
+            f"expected bodies with as many nodes: {one.label} has {len(one.frames)}, {other.label} "
+            f"has {len(other.frames)}"
+        )
 
 
 _NEW_SHAPE = 1e-8  # least relative norm of the part of a mode that is orthogonal to the others

@@ -151,6 +151,24 @@ class Basis(Summarised):
         """Number of modes."""
         return len(self.modes)
 
+    def transferred(self, body: Body) -> Basis:
+        """The same modes on a body of other dimensions: displacements in proportion to its size.
+
+        Args:
+            body: A body with as many nodes, in the same order.
+
+        Raises:
+            ValueError: It has another number of nodes.
+        """
+        instance(body, Body, "transferred: body", "a body")
+        if len(body.frames) != len(self.body.frames):
+            raise ValueError(
+                f"transferred: body: expected a body with {len(self.body.frames)} nodes, as "
+                f"{self.body.label} has, got {body.label} with {len(body.frames)}"
+            )
+        ratio = self.body.model.size / body.model.size
+        return Basis(body, self.modes * np.repeat([1.0, ratio], 3))
+
     def project(self, result: StateSeries, *, axes: Axes | None = None) -> ReducedStates:
         """Project states onto the basis by least squares, with the projection error.
 
