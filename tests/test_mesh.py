@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 import fem_lie as fl
 from fem_lie import lie
+from tests.drawn import empty_model
 
 BEND = Path(__file__).parents[1] / "meshes" / "bend45.geo"
 SPACE_FRAME = BEND.with_name("frame.geo")
@@ -352,10 +353,34 @@ def test_bad_gmsh_files_are_named(tmp_path, frame_file):
     (tmp_path / "empty.geo").write_text("Point(1) = {0, 0, 0};\n")
     with pytest.raises(ValueError, match="has no line cells"):
         fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(tmp_path / "empty.geo"))
-    (tmp_path / "quadratic.geo").write_text(FRAME + "Mesh.ElementOrder = 2;\n")
-    with pytest.raises(ValueError, match="curve 1 has cells of type 'Line 3'"):
-        fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(tmp_path / "quadratic.geo"))
+    (tmp_path / "cubic.geo").write_text(FRAME + "Mesh.ElementOrder = 3;\n")
+    with pytest.raises(ValueError, match="curve 1 has cells of type 'Line 4'; expected lines of 2"):
+        fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(tmp_path / "cubic.geo"))
     assert not gmsh.isInitialized()
+
+
+@pytest.mark.parametrize("ending", ["geo", "msh"])
+def test_lines_of_second_order_are_two_cells(tmp_path, ending):
+    """A quarter of a circle: middle nodes are points, with tangents of the circle."""
+    path = tmp_path / f"arc.{ending}"
+    text = (
+        "Point(1)={1,0,0}; Point(2)={0,0,0}; Point(3)={0,1,0}; Circle(1)={1,2,3};"
+        'Transfinite Curve {1} = 4; Physical Curve("arc")={1}; Mesh.ElementOrder = 2;\n'
+    )
+    if ending == "geo":
+        path.write_text(text)
+        mesh = fl.mesh.read_gmsh_lines(fl.mesh.run_gmsh_script(path))
+    else:
+        with empty_model() as session:
+            (tmp_path / "arc.geo").write_text(text)
+            session.merge(str(tmp_path / "arc.geo"))
+            session.model.mesh.generate(1)
+            session.write(str(path))
+        mesh = fl.mesh.read_gmsh_lines(path)
+    assert len(mesh.cells) == 6 == len(mesh.group("arc"))
+    x = mesh.points[mesh.cells]
+    np.testing.assert_allclose(np.linalg.norm(x, axis=2), 1.0, atol=1e-12)
+    np.testing.assert_allclose(np.abs((x * mesh.tangents).sum(axis=2)), 0.0, atol=1e-7)
 
 
 def test_names_by_place_in_a_volume_mesh():

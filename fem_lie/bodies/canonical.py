@@ -93,5 +93,9 @@ def attributes(value: Any) -> list[tuple[str, Any]]:
 
 def data_of_body(body: Body) -> list[tuple[str, Any]]:
     """Names and values of the data of a body on which the equations depend."""
-    model = body.model
+    return data_of_model(body.model)
+
+
+def data_of_model(model: BodyModel) -> list[tuple[str, Any]]:
+    """Names and values of the data of a model on which the equations depend."""
     return [(name, getattr(model, name)) for name in _OF_A_BODY if hasattr(model, name)]

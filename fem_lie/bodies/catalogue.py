@@ -44,7 +44,8 @@ class BodyInfo(Summarised):
         corners: Points in the body's frame, of which a rigid body is drawn as the convex hull,
             shape (p, 3).
         points: Node of each named point.
-        faces: Corners of surface cells, shape (m, 3 or 4).
+        faces: Corners of surface cells, shape (m, 3 or 4); triangles among quadrilaterals have
+            their last corner twice.
         thickness: Thickness of these cells, shape (m,).
         node_types: Type of each node, see :mod:`fem_lie.lie.node_types`, shape (n,); a frame whose
             axes the body sets, as on an edge of a discrete rod, counts as a position. ``None`` for

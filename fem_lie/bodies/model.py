@@ -6,7 +6,7 @@ loads act on are passed to it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from enum import Enum, auto
@@ -191,7 +191,8 @@ class BodyModel:
             (m, k, 2), nan where there is none; or ``None``: for drawing.
         corners: Points in a rigid body's frame, of which it is drawn as the convex hull, shape
             (p, 3), or ``None``.
-        faces: Corners of surface cells, for drawing, shape (m, 3 or 4).
+        faces: Corners of surface cells, for drawing, shape (m, 3 or 4); triangles among
+            quadrilaterals have their last corner twice.
         thickness: Thickness of these cells, for drawing, shape (m,).
     """
 
@@ -262,6 +263,16 @@ class BodyModel:
             holds: Rotations of their nodes that joints, motions and moments act on.
         """
         return None
+
+    def pieces(self, holds: Sequence[HeldRotation]) -> Iterator[tuple[BodyModel, Indices]]:
+        """Models with one :attr:`assembly_key` each, and the numbers of their nodes.
+
+        Each node belongs to one of them; default: the whole model.
+
+        Args:
+            holds: Rotations of nodes that joints, motions and moments act on.
+        """
+        yield self, np.arange(len(self.frames))
 
     @property
     def divisible_cells(self) -> Indices | None:

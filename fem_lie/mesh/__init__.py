@@ -17,20 +17,23 @@ if TYPE_CHECKING:
     from fem_lie.mesh.gmsh_cells import read_curve
     from fem_lie.mesh.gmsh_session import run_gmsh_script
     from fem_lie.mesh.lines import LineMesh
+    from fem_lie.mesh.mixed_surfaces import MixedSurfaceMesh
     from fem_lie.mesh.reading import (
         lines_from_dolfinx,
         read_gmsh_lines,
         read_gmsh_surface,
+        read_gmsh_volume,
         surface_from_dolfinx,
+        volume_from_dolfinx,
     )
     from fem_lie.mesh.surfaces import SurfaceMesh, parametric_surface
-    from fem_lie.mesh.volume_reading import read_gmsh_volume, volume_from_dolfinx
     from fem_lie.mesh.volumes import VolumeMesh, brick, parametric_volume
 else:
     __getattr__, __dir__ = public_names(__name__)
 
 __all__ = [
     "LineMesh",
+    "MixedSurfaceMesh",
     "PatchCoupling",
     "SmoothPatch",
     "Spline",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,11 +21,15 @@ from fem_lie.mesh.gmsh_session import (
     physical,
 )
 from fem_lie.mesh.lines import circle_tangents, flipped
+from fem_lie.mesh.patches import CellsOfOneType
 
 _log = logging.getLogger(__name__)
 
 _STRAIGHT = 1e-6  # rad, between tangents that count as equal
-_LINE_2 = 1  # gmsh's element type
+_LINES = {1: 2, 8: 3}
+"""Nodes of gmsh's lines of first and second order."""
+_HALVES = {1: [0, 1], 8: [0, 2, 2, 1]}
+"""Nodes of the line, or of its halves: two ends come first."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,14 +140,18 @@ def model_lines(what: str, kink_angle: float) -> RawLines:
 
 
 def _line_cells(gmsh: Any, curve: int, what: str) -> Indices:
+    """Pairs of node tags of one curve, shape (m, 2); a line of second order is two of them."""
     types, _, nodes = gmsh.model.mesh.getElements(1, curve)
-    for kind in types:
-        if kind != _LINE_2:
+    pairs = [np.empty((0, 2), dtype=np.int64)]
+    for kind, tags in zip(types, nodes, strict=True):
+        if kind not in _HALVES:
             name = gmsh.model.mesh.getElementProperties(kind)[0]
             raise ValueError(
-                f"{what}: curve {curve} has cells of type {name!r}; expected lines of order 1"
+                f"{what}: curve {curve} has cells of type {name!r}; expected lines of 2 or 3 nodes"
             )
-    return nodes[0].astype(np.int64).reshape(-1, 2) if len(nodes) else np.empty((0, 2), np.int64)
+        lines = tags.astype(np.int64).reshape(-1, _LINES[kind])
+        pairs.append(lines[:, _HALVES[kind]].reshape(-1, 2))
+    return np.concatenate(pairs)
 
 
 def _cad_tangents(gmsh: Any, curve: int, cells: Indices) -> Array:
@@ -181,27 +189,21 @@ def _circle_tangents(gmsh: Any, cells: Indices, kink_angle: float, what: str) ->
     return np.where(flip[..., np.newaxis], -found[:, ::-1], found)
 
 
-_LINES = {1: 2, 8: 3}  # nodes of gmsh's lines of order 1 and 2
-
-
 @dataclass(frozen=True, eq=False)
 class RawShell:
     """Surface cells in DOLFINx's order; points without cells are removed.
 
     Attributes:
         points: Coordinates, shape (n, 3).
-        cells: Points of each cell, shape (m, k).
-        cell: ``triangle`` or ``quadrilateral``.
-        normals: Normals of the CAD surface at the cells' nodes, shape (m, k, 3), nan without CAD.
+        blocks: Cells of each type, numbered block after block; normals of the CAD surface at their
+            nodes, nan without CAD.
         groups: Cells of each physical group of surfaces.
         curves: Edges of each physical group of curves.
         named_points: Points of each physical group of points.
     """
 
     points: Array
-    cells: Indices
-    cell: str
-    normals: Array
+    blocks: tuple[CellsOfOneType, ...]
     groups: dict[str, Indices]
     curves: dict[str, Indices]
     named_points: dict[str, Indices]
@@ -225,35 +227,49 @@ def model_shell(what: str) -> RawShell:
     import gmsh
 
     chosen, named = chosen_entities(gmsh, 2, what), physical(gmsh, 2)
-    block = cell_block(gmsh, named or {"": chosen}, what)
-    # a surface in two groups counts once
-    _, once = np.unique(np.sort(block.cells, axis=1), axis=0, return_index=True)
-    once.sort()
-    cells, surfaces = block.cells[once], block.surfaces[once]
-    used, local = np.unique(cells, return_inverse=True)
+    blocks = [_once(block) for block in cell_blocks(gmsh, named or {"": chosen}, what)]
+    used = np.unique(np.concatenate([block.cells.ravel() for block in blocks]))
+    surfaces = np.concatenate([block.surfaces for block in blocks])
     return RawShell(
         points=coordinates_of(gmsh, used),
-        cells=local.reshape(cells.shape).astype(np.int64),
-        cell=block.cell,
-        normals=_cad_normals(gmsh, cells, surfaces),
+        blocks=tuple(
+            CellsOfOneType(
+                np.searchsorted(used, block.cells),
+                block.cell,
+                _cad_normals(gmsh, block.cells, block.surfaces),
+            )
+            for block in blocks
+        ),
         groups={
             name: np.flatnonzero(np.isin(surfaces, entities)) for name, entities in named.items()
         },
-        curves=_curves(gmsh, used, block, what),
+        curves=_curves(gmsh, used, blocks[0].degree, what),
         named_points=named_points(gmsh, used),
     )
 
 
-def _curves(gmsh: Any, used: Indices, block: CellBlock, what: str) -> dict[str, Indices]:
+def _once(block: CellBlock) -> CellBlock:
+    """Cells of a block, those of a surface in two groups once."""
+    _, once = np.unique(np.sort(block.cells, axis=1), axis=0, return_index=True)
+    once.sort()
+    return replace(
+        block,
+        cells=block.cells[once],
+        regions=block.regions[once],
+        surfaces=block.surfaces[once],
+    )
+
+
+def _curves(gmsh: Any, used: Indices, degree: int, what: str) -> dict[str, Indices]:
     """Edges on the surfaces of each physical group of curves."""
     curves = {}
     for name, entities in physical(gmsh, 1).items():
         edges: list[Indices] = []
         for curve in entities:
             for kind, _, nodes in zip(*gmsh.model.mesh.getElements(1, curve), strict=True):
-                if _LINES.get(int(kind)) != block.degree + 1:
+                if _LINES.get(int(kind)) != degree + 1:
                     raise ValueError(f"{what}: curve {curve} and the surfaces differ in order")
-                edges.append(nodes.astype(np.int64).reshape(-1, block.degree + 1))
+                edges.append(nodes.astype(np.int64).reshape(-1, degree + 1))
         tags = np.concatenate(edges) if edges else np.empty((0, 2), dtype=np.int64)
         tags = tags[np.isin(tags, used).all(axis=1)]
         if len(tags):
@@ -292,6 +308,7 @@ _CELLS = {
     2: ("triangle", 1, (0, 1, 2)),
     3: ("quadrilateral", 1, (0, 1, 3, 2)),
     9: ("triangle", 2, (0, 1, 2, 4, 5, 3)),
+    10: ("quadrilateral", 2, (0, 1, 3, 2, 4, 7, 5, 6, 8)),
 }
 
 
@@ -314,31 +331,36 @@ class CellBlock:
     degree: int
 
 
-def cell_block(gmsh: Any, groups: Mapping[str, list[int]], what: str) -> CellBlock:
-    """Cells of groups of surfaces.
+def cell_blocks(gmsh: Any, groups: Mapping[str, list[int]], what: str) -> list[CellBlock]:
+    """Cells of groups of surfaces, a block for each cell type, all of one degree.
 
     Raises:
-        ValueError: There are no cells, or cells of several or unsupported types.
+        ValueError: There are no cells, or cells of unsupported types or several degrees.
     """
-    blocks, owner, kinds = [], [], set()
+    found: dict[int, list[tuple[Indices, int, int]]] = {}
     for region, surfaces in enumerate(groups.values()):
         for surface in surfaces:
             for kind, _, nodes in zip(*gmsh.model.mesh.getElements(2, surface), strict=True):
-                kinds.add(int(kind))
-                blocks.append(nodes.astype(np.int64))
-                owner.append((region, surface))
-    if len(kinds) != 1 or not kinds <= set(_CELLS):
-        names = [gmsh.model.mesh.getElementProperties(kind)[0] for kind in sorted(kinds)]
+                found.setdefault(int(kind), []).append((nodes.astype(np.int64), region, surface))
+    degrees = {_CELLS[kind][1] if kind in _CELLS else 0 for kind in found}
+    if len(degrees) != 1 or 0 in degrees:
+        names = [gmsh.model.mesh.getElementProperties(kind)[0] for kind in sorted(found)]
         raise ValueError(
-            f"{what} must have triangles of degree 1 or 2, or quadrilaterals of degree 1, got "
-            f"{' and '.join(names) or 'no surface cells'}"
+            f"{what} must have triangles of 3 and quadrilaterals of 4 nodes, or triangles of 6 and "
+            f"quadrilaterals of 9, got {' and '.join(names) or 'no surface cells'}"
         )
-    cell, degree, order = _CELLS[kinds.pop()]
+    return [_block(kind, found[kind]) for kind in sorted(found)]
+
+
+def _block(kind: int, parts: list[tuple[Indices, int, int]]) -> CellBlock:
+    """Cells of one of gmsh's element types, from node tags, region and surface of each part."""
+    cell, degree, order = _CELLS[kind]
+    blocks, regions, surfaces = zip(*parts, strict=True)
     counts = [len(block) // len(order) for block in blocks]
     return CellBlock(
-        cells=np.concatenate([block.reshape(-1, len(order)) for block in blocks])[:, order],
-        regions=np.repeat([region for region, _ in owner], counts),
-        surfaces=np.repeat([surface for _, surface in owner], counts),
+        cells=np.concatenate(blocks).reshape(-1, len(order))[:, order],
+        regions=np.repeat(regions, counts),
+        surfaces=np.repeat(surfaces, counts),
         cell=cell,
         degree=degree,
     )

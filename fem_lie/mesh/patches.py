@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, degrees, radians
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -20,49 +22,92 @@ _EDGES = {
 _FLAT = cos(radians(5.0))
 
 
+class CellsOfOneType(NamedTuple):
+    """Cells of one type of a surface.
+
+    Attributes:
+        cells: Points of each cell, shape (m, k).
+        cell: ``"triangle"`` or ``"quadrilateral"``.
+        normals: Unit normals at the nodes of each cell, shape (m, k, 3).
+    """
+
+    cells: Indices
+    cell: str
+    normals: Array
+
+
 @dataclass(frozen=True, eq=False)
 class Patches:
     """Nodes of a surface whose patches are smooth.
 
+    Cells of different types have nodes of their own, with equal directors where patches are smooth.
+
     Attributes:
-        cells: Nodes of each cell, shape (m, k).
+        cells: Nodes of each cell of each block, one of shape (m, k) for each.
         masters: Point of each node, shape (N,), which is also the first node of that point.
         directors: Mean of the cells' normals at each node, shape (N, 3).
+        split: Points that have several directors.
     """
 
-    cells: Indices
+    cells: tuple[Indices, ...]
     masters: Indices
     directors: Array
+    split: Indices
 
-    @property
-    def split(self) -> Indices:
-        """Points that have several nodes."""
-        return np.unique(self.masters[self.masters != np.arange(len(self.masters))])
+    def of_block(self, number: int, points: Indices) -> tuple[Patches, Indices]:
+        """Nodes of the cells of one block, on a mesh of these cells.
+
+        Args:
+            number: Number of the block.
+            points: Points of its cells, ascending, shape (p,).
+
+        Returns:
+            Nodes on that mesh, and the number of each of them here, shape (n,).
+        """
+        used = np.unique(self.cells[number])
+        point_of = np.searchsorted(points, self.masters[used])
+        order = _numbered(point_of, len(points))
+        nodes, masters = np.empty_like(used), np.empty_like(used)
+        nodes[order], masters[order] = used, point_of
+        cells = order[np.searchsorted(used, self.cells[number])]
+        split = np.unique(masters[masters != np.arange(len(masters))])
+        return Patches((cells,), masters, self.directors[nodes], split), nodes
 
 
 class Edges:
-    """All sides of cells, and the edges where they meet.
+    """All sides of cells, and the edges where they meet. Cells are numbered block after block.
 
     Attributes:
-        cells: Points of each cell, shape (m, k).
+        points: Points of the nodes of all cells, one cell after the other, shape (c,).
+        normals: Normals there, shape (c, 3).
         owner: Cell of each side, shape (s,).
-        nodes: Local nodes of each side, its ends first, shape (s, 2 or 3).
+        nodes: Nodes of each side among those of all cells, its ends first, shape (s, 2 or 3).
         inward: Unit vectors in the surface, perpendicular to the side, into the cell, shape (s, 3).
         edge: Edge of the mesh of each side, shape (s,).
         count: Number of cells at each edge.
     """
 
-    def __init__(self, points: Array, cells: Indices, cell: str, normals: Array) -> None:
-        """Find the edges; arguments as in :class:`fem_lie.mesh.surfaces.SurfaceMesh`."""
-        linear = cells.shape[1] <= 4
-        local = np.array(_EDGES[cell])[:, : 2 if linear else 3]
-        m, sides = len(cells), len(local)
-        self.cells, self.owner = cells, np.repeat(np.arange(m), sides)
-        self.nodes = np.tile(local, (m, 1))
-        self.directed = cells[self.owner[:, np.newaxis], self.nodes[:, :2]]
+    def __init__(self, points: Array, blocks: Sequence[CellsOfOneType]) -> None:
+        """Find the edges.
+
+        Args:
+            points: Coordinates, shape (n, 3).
+            blocks: Cells of all types, all of one order.
+        """
+        owner, nodes, cells, before = [], [], 0, 0
+        for block in blocks:
+            m, k = block.cells.shape
+            local = np.array(_EDGES[block.cell])[:, : 2 if k <= 4 else 3]
+            owner.append(cells + np.repeat(np.arange(m), len(local)))
+            first = before + k * np.arange(m)
+            nodes.append((first[:, np.newaxis, np.newaxis] + local).reshape(-1, local.shape[1]))
+            cells, before = cells + m, before + m * k
+        self.owner, self.nodes = np.concatenate(owner), np.concatenate(nodes)
+        self.points = np.concatenate([block.cells.ravel() for block in blocks])
+        self.normals = np.concatenate([block.normals.reshape(-1, 3) for block in blocks])
+        self.directed = self.points[self.nodes[:, :2]]
         along = points[self.directed[:, 1]] - points[self.directed[:, 0]]
-        normal = normals[self.owner[:, np.newaxis], self.nodes[:, :2]].sum(axis=1)
-        inward = np.cross(normal, along)
+        inward = np.cross(self.normals[self.nodes[:, :2]].sum(axis=1), along)
         self.inward = inward / np.linalg.norm(inward, axis=1, keepdims=True)
         _, edge, self.count = np.unique(
             np.sort(self.directed, axis=1), axis=0, return_inverse=True, return_counts=True
@@ -96,7 +141,7 @@ class Edges:
                 f"curve {name!r} must be edges of {k} points each, shape (e, {k}), got "
                 f"{curve.shape}"
             )
-        sides = self.cells[self.owner[:, np.newaxis], self.nodes]
+        sides = self.points[self.nodes]
         both = np.concatenate([sides, curve])
         both[:, :2] = np.sort(both[:, :2], axis=1)
         _, number = np.unique(both, axis=0, return_inverse=True)
@@ -109,7 +154,7 @@ class Edges:
 
     def first_cell(self, curve: Indices) -> Indices:
         """Cell of the lowest number at each edge of a curve (e, 2 or 3), shape (e,)."""
-        count = int(self.cells.max()) + 1
+        count = int(self.points.max()) + 1
         own, sought = (
             count * ends.min(axis=1) + ends.max(axis=1) for ends in (self.directed, curve[:, :2])
         )
@@ -161,37 +206,46 @@ class Edges:
         )
 
 
-def smooth_patches(
-    points: Array, cells: Indices, cell: str, normals: Array, kink_angle: float
-) -> Patches:
-    """Separate nodes on both sides of a kink, and for cells that branch off.
+def smooth_patches(points: Array, blocks: Sequence[CellsOfOneType], kink_angle: float) -> Patches:
+    """Separate nodes on both sides of a kink, for cells that branch off, and for each cell type.
 
     Args:
         points: Coordinates, shape (n, 3).
-        cells: Points of each cell, shape (m, k).
-        cell: ``"triangle"`` or ``"quadrilateral"``.
-        normals: Unit normals at the nodes of each cell, shape (m, k, 3).
+        blocks: Cells of all types, all of one order.
         kink_angle: Largest angle between neighbouring cells of a smooth surface, rad.
 
     Raises:
         ValueError: The sides of smooth neighbours do not agree; the surface has a sharp tip.
     """
-    edges = Edges(points, cells, cell, normals)
+    edges = Edges(points, blocks)
     a, b = edges.smooth_pairs(kink_angle).T
-    k = cells.shape[1]
-    corner = k * edges.owner[:, np.newaxis] + edges.nodes
     # the ends of a neighbour come the other way round
-    turned = corner[b][:, [1, 0, *range(2, corner.shape[1])]]
-    links = (np.ones(turned.size), (corner[a].ravel(), turned.ravel()))
-    graph = sp.coo_matrix(links, shape=(cells.size, cells.size))
-    _, label = connected_components(graph, directed=False)
-    _, first, label = np.unique(label, return_index=True, return_inverse=True)
-    point_of = cells.ravel()[first]
-    number = _numbered(point_of, len(points))
-    nodes = number[label.ravel()].reshape(cells.shape)
-    masters = np.empty(len(point_of), dtype=np.int64)
-    masters[number] = point_of
-    return Patches(nodes, masters, _means(points, masters, nodes, normals, kink_angle))
+    turned = edges.nodes[b][:, [1, 0, *range(2, edges.nodes.shape[1])]]
+    size = len(edges.points)
+    links = (np.ones(turned.size), (edges.nodes[a].ravel(), turned.ravel()))
+    _, side = connected_components(sp.coo_matrix(links, shape=(size, size)), directed=False)
+    directors = _means(points, edges, side, kink_angle)
+    _, at = np.unique(side, return_index=True)
+    point_of_side, sides = np.unique(edges.points[at], return_counts=True)
+    sizes = [block.cells.size for block in blocks]
+    _, first, label = np.unique(
+        len(blocks) * side + np.repeat(np.arange(len(blocks)), sizes),
+        return_index=True,
+        return_inverse=True,
+    )
+    # nodes in the order in which cells have them
+    order = np.argsort(first)
+    first, rank = first[order], np.argsort(order)
+    number = _numbered(edges.points[first], len(points))
+    nodes = np.split(number[rank[label.ravel()]], np.cumsum(sizes)[:-1])
+    masters, mean = np.empty(len(first), dtype=np.int64), np.empty((len(first), 3))
+    masters[number], mean[number] = edges.points[first], directors[side[first]]
+    return Patches(
+        tuple(own.reshape(block.cells.shape) for own, block in zip(nodes, blocks, strict=True)),
+        masters,
+        mean,
+        point_of_side[sides > 1],
+    )
 
 
 def _numbered(point_of: Indices, count: int) -> Indices:
@@ -204,16 +258,15 @@ def _numbered(point_of: Indices, count: int) -> Indices:
     return number
 
 
-def _means(
-    points: Array, masters: Indices, nodes: Indices, normals: Array, kink_angle: float
-) -> Array:
-    total = np.zeros((len(masters), 3))
-    np.add.at(total, nodes, normals)
+def _means(points: Array, edges: Edges, side: Indices, kink_angle: float) -> Array:
+    """Mean normal of each smooth side of a point, shape (S, 3)."""
+    total = np.zeros((int(side.max()) + 1, 3))
+    np.add.at(total, side, edges.normals)
     size = np.linalg.norm(total, axis=1, keepdims=True)
     mean = np.divide(total, size, out=np.zeros_like(total), where=size > 0)
-    cosine = np.einsum("mkj,mkj->mk", normals, mean[nodes])
+    cosine = np.einsum("cj,cj->c", edges.normals, mean[side])
     if cosine.min() < min(cos(kink_angle), 0.99) - 1e-12:
-        position = points[masters[nodes.ravel()[cosine.argmin()]]]
+        position = points[edges.points[cosine.argmin()]]
         raise ValueError(
             f"the surface has a tip at {position}, where normals are "
             f"{degrees(np.arccos(cosine.min())):.0f}° away from their mean though neighbours "

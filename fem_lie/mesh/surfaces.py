@@ -6,11 +6,12 @@ A mesh comes from a function (:func:`parametric_surface`), from gmsh or DOLFINx
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from math import degrees, pi, radians
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -29,7 +30,7 @@ from fem_lie._arrays import (
     whole_number,
 )
 from fem_lie._summary import Summarised
-from fem_lie.mesh.patches import Edges, Patches, smooth_patches
+from fem_lie.mesh.patches import CellsOfOneType, Edges, Patches, smooth_patches
 from fem_lie.mesh.shapes import DEGREES, cell_normals
 
 if TYPE_CHECKING:
@@ -42,8 +43,135 @@ _FAR_OFF = 0.5  # cosine of 60°: a smooth surface turns by less than twice that
 _ROUND = {"triangle": (0, 1, 2), "quadrilateral": (0, 1, 3, 2)}  # corners, one after the other
 
 
+class Surface(Summarised, ABC):
+    """Surfaces divided into cells, with names: of one type or of several.
+
+    Attributes:
+        points: Coordinates, shape (n, 3); every point belongs to a cell.
+        groups: Cells of each named group.
+        curves: Edges of each named curve, two ends and the node between, if any, shape (e, 2 or 3).
+        named_points: Points of each name.
+    """
+
+    points: Array
+    groups: Mapping[str, Indices]
+    curves: Mapping[str, Indices]
+    named_points: Mapping[str, Indices]
+
+    @property
+    @abstractmethod
+    def blocks(self) -> tuple[CellsOfOneType, ...]:
+        """Cells of each type, numbered block after block."""
+
+    @property
+    @abstractmethod
+    def degree(self) -> int:
+        """Degree of the cells' edges."""
+
+    @property
+    def edges(self) -> Edges:
+        """Sides of all cells, and edges where they meet."""
+        return Edges(self.points, self.blocks)
+
+    @property
+    def centres(self) -> Array:
+        """Mean of the corners of each cell, shape (m, 3)."""
+        corners = [block.cells[:, _ROUND[block.cell]] for block in self.blocks]
+        return np.concatenate([self.points[each].mean(axis=1) for each in corners])
+
+    def group(self, name: str) -> Indices:
+        """Cells of a group.
+
+        Args:
+            name: Name of the group.
+
+        Raises:
+            ValueError: There is no such group; the message lists those that exist.
+        """
+        return find_name(self.groups, name, "group of cells")
+
+    def curve(self, name: str) -> Indices:
+        """Edges of a curve.
+
+        Args:
+            name: Name of the curve.
+
+        Raises:
+            ValueError: There is no such curve; the message lists those that exist.
+        """
+        return find_name(self.curves, name, "curve")
+
+    def nodes(self, name: str) -> Indices:
+        """Nodes of a named point, curve or group of cells.
+
+        Args:
+            name: Name of a point, curve or group of cells.
+
+        Raises:
+            ValueError: There is nothing of this name; the message lists what exists.
+        """
+        text(name, "the name of points, a curve or a group")
+        if name in self.named_points:
+            return self.named_points[name]
+        if name in self.curves:
+            return np.unique(self.curves[name])
+        if name in self.groups:
+            cells, found, before = self.groups[name], [], 0
+            for block in self.blocks:
+                own = cells[(cells >= before) & (cells < before + len(block.cells))] - before
+                found.append(block.cells[own].ravel())
+                before += len(block.cells)
+            return np.unique(np.concatenate(found))
+        known = ", ".join(sorted({*self.named_points, *self.curves, *self.groups})) or "none"
+        raise ValueError(f"the mesh has no points, curve or group {name!r}; it has: {known}")
+
+    def patches(self, kink_angle: float = KINK_ANGLE) -> Patches:
+        """Nodes that belong to one smooth patch each.
+
+        Args:
+            kink_angle: Largest angle between neighbouring cells of a smooth surface, rad.
+
+        Raises:
+            ValueError: The angle is out of range, the sides of smooth neighbours do not agree, or
+                the surface has a sharp tip.
+        """
+        if not 0.0 <= kink_angle <= pi:
+            raise ValueError(f"kink_angle must be between 0 and pi, got {kink_angle!r}")
+        return smooth_patches(self.points, self.blocks, kink_angle)
+
+    def _check_neighbours(self) -> None:
+        """Raise ``ValueError`` if cells overlap or contradict each other, or curves are wrong."""
+        edges = self.edges
+        edges.refuse_overlaps()
+        edges.smooth_pairs(KINK_ANGLE)
+        for name, curve in self.curves.items():
+            edges.check_curve(name, curve)
+
+    def _part(self, block: CellsOfOneType, numbers: Indices, edges: Edges) -> dict[str, Any]:
+        """Data of the mesh of some cells of one type, with all names, see :meth:`restricted`.
+
+        Args:
+            block: The cells.
+            numbers: Their numbers, ascending, shape (s,).
+            edges: Edges of the whole mesh.
+        """
+        used = np.unique(block.cells)
+        return {
+            "points": self.points[used],
+            "cells": np.searchsorted(used, block.cells),
+            "normals": block.normals,
+            "groups": members_within(self.groups, numbers),
+            "named_points": members_within(self.named_points, used),
+            "curves": {
+                name: np.searchsorted(used, curve[np.isin(edges.first_cell(curve), numbers)])
+                for name, curve in self.curves.items()
+            },
+            "source": None,
+        }
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class SurfaceMesh(Summarised):
+class SurfaceMesh(Surface):
     """Surfaces divided into triangles or quadrilaterals, of first or second order.
 
     Attributes:
@@ -76,6 +204,7 @@ class SurfaceMesh(Summarised):
     def __post_init__(self) -> None:
         points = points_of(self.points)
         cells = _surface_cells(self.cells, self.cell, len(points))
+        refuse_alone(points, [cells])
         normals = numbers(self.normals, "normals")
         if normals.shape != (*cells.shape, 3):
             raise ValueError(f"normals must have shape {(*cells.shape, 3)}, got {normals.shape}")
@@ -128,19 +257,13 @@ class SurfaceMesh(Summarised):
             ValueError: See the class.
         """
         x = points_of(points)
-        connected = _surface_cells(cells, cell, len(x))
-        found = cell_normals(x, connected, cell)
-        if normals is not None:
-            known = numbers(normals, "normals")
-            if known.shape != found.shape:
-                raise ValueError(f"normals must have shape {found.shape}, got {known.shape}")
-            found = np.where(np.isfinite(known), known, found)
+        block = block_of(x, cells, cell, normals)
         return cls(
             x,
-            connected,
+            block.cells,
             cell,
-            found,
-            members_of(groups or {}, len(connected), "cells"),
+            block.normals,
+            members_of(groups or {}, len(block.cells), "cells"),
             {
                 name: indices_of(edges, len(x), f"points of curve {name!r}")
                 for name, edges in (curves or {}).items()
@@ -148,6 +271,11 @@ class SurfaceMesh(Summarised):
             members_of(named_points or {}, len(x), "points"),
             source,
         )
+
+    @property
+    def blocks(self) -> tuple[CellsOfOneType, ...]:
+        """All cells."""
+        return (CellsOfOneType(self.cells, self.cell, self.normals),)
 
     @property
     def degree(self) -> int:
@@ -167,47 +295,6 @@ class SurfaceMesh(Summarised):
         """
         return cells[:, _ROUND[self.cell]]
 
-    def group(self, name: str) -> Indices:
-        """Cells of a group.
-
-        Args:
-            name: Name of the group.
-
-        Raises:
-            ValueError: There is no such group; the message lists those that exist.
-        """
-        return find_name(self.groups, name, "group of cells")
-
-    def curve(self, name: str) -> Indices:
-        """Edges of a curve.
-
-        Args:
-            name: Name of the curve.
-
-        Raises:
-            ValueError: There is no such curve; the message lists those that exist.
-        """
-        return find_name(self.curves, name, "curve")
-
-    def nodes(self, name: str) -> Indices:
-        """Nodes of a named point, curve or group of cells.
-
-        Args:
-            name: Name of a point, curve or group of cells.
-
-        Raises:
-            ValueError: There is nothing of this name; the message lists what exists.
-        """
-        text(name, "the name of points, a curve or a group")
-        if name in self.named_points:
-            return self.named_points[name]
-        if name in self.curves:
-            return np.unique(self.curves[name])
-        if name in self.groups:
-            return np.unique(self.cells[self.groups[name]])
-        known = ", ".join(sorted({*self.named_points, *self.curves, *self.groups})) or "none"
-        raise ValueError(f"the mesh has no points, curve or group {name!r}; it has: {known}")
-
     def restricted(self, cells: Indices) -> SurfaceMesh:
         """Mesh of some cells with all names, also of what is not within them.
 
@@ -216,40 +303,15 @@ class SurfaceMesh(Summarised):
         Args:
             cells: Indices of the cells, ascending, shape (s,).
         """
-        used = np.unique(self.cells[cells])
+        block = CellsOfOneType(self.cells[cells], self.cell, self.normals[cells])
+        return self._with(self._part(block, cells, self.edges))
+
+    def _with(self, data: Mapping[str, Any]) -> SurfaceMesh:
+        """Copy with other data that are known to be valid."""
         part = copy(self)
-        sides = Edges(self.points, self.cells, self.cell, self.normals)
-        for name, value in (
-            ("points", self.points[used]),
-            ("cells", np.searchsorted(used, self.cells[cells])),
-            ("normals", self.normals[cells]),
-            ("groups", members_within(self.groups, cells)),
-            ("named_points", members_within(self.named_points, used)),
-            (
-                "curves",
-                {
-                    name: np.searchsorted(used, edges[np.isin(sides.first_cell(edges), cells)])
-                    for name, edges in self.curves.items()
-                },
-            ),
-            ("source", None),
-        ):
+        for name, value in data.items():
             object.__setattr__(part, name, value)
         return part
-
-    def patches(self, kink_angle: float = KINK_ANGLE) -> Patches:
-        """Nodes that belong to one smooth patch each.
-
-        Args:
-            kink_angle: Largest angle between neighbouring cells of a smooth surface, rad.
-
-        Raises:
-            ValueError: The angle is out of range, the sides of smooth neighbours do not agree, or
-                the surface has a sharp tip.
-        """
-        if not 0.0 <= kink_angle <= pi:
-            raise ValueError(f"kink_angle must be between 0 and pi, got {kink_angle!r}")
-        return smooth_patches(self.points, self.cells, self.cell, self.normals, kink_angle)
 
     def directors(self, kink_angle: float = KINK_ANGLE) -> Array:
         """Mean of the cells' normals at each point of a smooth surface, shape (n, 3).
@@ -273,11 +335,7 @@ class SurfaceMesh(Summarised):
         _, count = np.unique(np.sort(self.corners, axis=1), axis=0, return_counts=True)
         if count.max() > 1:
             raise ValueError(f"{count.max()} cells have the same corners")
-        edges = Edges(self.points, self.cells, self.cell, self.normals)
-        edges.refuse_overlaps()
-        edges.smooth_pairs(KINK_ANGLE)
-        for name, curve in self.curves.items():
-            edges.check_curve(name, curve)
+        super()._check_neighbours()
 
 
 def _check_normals(given: Array, own: Array, points: Array, cells: Indices) -> None:
@@ -292,6 +350,43 @@ def _check_normals(given: Array, own: Array, points: Array, cells: Indices) -> N
         )
 
 
+def block_of(
+    points: Array, cells: npt.ArrayLike, cell: str, normals: npt.ArrayLike | None
+) -> CellsOfOneType:
+    """Cells of one type, with normals that are known or computed from the cell.
+
+    Args:
+        points: Coordinates, shape (n, 3).
+        cells: Points of each cell in DOLFINx's order, shape (m, k).
+        cell: ``"triangle"`` or ``"quadrilateral"``.
+        normals: Known normals, shape (m, k, 3), nan elsewhere; default: none.
+
+    Raises:
+        ValueError: A value has the wrong shape or is out of range.
+    """
+    connected = _surface_cells(cells, cell, len(points))
+    found = cell_normals(points, connected, cell)
+    if normals is not None:
+        known = numbers(normals, "normals")
+        if known.shape != found.shape:
+            raise ValueError(f"normals must have shape {found.shape}, got {known.shape}")
+        found = np.where(np.isfinite(known), known, found)
+    return CellsOfOneType(connected, cell, found)
+
+
+def refuse_alone(points: Array, cells: Sequence[Indices]) -> None:
+    """Raise ``ValueError`` if a point has no cell.
+
+    Args:
+        points: Coordinates, shape (n, 3).
+        cells: Points of the cells of each type.
+    """
+    used = np.concatenate([each.ravel() for each in cells])
+    alone = np.setdiff1d(np.arange(len(points)), used)
+    if len(alone):
+        raise ValueError(f"{len(alone)} points have no cell, the first is {alone[0]}")
+
+
 def _surface_cells(value: npt.ArrayLike, cell: str, points: int) -> Indices:
     cells = np.asarray(value)
     if cell not in DEGREES:
@@ -299,11 +394,7 @@ def _surface_cells(value: npt.ArrayLike, cell: str, points: int) -> Indices:
     known = list(DEGREES[cell])
     if cells.ndim != 2 or cells.shape[1] not in known or not len(cells):
         raise ValueError(f"{cell}s must have {known} points each, got an array {cells.shape}")
-    indices = indices_of(cells, points, "cells")
-    alone = np.setdiff1d(np.arange(points), indices)
-    if len(alone):
-        raise ValueError(f"{len(alone)} points have no cell, the first is {alone[0]}")
-    return indices
+    return indices_of(cells, points, "cells")
 
 
 def parametric_surface(

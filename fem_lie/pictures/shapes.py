@@ -106,6 +106,7 @@ def _sheet(body: BodyInfo, size: float) -> Shape:
     count = len(body.nodes)
     top = _own(body, body.faces) + count
     directed = np.stack([top, np.roll(top, -1, axis=1)], axis=2).reshape(-1, 2)
+    directed = directed[directed[:, 0] != directed[:, 1]]  # triangles among quadrilaterals
     _, first, uses = np.unique(
         np.sort(directed, axis=1), axis=0, return_index=True, return_counts=True
     )

@@ -304,7 +304,7 @@ def _cells(info: SceneInfo) -> tuple[Indices | None, Indices | None, Indices | N
         for body in info.bodies
         if not len(body.cells) and not len(body.faces)
     ]
-    faces = [np.insert(b.faces, 0, b.faces.shape[1], axis=1) for b in info.bodies if len(b.faces)]
+    faces = [_polygons(body.faces) for body in info.bodies if len(body.faces)]
     # VTK has vertices first, then lines, then faces
     owners = [
         np.full(len(b.nodes), i)
@@ -314,6 +314,15 @@ def _cells(info: SceneInfo) -> tuple[Indices | None, Indices | None, Indices | N
     owners += [np.full(len(b.cells), i) for i, b in enumerate(info.bodies)]
     owners += [np.full(len(b.faces), i) for i, b in enumerate(info.bodies)]
     return _joined(lines), _joined(single), _joined(faces), np.concatenate(owners)
+
+
+def _polygons(faces: Indices) -> Indices:
+    """Faces in VTK's notation, flat; quadrilaterals with one corner twice are triangles."""
+    three = faces[:, -1] == faces[:, -2]
+    rows = np.insert(faces, 0, faces.shape[1] - three, axis=1)
+    kept = np.ones(rows.shape, dtype=bool)
+    kept[three, -1] = False
+    return np.asarray(rows[kept])
 
 
 def _joined(parts: list[Indices]) -> Indices | None:

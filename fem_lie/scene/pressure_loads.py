@@ -18,7 +18,7 @@ from fem_lie.elements.shells.pressure import SurfacePushes
 from fem_lie.elements.thin_shells.pressure import ThinPushes
 from fem_lie.mesh.shapes import FaceRule
 from fem_lie.scene.load import Carrier, History, Load, Sum
-from fem_lie.scene.surface_loads import SHELL, nodes_of, sides_of
+from fem_lie.scene.surface_loads import SHELL, nodes_of, on_parts, sides_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,11 @@ class SurfacePressure(Load):
     def check(self) -> None:
         """Raise ``ValueError`` if it is not finite or the shell has no such group of cells."""
         super().check()
-        self.on_cells()
+        if isinstance(self.shell, SmoothSurface):
+            self.on_cells()
+        else:
+            for load, *_ in on_parts(self, self.shell):
+                load.on_cells()
 
     def contribute(self, to: Sum) -> None:
         """Add the pressure term on the loaded cells.
@@ -131,14 +135,17 @@ class SurfacePressure(Load):
         Args:
             to: Sum of all loads, to which this one is added.
         """
-        shell, chosen = self.shell, self.shell.model.cells_of(self.cells)
+        shell = self.shell
         if isinstance(shell, SmoothSurface):
+            chosen = shell.model.cells_of(self.cells)
             cells, rule = shell.model.connectivity[chosen], shell.model.surface_rule()
             given = shell.model.sizes[chosen], self.on_cells(), rule
             to.add_term(ThinPushes(to.nodes(shell)[cells], *given))
         else:
-            cells = to.nodes(shell)[nodes_of(shell)[chosen]]
-            to.add_term(SurfacePushes(cells, self.rule(shell), self.on_cells()))
+            for load, part, nodes in on_parts(self, shell):
+                cells = to.nodes(shell)[nodes[nodes_of(part)[part.model.cells_of(self.cells)]]]
+                if len(cells):
+                    to.add_term(SurfacePushes(cells, load.rule(part), load.on_cells()))
 
     def rule(self, shell: Shell) -> FaceRule:
         """Quadrature rule of the cells.

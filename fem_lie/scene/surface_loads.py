@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import Any, TypeVar, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +16,7 @@ from fem_lie.bodies.thin_shells.smooth_surface import SmoothSurface
 from fem_lie.mesh.shapes import FaceRule
 from fem_lie.scene.load import Carrier, Field, History, NodalLoad, at_points
 
+OnShell = TypeVar("OnShell")
 SHELL = Carrier("shell", Shell | SmoothSurface, "a Shell, ThinShell or AncfShell")
 
 
@@ -135,9 +138,9 @@ class SurfaceLoad(NodalLoad):
         if isinstance(self.shell, SmoothSurface):
             return on_positions(self._on_rows(self.shell))
         values = np.zeros((len(self.shell.frames), 6))
-        chosen = self.shell.model.cells_of(self.cells)
-        shares = self._scaled(self.shell, self._factors())
-        np.add.at(values[:, :3], nodes_of(self.shell)[chosen], shares)
+        for load, shell, nodes in on_parts(self, self.shell):
+            chosen = nodes_of(shell)[shell.model.cells_of(self.cells)]
+            np.add.at(values[:, :3], nodes[chosen], load._scaled(shell, load._factors()))
         return values
 
     def on_directors(self) -> Array:
@@ -246,9 +249,11 @@ class MassLoad(SurfaceLoad):
         if isinstance(self.shell, SmoothSurface):
             return super().on_directors()
         values = np.zeros((len(self.shell.frames), 3, 3))
-        chosen = self.shell.model.cells_of(self.cells)
-        levers = self._scaled(self.shell, self.shell.model.density[:, 0, 1])
-        np.add.at(values[:, 2], nodes_of(self.shell)[chosen], levers)
+        for load, shell, nodes in on_parts(self, self.shell):
+            chosen = nodes_of(shell)[shell.model.cells_of(self.cells)]
+            np.add.at(
+                values[:, 2], nodes[chosen], load._scaled(shell, shell.model.density[:, 0, 1])
+            )
         return values
 
 
@@ -262,6 +267,18 @@ def nodes_of(shell: Shell) -> Indices:
     return shell.model.connectivity
 
 
+def on_parts(load: OnShell, shell: Shell) -> Iterator[tuple[OnShell, Shell, Indices]]:
+    """A load on the cells of each type of its shell: the load, these cells, and their nodes.
+
+    Args:
+        load: A load with an argument ``shell``.
+        shell: Its shell.
+    """
+    for part in shell.parts:
+        own: Any = load if part.shell is shell else replace(cast(Any, load), shell=part.shell)
+        yield own, part.shell, part.nodes
+
+
 def sides_of(shell: Shell) -> Array:
     """Sign of each cell: 1 if x,₁ × x,₂ points to the side of the directors, else −1, (m,)."""
     rule, cells = FaceRule.of(shell.model.mesh.cell, shell.model.mesh.degree), nodes_of(shell)
@@ -272,16 +289,20 @@ def sides_of(shell: Shell) -> Array:
 
 def _senses(shell: Shell, edges: Indices) -> Array:
     """1 or −1 for edges with their cell on the left or right, 0 for edges between cells, (e,)."""
-    round_, count = shell.model.mesh.corners, len(shell.frames)
-    pairs = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2)
+    count = len(shell.frames)
 
     def keys(ends: Indices) -> tuple[Indices, Array]:
         forward = np.where(ends[:, 0] < ends[:, 1], 1.0, -1.0)
         return count * ends.min(axis=1) + ends.max(axis=1), forward
 
-    key, forward = keys(pairs)
-    known, number = np.unique(key, return_inverse=True)
-    sense = np.repeat(sides_of(shell), round_.shape[1]) * forward
-    total = np.bincount(number.ravel(), weights=sense)
+    found, senses = [], []
+    for part in shell.parts:
+        round_ = part.points[part.shell.model.mesh.corners]
+        pairs = np.stack([round_, np.roll(round_, -1, axis=1)], axis=2).reshape(-1, 2)
+        key, forward = keys(pairs)
+        found.append(key)
+        senses.append(np.repeat(sides_of(part.shell), round_.shape[1]) * forward)
+    known, number = np.unique(np.concatenate(found), return_inverse=True)
+    total = np.bincount(number.ravel(), weights=np.concatenate(senses))
     sought, forward = keys(edges[:, :2])
     return np.asarray(forward * total[np.searchsorted(known, sought)])

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.mesh.gmsh_cells import cell_block, coordinates_of
+from fem_lie.mesh.gmsh_cells import cell_blocks, coordinates_of
 from fem_lie.mesh.gmsh_session import GmshScript, logged, model, opened, physical, session
 from fem_lie.sections.outline import TOUCH, Loop, Part, cross
 
@@ -280,7 +280,9 @@ def _sizes(gmsh: Any, sizes: CellSizes) -> None:
 
 def _cells(gmsh: Any, groups: Mapping[str, list[int]], what: str) -> RawSurface:
     """Cells of groups of surfaces in a plane, with points numbered from 0."""
-    block = cell_block(gmsh, groups, what)
+    block, *others = cell_blocks(gmsh, groups, what)
+    if others:
+        raise ValueError(f"{what} must have cells of one type, got triangles and quadrilaterals")
     used, local = np.unique(block.cells, return_inverse=True)
     return RawSurface(
         points=_plane(coordinates_of(gmsh, used), what),

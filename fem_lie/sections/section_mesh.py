@@ -83,8 +83,8 @@ class SectionMesh(Summarised):
         Raises:
             FileNotFoundError: There is no such file.
             ValueError: It is neither a mesh nor CAD, gmsh cannot read it, cells are not
-                triangles of degree 1 or 2 or quadrilaterals of degree 1, they do not lie in such a
-                plane or are not connected.
+                triangles or quadrilaterals of degree 1 or 2, they do not lie in such a plane or are
+                not connected.
         """
         from fem_lie.sections.gmsh_outlines import read_surface
 

@@ -92,4 +92,6 @@ def steps_of(
         raise ValueError(f"the error in space is estimated for {known}, got {body!r}")
     if body not in scene.bodies:
         raise ValueError(f"{body.label} is not in the scene")
+    if isinstance(body, Shell):
+        body.require_one_type("the error in space")
     return [state_number(step, len(result.frames)) for step in steps]

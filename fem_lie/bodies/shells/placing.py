@@ -11,7 +11,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, direction, instance, vectors_at
 from fem_lie.bodies.per_cell import of_groups
 from fem_lie.mesh.patches import Patches
-from fem_lie.mesh.surfaces import SurfaceMesh
+from fem_lie.mesh.surfaces import Surface, SurfaceMesh
 from fem_lie.sections.shell_section import ShellSection
 
 ShellSections = ShellSection | Mapping[str, ShellSection] | Callable[[Array], ShellSection]
@@ -20,9 +20,7 @@ Director = Callable[[Array], npt.ArrayLike]
 _EQUAL = 1e-6  # components of unit vectors that are meant to be equal
 
 
-def section_per_cell(
-    mesh: SurfaceMesh, centres: Array, section: ShellSections
-) -> list[ShellSection]:
+def section_per_cell(mesh: Surface, centres: Array, section: ShellSections) -> list[ShellSection]:
     """Section of each cell.
 
     Raises:
@@ -30,23 +28,25 @@ def section_per_cell(
         TypeError: An entry is not a section.
     """
     if isinstance(section, ShellSection):
-        return [section] * len(mesh.cells)
+        return [section] * len(centres)
     if not isinstance(section, Mapping):
         found = [section(centre) for centre in centres]
         for value in found:
             instance(value, ShellSection, "the section at a position", "a ShellSection")
         return found
-    return of_groups(section, ShellSection, "a ShellSection", len(mesh.cells), mesh.group)
+    return of_groups(section, ShellSection, "a ShellSection", len(centres), mesh.group)
 
 
-def axes_along(mesh: SurfaceMesh, centres: Array, along: npt.ArrayLike | Director | None) -> Array:
+def axes_along(mesh: Surface, centres: Array, along: npt.ArrayLike | Director | None) -> Array:
     """First axes of the sections before projection onto the surface, shape (m, 3)."""
     if along is None:
-        x = mesh.points[mesh.cells]
-        return np.asarray(x[:, 1] - x[:, 0])
+        first, second = (
+            np.concatenate([block.cells[:, i] for block in mesh.blocks]) for i in (0, 1)
+        )
+        return np.asarray(mesh.points[second] - mesh.points[first])
     values = [along(centre) for centre in centres] if callable(along) else [along] * len(centres)
     axes = np.array([direction(value, "along") for value in values])
-    normals = mesh.normals.mean(axis=1)
+    normals = np.concatenate([block.normals.mean(axis=1) for block in mesh.blocks])
     across = np.linalg.norm(np.cross(normals, axes), axis=1)
     bad = np.flatnonzero(~(across > 1e-6 * np.linalg.norm(normals, axis=1)))
     if len(bad):
@@ -62,12 +62,12 @@ def cut_mesh(mesh: SurfaceMesh, patches: Patches) -> SurfaceMesh:
     if not len(patches.split):
         return mesh
     return SurfaceMesh(
-        mesh.points[patches.masters], patches.cells, mesh.cell, mesh.normals, groups=mesh.groups
+        mesh.points[patches.masters], patches.cells[0], mesh.cell, mesh.normals, groups=mesh.groups
     )
 
 
 def given_directors(
-    mesh: SurfaceMesh, director: Director, patches: Patches, kink_angle: float
+    mesh: Surface, director: Director, patches: Patches, kink_angle: float
 ) -> Array:
     """Directors from the user's function, checked against the cells' normals."""
     if len(patches.split):
@@ -82,10 +82,10 @@ def given_directors(
         raise ValueError(
             f"a director must be a unit vector; at {mesh.points[bad[0]]} it is {found[bad[0]]}"
         )
-    found = found / size
-    cosine = np.einsum("mkj,mkj->mk", mesh.normals, found[mesh.cells])
+    found, edges = found / size, mesh.edges
+    cosine = np.einsum("cj,cj->c", edges.normals, found[edges.points])
     if cosine.min() < cos(min(kink_angle, 0.47 * pi)):
-        point = mesh.cells.ravel()[cosine.argmin()]
+        point = edges.points[cosine.argmin()]
         off = degrees(np.arccos(np.clip(cosine.min(), -1.0, 1.0)))
         raise ValueError(
             f"the director at {mesh.points[point]} is {found[point]}: it must point to the side of "
@@ -93,7 +93,7 @@ def given_directors(
             f"more than the kink angle of {degrees(kink_angle):.0f}°. Reverse the director or the "
             "cells, or use smaller cells"
         )
-    return np.asarray(found)
+    return np.asarray(found[patches.masters])
 
 
 def frames_with(points: Array, directors: Array) -> Array:

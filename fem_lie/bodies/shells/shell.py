@@ -5,12 +5,15 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping
 from math import cos, degrees, pi, radians
+from typing import Any, NamedTuple
 
 import dolfinx
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import instance, number
+from fem_lie._arrays import Indices, instance, number
+from fem_lie.bodies.body import Body
+from fem_lie.bodies.shells.mixed import MixedShellModel
 from fem_lie.bodies.shells.model import ShellModel
 from fem_lie.bodies.shells.placing import (
     Director,
@@ -21,8 +24,9 @@ from fem_lie.bodies.shells.placing import (
 )
 from fem_lie.bodies.shells.supports import SupportedSurface
 from fem_lie.elements.shells.element import DisplacementBased, HellingerReissner, ShellFormulation
+from fem_lie.mesh.mixed_surfaces import MixedSurfaceMesh
 from fem_lie.mesh.reading import surface_from_dolfinx
-from fem_lie.mesh.surfaces import KINK_ANGLE, SurfaceMesh
+from fem_lie.mesh.surfaces import KINK_ANGLE, Surface
 from fem_lie.sections.shell_section import ShellSection
 
 _log = logging.getLogger(__name__)
@@ -34,6 +38,20 @@ _DEFAULTS: dict[int, ShellFormulation] = {1: HellingerReissner(), 2: Displacemen
 """Finite element by the order of the cells."""
 
 
+class ShellPart(NamedTuple):
+    """Cells of one type of a shell.
+
+    Attributes:
+        shell: Shell of these cells, which is in no scene.
+        nodes: Number in the whole shell of each of its nodes, shape (n,).
+        points: Point of the mesh of the whole shell of each point of its mesh, shape (p,).
+    """
+
+    shell: Shell
+    nodes: Indices
+    points: Indices
+
+
 class Shell(SupportedSurface):
     """Shear-deformable shell with an 8×8 section stiffness on a surface, with kinks and branches.
 
@@ -42,6 +60,10 @@ class Shell(SupportedSurface):
     shells with ``drilling=True`` only, see :mod:`fem_lie.elements.shells.drilling`. At a kink or
     branch, each smooth side has its own nodes and directors; they are rigidly attached to the node
     of the first side.
+
+    Triangles and quadrilaterals may be mixed, see :class:`~fem_lie.mesh.MixedSurfaceMesh`: where
+    they meet, they have the same unknowns. Stresses are those of cells of one type, of the shells
+    of :attr:`parts`; contact, convected axes and adaptivity need cells of one type.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -53,10 +75,13 @@ class Shell(SupportedSurface):
     """
 
     model: ShellModel
+    numbers: Indices | slice = slice(None)
+    """Number in the whole shell of each of its nodes."""
+    _whole: Shell | None = None
 
     def __init__(
         self,
-        mesh: SurfaceMesh | dolfinx.mesh.Mesh,
+        mesh: Surface | dolfinx.mesh.Mesh,
         section: ShellSections,
         *,
         director: Director | None = None,
@@ -70,7 +95,7 @@ class Shell(SupportedSurface):
         """Create the nodes, with one director on each smooth side.
 
         Args:
-            mesh: Surface mesh, or a DOLFINx mesh, see
+            mesh: Surface mesh, of cells of one type or mixed, or a DOLFINx mesh, see
                 :func:`~fem_lie.mesh.reading.surface_from_dolfinx`.
             section: One for all cells, one for each named group of cells, or a function of the
                 centre of a cell, shape (3,), for variable thickness.
@@ -99,9 +124,7 @@ class Shell(SupportedSurface):
         """
         if isinstance(mesh, dolfinx.mesh.Mesh):
             mesh = surface_from_dolfinx(mesh)
-        instance(
-            mesh, SurfaceMesh, "Shell: mesh", "a SurfaceMesh, as of fl.mesh.parametric_surface()"
-        )
+        instance(mesh, Surface, "Shell: mesh", "a SurfaceMesh, as of fl.mesh.parametric_surface()")
         known = "a ShellSection, a dict of them by groups of cells or a function of the position"
         instance(section, ShellSection | Mapping | Callable, "Shell: section", known)
         instance(formulation, ShellFormulation | None, "Shell: formulation", "an element or None")
@@ -113,8 +136,9 @@ class Shell(SupportedSurface):
         if drilling and convected_axes:
             raise ValueError("expected convected_axes=True without drilling=True, got both")
         formulation = _DEFAULTS[mesh.degree] if formulation is None else formulation
-        formulation.measures_for(mesh.cell, mesh.degree)
-        centres = mesh.points[mesh.corners].mean(axis=1)
+        for block in mesh.blocks:
+            formulation.measures_for(block.cell, mesh.degree)
+        centres = mesh.centres
         sections = section_per_cell(mesh, centres, section)
         axes = axes_along(mesh, centres, along)
         patches = mesh.patches(kink_angle if director is None else pi)
@@ -123,7 +147,8 @@ class Shell(SupportedSurface):
             if director is None
             else given_directors(mesh, director, patches, kink_angle)
         )
-        model = ShellModel(
+        kind: Any = MixedShellModel if isinstance(mesh, MixedSurfaceMesh) else ShellModel
+        model = kind(
             mesh,
             patches,
             directors,
@@ -136,7 +161,47 @@ class Shell(SupportedSurface):
             name=name,
         )
         super().__init__(model)
-        _log_turns(model, kink_angle)
+        for part in self.parts:
+            _log_turns(part.shell.model, kink_angle)
+
+    @property
+    def parts(self) -> tuple[ShellPart, ...]:
+        """Cells of each type as shells on the present nodes; this shell itself if it has one type.
+
+        ``fl.post.resultants(result, part.shell)`` has the stresses of these cells.
+        """
+        return tuple(
+            ShellPart(self._of(part.model, part.nodes), part.nodes, part.points)
+            for part in self.model.present()
+        )
+
+    @property
+    def whole(self) -> Shell:
+        """The shell of which this is one of the parts, or itself."""
+        return self if self._whole is None else self._whole
+
+    def _of(self, model: ShellModel, nodes: Indices) -> Shell:
+        """Shell of some of its cells, or itself if they are all."""
+        if model is self.model:
+            return self
+        part = type(self).__new__(type(self))
+        Body.__init__(part, model)
+        part._whole, part.numbers = self, nodes
+        return part
+
+    def require_one_type(self, what: str) -> None:
+        """Raise ``ValueError`` if cells have several types.
+
+        Args:
+            what: What needs cells of one type, for the message.
+        """
+        parts = self.parts
+        if len(parts) > 1:
+            cells = " and ".join(f"{part.shell.model.mesh.cell}s" for part in parts)
+            raise ValueError(
+                f"{what} needs cells of one type, but {self.label} has {cells}: mesh it with one "
+                "of them; stresses are those of each of shell.parts"
+            )
 
 
 def _log_turns(model: ShellModel, kink_angle: float) -> None:

@@ -11,13 +11,13 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices, direction
 from fem_lie.bodies.body import Body, Point
-from fem_lie.bodies.shells.model import ShellModel
+from fem_lie.bodies.shells.surface_nodes import SurfaceNodes
 
 
 class SupportedSurface(Body):
     """Body on a surface mesh with supports along named curves, groups of cells and points."""
 
-    model: ShellModel
+    model: SurfaceNodes
 
     def clamp(self, name: str) -> list[Point]:
         """Hold positions and directors of a named curve, group of cells or group of points.

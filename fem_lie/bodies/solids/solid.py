@@ -13,7 +13,7 @@ from fem_lie.bodies.beams.assembly import mass_only
 from fem_lie.bodies.body import Body, Point, Where
 from fem_lie.bodies.solids.model import SolidMaterials, SolidModel
 from fem_lie.elements.solids.element import SolidFormulation
-from fem_lie.mesh.volume_reading import volume_from_dolfinx
+from fem_lie.mesh.reading import volume_from_dolfinx
 from fem_lie.mesh.volumes import VolumeMesh, brick
 from fem_lie.sections.material import Damping
 from fem_lie.sections.solid_materials import SolidMaterial

@@ -70,6 +70,7 @@ class ShellSurface(PatchSurface):
     def __post_init__(self) -> None:
         """Raise ``TypeError`` or ``ValueError`` if an argument has a wrong type or value."""
         instance(self.shell, Shell, "ShellSurface: shell", "a Shell")
+        self.shell.require_one_type("ShellSurface")
         if self.thickness is not None:
             positive(self.thickness, "ShellSurface: thickness")
         whole(self.gauss, "ShellSurface: gauss")

@@ -61,7 +61,7 @@ class BodyMesh:
         info = scene.body(body if isinstance(body, str) else body.name)
         if isinstance(body, Body) and (own := body.model.lagrange_nodes()) is not None:
             return cls(_vectors(own.mesh, own.degree), info.nodes[own.nodes])
-        drawn = info.faces if len(info.faces) else info.cells
+        drawn = _of_one_type(info.faces) if len(info.faces) else info.cells
         cell, order = _AROUND[drawn.shape[1]]
         if not len(drawn):
             raise ValueError(
@@ -106,6 +106,14 @@ class BodyMesh:
                 for name, f in self.functions(fields(k)).items():
                     functions[name].x.array[:] = f.x.array
                 writer.write(float(at))
+
+
+def _of_one_type(faces: Indices) -> Indices:
+    """Faces, all cut into triangles if triangles are among quadrilaterals, with a corner twice."""
+    three = faces[:, -1] == faces[:, -2]
+    if not three.any():
+        return faces
+    return np.concatenate([faces[:, :3], faces[~three][:, [0, 2, 3]]])
 
 
 def _vectors(mesh: dolfinx.mesh.Mesh, degree: int) -> fem.FunctionSpace:

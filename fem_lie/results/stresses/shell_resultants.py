@@ -113,9 +113,10 @@ def resultant_colours(
     if not series:
         raise ValueError("colours need the resultants of at least one state, got none")
     shell, nodes = series[0].shell, series[0].stress_points.patches.node
-    smooth = np.array([state.smooth(name) for state in series])
-    values = at_nodes(smooth, nodes, len(shell.frames))
-    return NodalColours(shell.name, values, f"{name} [{QUANTITIES[name].unit(units)}]")
+    whole, smooth = shell.whole, np.array([state.smooth(name) for state in series])
+    count = len(whole.frames)
+    values = at_nodes(smooth, np.arange(count)[shell.numbers][nodes], count)
+    return NodalColours(whole.name, values, f"{name} [{QUANTITIES[name].unit(units)}]")
 
 
 def _of_states(
@@ -126,7 +127,8 @@ def _of_states(
     kink_angle: float,
 ) -> list[Resultants]:
     instance(shell, Shell, "shell", "a Shell")
-    nodes = nodes_in(result.info, shell)
+    shell.require_one_type("resultants()")
+    nodes = nodes_in(result.info, shell.whole)[shell.numbers]
     if along is None:
         stress_points = StressPoints.in_sections(shell, kink_angle)
     else:

@@ -69,7 +69,8 @@ def _edges(body: Body) -> Indices:
     """Nodes at both ends of each edge of the cells, shape (e, 2)."""
     corners = body.model.faces
     pairs = np.stack([corners, np.roll(corners, 1, axis=1)], axis=-1).reshape(-1, 2)
-    return np.concatenate([body.model.cells, pairs])
+    # triangles among quadrilaterals have one corner twice
+    return np.concatenate([body.model.cells, pairs[pairs[:, 0] != pairs[:, 1]]])
 
 
 def scaled(shape: Shape, lengths: Array) -> tuple[Shape, bool]:

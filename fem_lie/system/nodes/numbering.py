@@ -105,6 +105,8 @@ class MasterMap:
         self.trivial = self.count == len(frames)
         self.offset = np.tile(lie.frame(np.zeros(3), np.eye(3)), (len(frames), 1, 1))
         attached = roots != np.arange(len(frames))
+        # nodes with equal frames stay equal to the last bit
+        attached &= (frames != frames[roots]).any(axis=(1, 2))
         inverse = lie.se3_inverse(frames[roots[attached]])
         self.offset[attached] = lie.se3_compose(inverse, frames[attached])
 
@@ -136,6 +138,7 @@ class MasterMap:
         return W
 
 
+_SAME_FRAME = lie.frame(np.zeros(3), np.eye(3))
 _INDEPENDENT = 1e-9  # relative tolerance of axes that should agree
 
 
@@ -190,27 +193,27 @@ class Numbering:
         self.has_drilling = {
             body: body.model.has_drilling(holds.get(body.model, ())) for body in bodies
         }
+        pieces = [
+            (body, (model.assembly_key, self.has_drilling[body]), model, nodes)
+            for body in bodies
+            for model, nodes in body.model.pieces(holds.get(body.model, ()))
+        ]
+        self.nodes = {body: np.empty(len(body.frames), dtype=np.int64) for body in bodies}
         start = 0
-        for kind in dict.fromkeys(
-            (body.model.assembly_key, self.has_drilling[body]) for body in bodies
-        ):
-            members = [
-                body
-                for body in bodies
-                if (body.model.assembly_key, self.has_drilling[body]) == kind
-            ]
-            total = sum(len(body.frames) for body in members)
+        for kind in dict.fromkeys(key for _, key, *_ in pieces):
+            members = [(body, model, nodes) for body, key, model, nodes in pieces if key == kind]
+            total = sum(len(nodes) for *_, nodes in members)
             order: Indices = np.arange(total)
-            models = [body.model for body in members]
+            models = [model for _, model, _ in members]
             assembly = models[0].assemble(models, holds)
             if assembly is not None:
                 order = assembly.order
                 self.assemblies.append((slice(start, start + total), assembly))
-                self.members.append(members)
+                self.members.append([body for body, *_ in members])
             first = 0
-            for body in members:
-                self.nodes[body] = start + order[first : first + len(body.frames)]
-                first += len(body.frames)
+            for body, _, nodes in members:
+                self.nodes[body][nodes] = start + order[first : first + len(nodes)]
+                first += len(nodes)
             start += total
         self.total = start
         self._attach(links)
@@ -280,9 +283,11 @@ class Numbering:
 
     def _hold_masters(self, held: Flags, fixed: Flags) -> None:
         """Hold the unknowns of master nodes that correspond to supports of attached nodes."""
-        attached_nodes = np.ones(self.total, dtype=bool)
-        attached_nodes[self.master_map.masters] = False
-        for node in np.flatnonzero(attached_nodes & held.any(axis=1)):
+        # nodes with the frame of their master node that hold no more than it add nothing
+        adds = fixed | (self.master_map.offset != _SAME_FRAME).any(axis=(1, 2))
+        adds |= (held & ~self.held[self.master_map.master]).any(axis=1)
+        adds[self.master_map.masters] = False
+        for node in np.flatnonzero(adds & held.any(axis=1)):
             master, offset = self.master_map.master[node], self.master_map.offset[node].copy()
             offset[0] /= self._size
             # constraints on the unknowns of the master node

@@ -1,0 +1,165 @@
+"""Model of shells with triangles and quadrilaterals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.canonical import data_of_model
+from fem_lie.bodies.model import BodyModel, HeldRotation, RotationLimit
+from fem_lie.bodies.shells.model import ModelPart, ShellModel
+from fem_lie.bodies.shells.surface_nodes import SurfaceNodes
+from fem_lie.elements.shells.element import ShellFormulation
+from fem_lie.mesh.mixed_surfaces import MixedSurfaceMesh
+from fem_lie.mesh.patches import Patches
+from fem_lie.sections.shell_section import ShellSection
+
+
+class MixedShellModel(SurfaceNodes):
+    """Model of a shell whose cells have several types.
+
+    Cells of one type have nodes of their own and are assembled with those of other shells of that
+    type. Where types meet on a smooth side of the surface, the nodes of one have the frames of the
+    other, to which they are rigidly attached: the unknowns are the same, without multipliers.
+
+    Attributes:
+        parts: Cells of each type.
+        has_mass: Whether all cells have inertia.
+    """
+
+    mesh: MixedSurfaceMesh
+
+    def __init__(
+        self,
+        mesh: MixedSurfaceMesh,
+        patches: Patches,
+        directors: Array,
+        sections: Sequence[ShellSection],
+        axes: Array,
+        formulation: ShellFormulation,
+        *,
+        drilling: bool | None,
+        convected_axes: bool,
+        class_name: str,
+        name: str,
+    ) -> None:
+        """Create the nodes and the models of the cells of each type.
+
+        Args:
+            mesh: Surface mesh.
+            patches: Smooth sides of the surface, and the nodes of each cell.
+            directors: Director of each node, shape (n, 3).
+            sections: Section of each cell.
+            axes: Vector in each cell whose projection onto the surface is e₁ of its strains, (m,
+                3).
+            formulation: Finite element.
+            drilling: Whether nodes have a drilling rotation; ``None``: only if something needs it.
+            convected_axes: Expected to be false.
+            class_name: Name of the class of the body.
+            name: Name in messages and results.
+
+        Raises:
+            ValueError: A surface with ``drilling=False`` has a kink or branch, or the axes are to
+                be convected.
+        """
+        if convected_axes:
+            raise ValueError(
+                f"{name or class_name}: convected_axes=True needs cells of one type, got "
+                + " and ".join(f"{part.mesh.cell}s" for part in mesh.parts)
+            )
+        super().__init__(
+            mesh,
+            patches,
+            directors,
+            formulation,
+            drilling=drilling,
+            convected_axes=False,
+            class_name=class_name,
+            name=name,
+        )
+        self.parts = tuple(
+            self._part(number, patches, directors, sections, axes)
+            for number in range(len(mesh.parts))
+        )
+        self.has_mass = all(part.model.has_mass for part in self.parts)
+        self.thickness = np.array([s.thickness for s in sections], dtype=np.float64)
+        # triangles end with their last corner twice
+        corners = [part.nodes[part.model.faces] for part in self.parts]
+        most = max(each.shape[1] for each in corners)
+        self.faces = np.concatenate(
+            [np.pad(each, ((0, 0), (0, most - each.shape[1])), mode="edge") for each in corners]
+        )
+
+    def _part(
+        self,
+        number: int,
+        patches: Patches,
+        directors: Array,
+        sections: Sequence[ShellSection],
+        axes: Array,
+    ) -> ModelPart:
+        mesh, points, cells = self.mesh.parts[number]
+        own, nodes = patches.of_block(number, points)
+        model = ShellModel(
+            mesh,
+            own,
+            directors[nodes],
+            [sections[cell] for cell in cells],
+            axes[cells],
+            self.formulation,
+            drilling=None,
+            convected_axes=False,
+            class_name=self.class_name,
+            name=f"{self.name or self.class_name}, {mesh.cell}s",
+        )
+        return ModelPart(model, nodes, points, cells)
+
+    def present(self, holds: Sequence[HeldRotation] = ()) -> Iterator[ModelPart]:
+        """Parts on the present nodes, with the drilling rotations of the whole.
+
+        Args:
+            holds: Rotations of nodes that joints, motions and moments act on.
+        """
+        _, drilling = self.drilling_for(holds)
+        for part in self.parts:
+            own = None if drilling is None else drilling[part.cells]
+            yield part._replace(model=part.model.of_shell(self, part.nodes, own))
+
+    def pieces(self, holds: Sequence[HeldRotation]) -> Iterator[tuple[BodyModel, Indices]]:
+        """Models of the cells of each type, and the numbers of their nodes.
+
+        Args:
+            holds: Rotations of nodes that joints, motions and moments act on.
+        """
+        yield from ((part.model, part.nodes) for part in self.present(holds))
+
+    @property
+    def contents(self) -> list[Any]:
+        """Data of the parts on which the equations depend."""
+        return [(part.nodes, data_of_model(part.model)) for part in self.parts]
+
+    def drilling_around(self, points: Sequence[int]) -> Array:
+        """Drilling stiffness of each cell, shape (m,), N/m.
+
+        Args:
+            points: Points of the mesh with moments about their normals only.
+        """
+        found = np.empty(len(self.thickness))
+        for part in self.parts:
+            own = np.flatnonzero(np.isin(part.points, points))
+            found[part.cells] = part.model.drilling_around([int(point) for point in own])
+        return found
+
+    def rotation_limit(self) -> RotationLimit:
+        """Edges of all cells, along which rotations are limited: the smallest limit of a type."""
+        each = [part.model.rotation_limit() for part in self.parts]
+        pairs = list(zip(self.parts, each, strict=True))
+        return RotationLimit(
+            np.concatenate([part.nodes[limit.nodes] for part, limit in pairs]),
+            np.concatenate([part.cells[limit.elements] for part, limit in pairs]),
+            min(limit.limit for limit in each),
+            whole=False,
+        )
