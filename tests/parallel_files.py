@@ -23,6 +23,7 @@ SCENES = {
 CONSERVING = {
     "linkage, conserving": (divided_conserving.linkage, fl.EnergyMomentum()),
     "swinging block, conserving": (divided_scenes.swinging_block, fl.EnergyMomentum()),
+    "balls, conserving": (divided_scenes.balls, fl.EnergyMomentum()),
     "net, decaying": (divided_scenes.net, fl.EnergyDecaying(radius=0.6)),
     "plate, decaying": (divided_scenes.tumbling_plate, fl.EnergyDecaying(radius=0.6)),
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from copy import copy
 from dataclasses import fields, is_dataclass
+from functools import cache, cached_property
 from typing import Any, TypeVar
 
 from fem_lie._arrays import Indices
@@ -33,6 +34,13 @@ def nodes_of(point: Point) -> list[int]:
     """Nodes of its body on which a point depends."""
     attachment = point.any_attachment
     return [point.node] if attachment is None else [point.node, *attachment.nodes]
+
+
+@cache
+def cached_names(of: type) -> tuple[str, ...]:
+    """Names of the properties of a class that its objects compute once from their fields."""
+    named = (pair for base in of.__mro__ for pair in vars(base).items())
+    return tuple(name for name, value in named if isinstance(value, cached_property))
 
 
 class Restricted:
@@ -76,6 +84,8 @@ class Restricted:
         if all(made[name] is given[name] for name in given):
             return item
         found = copy(item)
+        for name in cached_names(type(item)):  # such as the pair of surfaces of a contact
+            vars(found).pop(name, None)
         for name, value in made.items():
             object.__setattr__(found, name, value)
         return found

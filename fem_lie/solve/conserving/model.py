@@ -181,8 +181,8 @@ def vector_cells_of(equations: Equations) -> VectorCells:
 
 def end_forces_of(equations: Equations) -> EndForces:
     """Terms whose forces over a step are secants."""
-    known = equations.arrays
-    return EndForces(known.terms, known.master, known.offset, equations.unknowns.moving)
+    known, shared = equations.arrays, equations.shared
+    return EndForces(known.terms, known.master, known.offset, equations.unknowns.moving, shared)
 
 
 def incidences_of(equations: Equations, current_jacobian: bool) -> Incidences:

@@ -39,7 +39,7 @@ _CANCELLED = 1e-13
 
 _COMMON = (
     *("decisions", "division", "progress", "counts", "size", "unpredicted"),
-    *("s.filter_state", "s.sizes"),
+    *("s.filter_state", "s.sizes", "_end_forces.debt"),
 )
 """State that all ranks of a divided scene have in common."""
 

@@ -24,6 +24,7 @@ from fem_lie._state import Stateful, attributes
 from fem_lie.forms.abilities import Ends
 from fem_lie.forms.term import Term
 from fem_lie.lie.tuples import cross, scaled
+from fem_lie.ranks.shared_nodes import SharedNodes
 from fem_lie.solve.conserving.midpoint.cayley import set_attached_nodes
 
 
@@ -85,31 +86,46 @@ _LITTLE = 1e-2
 class EndForces(Stateful):
     """Forces on the master nodes of terms with secant forces, such as contacts.
 
+    If the scene is divided, energies are those of the terms of this rank. All ranks correct the
+    work together, and decide the same.
+
     Attributes:
         energy: Energy stored by active terms at the end of the last step.
         ahead: The same at the current end of the step.
         held: Energy stored by steady terms.
-        debt: Excess of the stored energy over the work on these terms.
+        act_always: Whether some terms act in all steps.
+        debt: Excess of the stored energy over the work on these terms, on all ranks.
         ends: All nodes at both ends of the step.
     """
 
     STATE = attributes("energy", "debt", "held")
 
-    def __init__(self, terms: Sequence[Term], master: Indices, offset: Array, moving: int) -> None:
-        """Select the terms.
+    def __init__(
+        self,
+        terms: Sequence[Term],
+        master: Indices,
+        offset: Array,
+        moving: int,
+        shared: SharedNodes,
+    ) -> None:
+        """Select the terms; all ranks together.
 
         Args:
             terms: All terms with forces.
             master: Master node of each node, (N,).
             offset: Frame of each node in the frame of its master, (N, 4, 3).
             moving: Number of master nodes that move.
+            shared: All ranks.
         """
-        self._terms = [term for term in terms if term.over_step is not None]
+        self._shared = shared
         self._master, self._offset = master, offset
         self.energy = self.ahead = self.held = self.debt = 0.0
-        forces = [(term, term.over_step) for term in self._terms]
+        forces = [(term, term.over_step) for term in terms]
         self._acting = [(term, of) for term, of in forces if of is not None and not of.steady]
         self._steady = [(term, of) for term, of in forces if of is not None and of.steady]
+        # asked in each step
+        self._any = shared.any(bool(self._acting or self._steady))
+        self.act_always = shared.any(bool(self._steady))
         self._trivial, total = moving == len(master), len(master)
         self._held_ahead = 0.0
         self._on_all, self._ground = np.zeros((total, 6)), np.zeros(6)
@@ -117,16 +133,12 @@ class EndForces(Stateful):
 
     def __bool__(self) -> bool:
         """Whether there are any such terms."""
-        return bool(self._terms)
-
-    @property
-    def act_always(self) -> bool:
-        """Whether some of them act in all steps."""
-        return bool(self._steady)
+        return self._any
 
     def overlap(self, H: Array) -> bool:
         """Whether any of them acts at frames ``H``."""
-        return any(forces.overlaps(H) for _, forces in (*self._acting, *self._steady))
+        own = any(forces.overlaps(H) for _, forces in (*self._acting, *self._steady))
+        return self._shared.any(own)
 
     def at_rest(self, H: Array) -> None:
         """Compute the stored energy at frames ``H``."""
@@ -189,28 +201,33 @@ class EndForces(Stateful):
 
     def _correct_work(self, work: float, leak: float, out: Array, mean: Array) -> None:
         """Correct the forces by the excess of the stored energy over their work."""
+        ahead, energy, work = self._total(self.ahead, self.energy, work)
         # by the digits of positions, and of dependent positions
-        missing = self.ahead - self.energy - work
-        little = _LITTLE * (self.ahead + self.energy)
+        missing = ahead - energy - work
+        little = _LITTLE * (ahead + energy)
         earlier = self.debt + leak
-        digits = _DIGITS * (self.ahead + self.energy)
-        if abs(missing) <= digits or abs(missing) <= digits + _gap_digits(out, mean):
+        digits = _DIGITS * (ahead + energy)
+        if abs(missing) <= digits or abs(missing) <= digits + self._gap_digits(out, mean):
             part = _part_of_earlier(earlier + missing, work, little)
         else:
             part = _part(missing, work) + _part_of_earlier(earlier, work, little)
         out *= 1.0 + part
         self._owed = self.debt + missing - part * work
 
+    def _gap_digits(self, out: Array, mean: Array) -> float:
+        """Round-off of the stored energy by that of the gaps, for forces on nodes at ``mean``."""
+        n = len(out) - BESIDE
+        reach = np.abs(mean[:n, 0]).max(axis=1, initial=0.0)
+        own = float(reach @ np.abs(out[:n, :3]).sum(axis=1) + np.abs(out[:n, 3:]).sum())
+        return _ULPS * self._total(own)[0]
+
+    def _total(self, *values: float) -> list[float]:
+        """Sums over all ranks."""
+        return [float(each) for each in self._shared.total(np.array(values))]
+
     def accept(self) -> None:
         """Make the end of the step, with the last forces, the start of the next one."""
         self.energy, self.debt, self.held = self.ahead, self._owed, self._held_ahead
-
-
-def _gap_digits(out: Array, mean: Array) -> float:
-    """Round-off of the stored energy by that of the gaps, for forces on nodes at ``mean``."""
-    n = len(out) - BESIDE
-    reach = np.abs(mean[:n, 0]).max(axis=1, initial=0.0)
-    return _ULPS * float(reach @ np.abs(out[:n, :3]).sum(axis=1) + np.abs(out[:n, 3:]).sum())
 
 
 def _part(missing: float, work: float) -> float:

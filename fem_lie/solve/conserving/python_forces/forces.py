@@ -104,7 +104,7 @@ class PythonForces:
         self._twists, self._forces = np.zeros((2, n, 6))
         self.contacts, self.touching = contacts if contacts else None, False
         # the other nodes have their own convergence criteria
-        self._frames_alone = not vectors.any()
+        self._frames_alone, self._shared = not run.model.vectors, equations.shared
         self._contact_forces = np.zeros((n + BESIDE, 6))
         self.between = bool(self.joints or self.contacts)
         self.learns: Secants | None = None
@@ -130,8 +130,8 @@ class PythonForces:
 
     @property
     def pushes(self) -> bool:
-        """Whether the last contact forces are nonzero."""
-        return bool(self._contact_forces.any())
+        """Whether the last contact forces are nonzero, on any rank."""
+        return self._shared.any(bool(self._contact_forces.any()))
 
     def look_ahead(self) -> None:
         """Determine whether contacts act at the predicted end of the step."""
@@ -145,7 +145,7 @@ class PythonForces:
         assert self.contacts is not None
         s, along = self._run.s, Span(*self._run.this.coordinates)
         # cells themselves correct the energy that round-off has added
-        leak = 0.0 if len(s.W) else float(s.filter_state.leak)
+        leak = 0.0 if self._run.model.total else float(s.filter_state.leak)
         ends = Ends(s.H, along.end, along.mean, along.delta)
         self.contacts.set(ends, leak, self._contact_forces)
 
