@@ -163,6 +163,20 @@ def balls():
     return scene, [ball.point for ball in found]
 
 
+def sliders():
+    """A sheet, a ball that spins on the floor and a box that slides, with friction."""
+    scene, _ = sheet()
+    floor, law = fl.contact.Plane(fl.ground(), (0, 0, 1)), fl.contact.Penalty(2e4, friction=0.3)
+    ball, box = (scene.add(fl.RigidBody(1.0, 4e-3 * np.eye(3), (x, 0, 0.0995))) for x in (3, 5))
+    ball.add_velocity(omega=(0, 20.0, 0), about=(3, 0, 0.0995))
+    box.add_velocity((0.2, 0.1, 0))
+    centres = [body.point("centre") for body in (ball, box)]
+    surfaces = fl.contact.Sphere(centres[0], 0.1), fl.contact.Box(centres[1], (0.4, 0.4, 0.2))
+    for surface in surfaces:
+        scene.add(fl.contact.Contact(surface, floor, law))
+    return scene, centres
+
+
 def free_balls():
     """A beam of one cell, which one rank has, and balls that another one has."""
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.rectangle(0.02, 0.03, STEEL), cells=1)
@@ -414,6 +428,7 @@ MOTIONS = REST | {
     "net": net,
     "cable": cable,
     "balls": balls,
+    "sliders": sliders,
     "free balls": free_balls,
     "plate": tumbling_plate,
     "soft block": tumbling_block,
@@ -469,6 +484,10 @@ def motion(build):
         "impulses": found.impulses,
         **({} if scene.contacts else {"iterations": found.iterations}),
         "mass": np.array(found.info.mass),
+        **{
+            f"contact forces {k}": fl.post.contact_forces(found, contact).total
+            for k, contact in enumerate(scene.contacts)
+        },
     }
 
 

@@ -34,6 +34,7 @@ class ScenePart(NamedTuple):
             ascending.
         connections: Numbers of the joints, connections and prescribed motions of the part among
             those of the scene, in this order.
+        contacts: Numbers of the contacts of the part among those of the scene.
         length: Length of the model, of the whole scene.
         total: Number of nodes of the scene.
         comm: Communicator of the parts.
@@ -44,6 +45,7 @@ class ScenePart(NamedTuple):
     nodes: Mapping[Body, Indices]
     sharers: Mapping[int, Indices]
     connections: Indices
+    contacts: Indices
     length: float
     total: int
     comm: MPI.Intracomm
@@ -131,6 +133,7 @@ def undivided(scene: Scene) -> ScenePart:
         numbers,
         {},
         np.arange(len(connections_of(scene))),
+        np.arange(len(scene.contacts)),
         _length(scene),
         int(ends[-1]),
         MPI.COMM_SELF,
@@ -183,6 +186,7 @@ def part_of(scene: Scene, comm: MPI.Intracomm) -> ScenePart:
         nodes,
         {rank: shared for rank, shared in sharers.items() if len(shared)},
         np.flatnonzero([id(item) in own for item in connections_of(scene)]),
+        np.flatnonzero([id(item) in own for item in scene.contacts]),
         _length(scene),
         sum(len(body.frames) for body in scene.bodies),
         comm,

@@ -14,8 +14,9 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.catalogue import JointInfo, SceneInfo, SupportInfo
 from fem_lie.parts.part_scene import ScenePart, connections_of
-from fem_lie.results.record import with_others
-from fem_lie.results.states import StateSeries
+from fem_lie.results.record import FrictionForces, with_others
+from fem_lie.results.states import StateSeries, nodes_in
+from fem_lie.scene import Scene
 
 _SUMS = (
     *("kinetic", "elastic", "potential", "momentum", "angular_momentum", "balance", "impulses"),
@@ -38,6 +39,8 @@ def gathered(result: Series, part: ScenePart | None) -> Series:
         return result
     found, kept = Gathering(result.info, part), vars(result)
     others: dict[str, Any] = {"info": found.info}
+    if "friction" in kept:
+        others["friction"] = found.friction(kept["friction"])
     for name in found.names:
         if kept.get(name) is not None:
             others[name] = _on_all(part.comm, found.on_first(name, kept[name]))
@@ -193,6 +196,29 @@ class Gathering:
         """Sum over all parts."""
         found = self.part.comm.reduce(values)
         return np.empty((0, *values.shape[1:])) if found is None else np.asarray(found)
+
+    def friction(self, own: FrictionForces | None) -> FrictionForces | None:
+        """Friction forces of all parts, on all ranks; ``None`` if no contact has any.
+
+        Args:
+            own: Those of the part, whose contacts have other numbers.
+        """
+        pairs = zip(self._keys(self._own, self.part.scene), self.part.contacts, strict=True)
+        numbers, rows = dict(pairs), None if own is None else own.each
+        ours = [] if rows is None else [numbers[int(key)] for key in rows[:, 1]]
+        pieces = self.part.comm.allgather((np.array(ours, dtype=np.int64), rows))
+        known = [(of, each) for of, each in pieces if each is not None]
+        if not known:
+            return None
+        of, each = (np.concatenate(pair) for pair in zip(*known, strict=True))
+        each[:, 1] = np.array(self._keys(self.info, self.part.whole), dtype=np.float64)[of]
+        return FrictionForces(each[np.lexsort((of, each[:, 0]))])
+
+    @staticmethod
+    def _keys(info: SceneInfo, scene: Scene) -> list[int]:
+        """What identifies each contact of a scene in a result."""
+        nodes = {body: nodes_in(info, body) for body in scene.bodies}
+        return [each.key(nodes.__getitem__) for each in scene.contacts]
 
     def _of_joints(self, values: Array) -> Array:
         pieces = self.part.comm.gather((self.part.connections, values))

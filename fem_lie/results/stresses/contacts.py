@@ -138,8 +138,8 @@ def _friction_of(result: Result | StaticResult, contact: Contact, key: int) -> A
     if result.friction is None:
         raise ValueError(
             f"contact_forces: the result has no friction forces of {contact.label}. They are "
-            "recorded at the ends of steps of undivided scenes: expected a result of a run with "
-            "save_every=..., not with times between steps, and with Record.FORCES"
+            "recorded at the ends of steps that do not conserve energy: expected a result of a run "
+            "with save_every=..., not with times between steps, and with Record.FORCES"
         )
     rows = result.friction.each
     return rows[rows[:, 1] == key]

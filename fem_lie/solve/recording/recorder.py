@@ -19,7 +19,6 @@ from fem_lie.results.record import (
     FrictionForces,
     Record,
     StepHistory,
-    with_others,
     with_state,
 )
 from fem_lie.solve.recording.checkpoints import Checkpoints, Restartable
@@ -218,6 +217,11 @@ class History(Window):
         if self._store is not None:
             self._store.add(record)
 
+    @property
+    def friction(self) -> FrictionForces | None:
+        """Friction forces of the states recorded so far; default: none are recorded."""
+        return None
+
     def result(
         self, factorisations: int, seconds: float, refreshes: int = 0, divided: int = 0
     ) -> Result:
@@ -235,8 +239,12 @@ class History(Window):
             numbers |= {"k_updates": factorisations, "phi_updates": factorisations + refreshes}
             numbers["divided"] = divided
             self._store.finish(numbers)
+        friction = self.friction
+        if friction is not None:
+            self.add(friction)
         found = Result(
             **arrays,
+            friction=friction,
             factorisations=factorisations + refreshes,
             k_updates=factorisations,
             phi_updates=factorisations + refreshes,
@@ -311,16 +319,10 @@ class Recorder(History):
             self.fill(index * self._h, H, v, a, multipliers, balance)
         return wanted
 
-    def result(
-        self, factorisations: int, seconds: float, refreshes: int = 0, divided: int = 0
-    ) -> Result:
-        """Result of the states recorded so far, with forces of friction; see the base class."""
-        found = super().result(factorisations, seconds, refreshes, divided)
-        if self._friction:
-            friction = FrictionForces(np.concatenate(self._friction))
-            self.add(friction)
-            found = with_others(found, {"friction": friction})
-        return found
+    @property
+    def friction(self) -> FrictionForces | None:
+        """Friction forces of the states recorded so far, in the part of this rank."""
+        return FrictionForces(np.concatenate(self._friction)) if self._friction else None
 
     def show_progress(self, index: int) -> None:
         """Show that step ``index`` is reached, if an update is due.

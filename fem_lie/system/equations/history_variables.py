@@ -161,9 +161,9 @@ class HistoryVariables:
         """Friction forces of contacts by penalty in the accepted state ``H``, shape (k, 10).
 
         See :meth:`~fem_lie.system.terms.all_terms.Terms.friction_forces`. ``None`` if no contact
-        has friction, and for a part of a scene, whose points have other numbers.
+        of the part has friction.
         """
-        if self._system.shared.several or not self._terms.has_friction:
+        if not self._terms.has_friction:
             return None
         return self._terms.friction_forces(H)
 
