@@ -6,7 +6,7 @@ from fem_lie._public_names import public_names
 
 if TYPE_CHECKING:
     from fem_lie.events.actions import Lock, Release, Scale, Stop
-    from fem_lie.events.controller import Controller
+    from fem_lie.events.controller import ContinuousController, Controller
     from fem_lie.events.event import Event
     from fem_lie.events.sensor import Sensor
     from fem_lie.linear.choice import SkewPart
@@ -46,6 +46,7 @@ __all__ = [
     "ConstantStep",
     "ConstraintIndex",
     "ConstraintsOnly",
+    "ContinuousController",
     "Controller",
     "Event",
     "EveryIteration",

@@ -17,7 +17,7 @@ from fem_lie.bodies.body import Body
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.bodies.model import Holds
 from fem_lie.contact.contact import Contact
-from fem_lie.events.controller import Controller
+from fem_lie.events.controller import ContinuousController, Controller
 from fem_lie.events.event import Event
 from fem_lie.events.sensor import Sensor
 from fem_lie.joints.connection import Connection
@@ -43,7 +43,8 @@ Item = TypeVar(
     | PrescribedMotion
     | Event
     | Sensor
-    | Controller,
+    | Controller
+    | ContinuousController,
 )
 
 
@@ -135,7 +136,7 @@ class Scene(Summarised):
         self.motions: list[PrescribedMotion] = []
         self.events: list[Event] = []
         self.sensors: list[Sensor] = []
-        self.controllers: list[Controller] = []
+        self.controllers: list[Controller | ContinuousController] = []
         self._initial_factors: dict[Any, float | None] = {}
         self._known: set[Body] = set()
         self._names: set[str] = set()
@@ -226,8 +227,12 @@ class Scene(Summarised):
                         f"says, got {start:g}"
                     )
             self.events.append(item)
-        elif isinstance(item, Controller):
+        elif isinstance(item, Controller | ContinuousController):
             self._check_scaled(item.label, *item.actuators)
+            for other in self.controllers:
+                if twice := [each for each in item.actuators if each in other.actuators]:
+                    what = getattr(twice[0], "label", type(twice[0]).__name__)
+                    raise ValueError(f"{item.label}: {other.label} controls {what} already")
             self.controllers.append(item)
         elif isinstance(item, Sensor):
             if item.name in (each.name for each in self.sensors):

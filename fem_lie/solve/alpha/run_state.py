@@ -15,7 +15,7 @@ from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.low_rank import MOST
 from fem_lie.solve.alpha.options import DAMPED, ConstraintIndex, MatrixFrame, Options
 from fem_lie.solve.alpha.staleness import back_to_twists, staleness
-from fem_lie.solve.alpha.start import set_start
+from fem_lie.solve.alpha.start import Outputs, set_start
 from fem_lie.solve.alpha.step.loop import PROGRESS
 from fem_lie.solve.alpha.step.node import parameters
 from fem_lie.solve.alpha.step.nodes import (
@@ -92,6 +92,9 @@ class RunState(DividedIntegration[Recorder]):
     _refreshes: ClassVar[bool] = True
     """Whether the constraint Jacobian of the frozen matrix may be updated separately."""
 
+    feedback: Outputs | None = None
+    """Sets the outputs of continuous controllers at a state, if there are any."""
+
     _uses_correction: ClassVar[bool] = True
     """Whether intermittent stiffness may be a low-rank correction of the frozen matrix."""
 
@@ -164,7 +167,7 @@ class RunState(DividedIntegration[Recorder]):
         """Compute consistent accelerations and multipliers; scale the constraints."""
         equations, p, s = self.equations, self.p, self.s
         check_velocities(equations, p.h)
-        self.multipliers[:] = set_start(equations, self.solver, p, s)
+        self.multipliers[:] = set_start(equations, self.solver, p, s, feedback=self.feedback)
         equations.prescribed(0.0).act()
         self._scale_constraints()
         self.balance.open(0.0, *self._accepted)
@@ -238,7 +241,7 @@ class RunState(DividedIntegration[Recorder]):
         v = equations.start.velocities.copy()
         v[: self._moving] = s.twist1
         v = allowed_velocities(equations, self._starter, s.H, v, time, self.p.h, restitution)
-        self.multipliers[:] = set_start(equations, self._starter, self.p, s, v, time)
+        self.multipliers[:] = set_start(equations, self._starter, self.p, s, v, time, self.feedback)
         equations.prescribed(time).act()
 
     # --- time ---

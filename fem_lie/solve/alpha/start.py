@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeAlias
+
 import numpy as np
 
 from fem_lie._arrays import Array
@@ -12,6 +15,9 @@ from fem_lie.solve.alpha.step.nodes import State, extrapolate
 from fem_lie.solve.motion.consistent import accelerations, across_joints
 from fem_lie.system.equations import Equations
 
+Outputs: TypeAlias = Callable[[float, Array, Array], None]
+"""Function of time, frames and twists of all nodes that sets the outputs of controllers."""
+
 
 def set_start(
     equations: Equations,
@@ -20,6 +26,7 @@ def set_start(
     s: State,
     twist: Array | None = None,
     time: float = 0.0,
+    feedback: Outputs | None = None,
 ) -> Array:
     """Set velocities and accelerations so that the scheme is second order from the first step.
 
@@ -35,6 +42,7 @@ def set_start(
         s: State with the initial frames; its velocities and accelerations are set.
         twist: Admissible velocities, rows as in ``equations.start``, the default.
         time: Initial time.
+        feedback: Sets the outputs of controllers at a state; default: there are none.
 
     Returns:
         The Lagrange multipliers, shape (m,).
@@ -45,11 +53,16 @@ def set_start(
     h, n = scheme.h, equations.unknowns.moving
     ahead = scheme.ahead
     v = (equations.start.velocities if twist is None else twist).copy()
+    before = v.copy()
     vdot, multipliers = accelerations(equations, solver, s.H, v, time, h)
     s.set_start(v[:n], vdot)
     later = s.H.copy()
     extrapolate(ahead, s.H, s.motion, s.kinds, later, v)
+    if feedback is not None:
+        feedback(time + ahead, later, v)
     rate, _ = accelerations(equations, solver, later, v, time + ahead, h)
+    if feedback is not None:
+        feedback(time, s.H, before)
     jerk = np.empty_like(rate)
     all_from_local(s.kinds, later, v[:n], rate, np.empty_like(rate), jerk)
     del later, rate

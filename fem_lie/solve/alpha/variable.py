@@ -183,7 +183,7 @@ class AlphaSteps(Run):
         check_velocities(equations, h)
         s.H[:], s.H1[:], s.motion[:] = frames, frames, 0.0
         self._set_size(h)
-        self.multipliers[:] = set_start(equations, self._starter, self.p, s)
+        self.multipliers[:] = set_start(equations, self._starter, self.p, s, feedback=self.feedback)
         self.factors.levels.use(self.p.mass)
         self._starter.factorisations = 0
         equations.prescribed(0.0).act()

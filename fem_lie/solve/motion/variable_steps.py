@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar, cast
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from fem_lie.joints.histories import declared
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results import Result
 from fem_lie.scene import Scene
-from fem_lie.solve.motion.controllers import Controllers, sample_times
+from fem_lie.solve.motion.controllers import Controllers, Feedback, sample_times, sampled
 from fem_lie.solve.motion.events import EventError, Events, Root, RunningState, sensed
 from fem_lie.solve.motion.growing import Growing
 from fem_lie.solve.motion.integration import Driver
@@ -172,7 +172,7 @@ def events(scene: Scene, duration: float) -> tuple[float, ...]:
     times = declared((load.history for load in scene.loads), kinks=False)
     times += declared(moves, kinks=True)
     slack, began = SAME * duration, scene.began.time
-    found = [*(t - began for t in times), *sample_times(scene.controllers, duration)]
+    found = [*(t - began for t in times), *sample_times(sampled(scene), duration)]
     return tuple(t for t in sorted(set(found)) if slack < t < duration - slack)
 
 
@@ -195,6 +195,7 @@ class VariableSteps(Driver[Growing]):
     STATE = attributes(
         "_events",
         "_controllers",
+        "_feedback",
         "_index",
         "_time",
         "_rejections",
@@ -223,10 +224,20 @@ class VariableSteps(Driver[Growing]):
         self._events = Events(self.equations)
         self._fired: Array = np.zeros(len(self._events))
         self._controllers = Controllers(self.equations)
+        self._feedback = Feedback(self.equations)
+        if self._feedback and finer is not None:
+            raise ValueError(
+                "refinement: errors of steps with continuous controllers are not measured; run "
+                "with refinement=1 and half the step"
+            )
+        if self._feedback:
+            # generalised-α alone takes controllers
+            cast(Any, stepper).feedback = self._feedback.look
         self._stops = self._events.stops_in_loop
         # what Python evaluates after each step
         scene = self.equations.scene
-        self._looks = bool(scene.events or scene.sensors) or finer is not None
+        python = bool(scene.events or scene.sensors or self._feedback)
+        self._looks = python or finer is not None
 
     def history(
         self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None
@@ -245,6 +256,7 @@ class VariableSteps(Driver[Growing]):
             none = np.zeros(equations.unknowns.m)
             start = RunningState(equations, 0.0, frames, velocities, none, self._control.size)
             self._controllers.sample(start)
+            self._feedback.begin(start)
         self._stepper.begin(self._control.size)
         if self._events:
             self._events.begin(self._state(0.0))
@@ -352,6 +364,9 @@ class VariableSteps(Driver[Growing]):
                 "Constraints that were locked may follow from others"
             ) from error
         after = self._state(time)
+        if self._feedback.begin(after):
+            self._stepper.pass_event(time + side(time, self._stepper.h))
+            after = self._state(time)
         lost = kinetic - after.kinetic
         numbers = [self._events.number(int(k)) for k in np.flatnonzero(fired)]
         self.steps.events += [(time, k, lost / len(numbers)) for k in numbers]
@@ -397,7 +412,7 @@ class VariableSteps(Driver[Growing]):
         end = event if lands else time + h
         stepper.set_step(time, h)
         before, start = stepper.saved(), stepper.frames.copy()
-        iterations = stepper.step_to(time, end, index + 1, lands)
+        iterations = self._step_to(before, end, lands)
         if iterations and self._events:
             signs = self._events.crossed(values := self._events.evaluate(self._state(end)))
             entered = self._events.entered(values)
@@ -406,7 +421,7 @@ class VariableSteps(Driver[Growing]):
                 return False
             if signs.any():
                 root = Root(signs, self._events.values, values, h)
-                before, h, iterations, values = self._cut(before, index, root)
+                before, h, iterations, values = self._cut(before, root)
                 if root.at_start:
                     signs = self._events.crossed(values)
                     self._happen_at_start(signs, before, history, rebound=True)
@@ -420,11 +435,13 @@ class VariableSteps(Driver[Growing]):
         if error is None or e > 1.0:
             self._last = h, error, stepper.increment
             self.steps.rejected.append(end)
-            stepper.take_back(before)
+            self._take_back(before)
             control.reject(e)
             self._try_again(time, index)
             return False
         self._rejections = 0
+        if self._feedback:
+            self._feedback.accept()
         if self._events:
             self._events.values[:], self._fired = values, signs
             self._events.pass_step(not signs.any() or h > 0.1 * control.size)
@@ -433,6 +450,29 @@ class VariableSteps(Driver[Growing]):
         self._index, self._time, self._iterations = index + 1, end, iterations
         self._sense()
         return True
+
+    def _step_to(self, before: Any, end: float, lands: bool) -> int:
+        """Make a step from the state ``before``, with what continuous controllers do in it.
+
+        Return its iterations, 0 if it failed.
+        """
+        stepper, start, index = self._stepper, self._time, self._index + 1
+        if not self._feedback:
+            return stepper.step_to(start, end, index, lands)
+
+        def move() -> int:
+            stepper.take_back(before)
+            return stepper.step_to(start, end, index, lands)
+
+        made = self._feedback.solve(end - start, move, lambda: self._state(end))
+        if self._feedback.reason:
+            stepper.reason = self._feedback.reason
+        return made
+
+    def _take_back(self, before: Any) -> None:
+        """Restore a state with the outputs of controllers there."""
+        self._stepper.take_back(before)
+        self._feedback.take_back()
 
     def _sense(self) -> None:
         """Sample the sensors."""
@@ -452,7 +492,7 @@ class VariableSteps(Driver[Growing]):
             history: The history of results, which gets a row for each side of the events.
             rebound: Whether there is restitution.
         """
-        self._stepper.take_back(before)
+        self._take_back(before)
         self._events.pass_step(whole=False)
         self._fired[:] = signs
         if not history.row or history.times[history.row - 1] != self._time:
@@ -460,12 +500,11 @@ class VariableSteps(Driver[Growing]):
         self._happen(rebound=rebound)
         self._fill_row(history, 0, event=True)
 
-    def _cut(self, before: Any, index: int, root: Root) -> tuple[Any, float, int, Array]:
+    def _cut(self, before: Any, root: Root) -> tuple[Any, float, int, Array]:
         """Repeat a step with the size at which the first event happens.
 
         Args:
             before: State at the start of the step.
-            index: Number of steps before it.
             root: Search for the event.
 
         Returns:
@@ -478,7 +517,7 @@ class VariableSteps(Driver[Growing]):
             stepper.take_back(before)
             stepper.set_step(time, h)
             before = stepper.saved()
-            iterations = stepper.step_to(time, time + h, index + 1, False)
+            iterations = self._step_to(before, time + h, lands=False)
             total = total + iterations if iterations else 0
             if not iterations:
                 break

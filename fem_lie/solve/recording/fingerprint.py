@@ -95,8 +95,8 @@ class Fingerprint:
             given = event.direction, event.repeated, own, labels, scaled
             self._add(f"event {k}", given, f"event {k} ({event.label})")
         for k, each in enumerate(scene.controllers, start=1):
-            sampled = each.period, each.start, [type(actuator) for actuator in each.actuators]
-            self._add(f"controller {k}", sampled, f"controller {k} ({each.label})")
+            data = type(each), each.numbers, [type(actuator) for actuator in each.actuators]
+            self._add(f"controller {k}", data, f"controller {k} ({each.label})")
         self._add("sensors", [each.name for each in scene.sensors])
         for kind in ("links", "loads", "clamps", "motions"):
             for k, item in enumerate(getattr(scene, kind), start=1):
