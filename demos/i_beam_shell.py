@@ -72,7 +72,7 @@ def of_shells(along: int, length: float, force: tuple[float, ...], torque: float
     return scene
 
 
-def of_beam(shape: fl.SectionShape, force: tuple[float, ...]) -> fl.StaticResult:
+def of_beam(shape: fl.sections.SectionShape, force: tuple[float, ...]) -> fl.StaticResult:
     """The same as one line."""
     scene = fl.Scene()
     beam = fl.Beam.straight(
@@ -85,7 +85,7 @@ def of_beam(shape: fl.SectionShape, force: tuple[float, ...]) -> fl.StaticResult
 
 
 def main(along: int = 40, pictures: bool = True) -> dict[str, Any]:
-    shape = fl.SectionShape.i_section(WIDTH, HEIGHT + FLANGE, WEB, FLANGE)
+    shape = fl.sections.SectionShape.i_section(WIDTH, HEIGHT + FLANGE, WEB, FLANGE)
     record: dict[str, Any] = {"along": along}
     for name, force in FORCES.items():
         result = fl.follow_loads(of_shells(along, LENGTH, force))

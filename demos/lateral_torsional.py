@@ -92,7 +92,7 @@ def main(elements: int = 16, mesh: int = 40, pictures: bool = True) -> dict[str,
     """``elements``: of the beams; ``mesh``: cells along the plate."""
     # strong bending is about e_2: the height is along e_3
     strip = fl.Section.rectangle(WIDTH, HEIGHT, STEEL)
-    profile = fl.SectionShape.i_section(0.05, HEIGHT, 0.004, 0.006).section(STEEL)
+    profile = fl.sections.SectionShape.i_section(0.05, HEIGHT, 0.004, 0.006).section(STEEL)
     load = prandtl(strip.stiffness, LENGTH)
     scenes = {
         "strip": cantilever(strip, elements, load),

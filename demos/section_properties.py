@@ -33,12 +33,12 @@ WOOD = fl.Material(E=11e9, nu=0.3, density=450.0)
 ELLIPSE_POINTS = 128
 
 
-def ellipse(a: float, b: float) -> fl.SectionShape:
+def ellipse(a: float, b: float) -> fl.sections.SectionShape:
     """A polygon of the same area."""
     turn = 2 * pi / ELLIPSE_POINTS
     angle, scale = turn * np.arange(ELLIPSE_POINTS), sqrt(turn / np.sin(turn))
     points = scale * np.column_stack([a * np.cos(angle), b * np.sin(angle)])
-    return fl.SectionShape.polygon(points)
+    return fl.sections.SectionShape.polygon(points)
 
 
 def torsion_of_rectangle(a: float, b: float) -> float:
@@ -53,12 +53,12 @@ def cowper_ellipse(n: float, nu: float) -> float:
     )
 
 
-def closed_forms(nu: float) -> dict[str, tuple[fl.SectionShape, float, float | None]]:
+def closed_forms(nu: float) -> dict[str, tuple[fl.sections.SectionShape, float, float | None]]:
     """Shape, torsion constant and shear factor along e_2 of each name."""
     rectangle = 10 * (1 + nu) / (12 + 11 * nu)
     q, m2 = (1 + 0.9**2) ** 2, 0.9**2
     tube = 6 * (1 + nu) * q / ((7 + 6 * nu) * q + (20 + 12 * nu) * m2)
-    shape = fl.SectionShape
+    shape = fl.sections.SectionShape
     triangle = shape.polygon([(0, 0), (1, 0), (0.5, sqrt(3) / 2)])
     return {
         "square": (shape.rectangle(1, 1), torsion_of_rectangle(1.0, 1.0), rectangle),
@@ -72,10 +72,10 @@ def closed_forms(nu: float) -> dict[str, tuple[fl.SectionShape, float, float | N
 
 def lined_channel(steel: fl.Material, pictures: bool) -> fl.Section:
     """Stiffness about its shear centre, so that a force there does not twist it."""
-    shape = fl.SectionShape.joined(
+    shape = fl.sections.SectionShape.joined(
         {
-            "steel": fl.SectionShape.channel(0.08, 0.2, 0.0085, 0.011),
-            "wood": fl.SectionShape.rectangle(0.02, 0.178).moved(0.0185, 0.0),
+            "steel": fl.sections.SectionShape.channel(0.08, 0.2, 0.0085, 0.011),
+            "wood": fl.sections.SectionShape.rectangle(0.02, 0.178).moved(0.0185, 0.0),
         }
     )
     warping = shape.warping({"steel": steel, "wood": WOOD})
@@ -98,7 +98,7 @@ def main(nu: float = 0.3, refinement: float = 1.0, pictures: bool = True) -> dic
             errors.append(abs(k / factor - 1))
     record["largest_error"] = float(max(errors))
     b, h, web, flange = 0.08 - 0.0085 / 2, 0.2 - 0.011, 0.0085, 0.011
-    channel = fl.SectionShape.channel(0.08, 0.2, web, flange).refined(refinement)
+    channel = fl.sections.SectionShape.channel(0.08, 0.2, web, flange).refined(refinement)
     centre = channel.warping(steel).properties.shear_centre[0]
     thin = web / 2 - 3 * b**2 * flange / (h * web + 6 * b * flange)
     record |= {"channel_shear_centre": float(centre), "channel_shear_centre_of_thin_walls": thin}

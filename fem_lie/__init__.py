@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from fem_lie.bodies.beams.beam import Beam
     from fem_lie.bodies.gradients.ancf_beam import AncfBeam
     from fem_lie.bodies.gradients.ancf_shell import AncfShell
+    from fem_lie.bodies.membranes.membrane import Membrane
     from fem_lie.bodies.points import ground
     from fem_lie.bodies.rigid import RigidBody
     from fem_lie.bodies.rods.cable import Cable
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
     from fem_lie.scene.surface_loads import AreaLoad
     from fem_lie.sections.material import Material
     from fem_lie.sections.section import Section
-    from fem_lie.sections.shape import SectionShape
     from fem_lie.sections.shell_section import ShellSection
     from fem_lie.solve.alpha.generalised_alpha import GeneralisedAlpha
     from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
@@ -72,6 +72,7 @@ __all__ = [
     "GeneralisedAlpha",
     "LineLoad",
     "Material",
+    "Membrane",
     "Net",
     "NodalFrames",
     "PointLoad",
@@ -81,7 +82,6 @@ __all__ = [
     "Rod",
     "Scene",
     "Section",
-    "SectionShape",
     "Shell",
     "ShellSection",
     "Solid",

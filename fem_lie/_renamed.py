@@ -31,6 +31,7 @@ RENAMED = {
     "RegionStretch": "fl.reduction.RegionSegment",
     "Residual": "fl.adaptivity.ResidualEstimate",
     "Seam": "fl.mesh.PatchCoupling",
+    "SectionShape": "fl.sections.SectionShape",
     "Skin": "fl.contact.ShellSurface",
     "Stretch": "fl.adaptivity.MotionSegment",
     "Surface": "fl.contact.ContactSurface",

@@ -49,6 +49,20 @@ def sheet():
     return scene, [shell.point("11"), shell.point("10")]
 
 
+def sail():
+    """A membrane under tension and pressure, held at two edges."""
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, 0.5 * b, 0.1 * a * a), (6, 4))
+    cloth = fl.ShellSection.layer(1e-3, fl.Material(E=1e7, nu=0.3, density=1e3))
+    film = fl.Membrane(mesh, cloth, prestress=(300.0, 200.0, 20.0))
+    for edge in ("a=0", "a=1"):
+        film.clamp(edge)
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    scene.add(film)
+    scene.add(fl.loads.SurfacePressure(film, 40.0))
+    scene.add(fl.loads.EdgeLoad(film, "b=1", force=(0, 20.0, 0)))
+    return scene, [film.point(17), film.point(9)]
+
+
 def channel():
     """A folded shell, whose fold has a node of each side."""
     mesh = fl.mesh.parametric_surface(
@@ -366,6 +380,7 @@ def strut():
 
 VIBRATIONS = {
     "sheet": (sheet, 5, {}),
+    "sail": (sail, 3, {}),
     "channel": (channel, 5, {}),
     "hinged": (hinged, 5, {}),
     "block": (block, 4, {}),
@@ -417,6 +432,7 @@ REFUSED = {
 REST = {
     "cantilever": cantilever,
     "sheet": sheet,
+    "sail": sail,
     "channel": channel,
     "hinged": hinged,
     "block": block,

@@ -68,6 +68,7 @@ def bodies():
         "cable": fl.Cable.straight((0, 0, 0), (1, 0, 0), thin, cells=6),
         "net": divided_scenes.net()[0].bodies[0],
         "shell": divided_scenes.sheet()[0].bodies[0],
+        "membrane": divided_scenes.sail()[0].bodies[0],
         "folded shell": fl.Shell(folded, layer),
         "solid": divided_scenes.block()[0].bodies[0],
         "solid of tetrahedra": fl.Solid(

@@ -299,7 +299,7 @@ def test_steps_are_chosen_alike(u):
 
 @cache
 def angle_section(u: UnitSystem) -> np.ndarray:
-    shape = fl.SectionShape.l_section(*u.length([0.1, 0.15, 0.012]))
+    shape = fl.sections.SectionShape.l_section(*u.length([0.1, 0.15, 0.012]))
     return u.inverse.section_stiffness(shape.section(steel(u)).stiffness)
 
 

@@ -5,7 +5,7 @@ import pytest
 import fem_lie as fl
 
 STEEL = fl.Material(210e9, 0.3, 7850.0)
-CHANNEL = fl.SectionShape.channel(0.1, 0.2, web=0.0085, flange=0.011)
+CHANNEL = fl.sections.SectionShape.channel(0.1, 0.2, web=0.0085, flange=0.011)
 
 
 def tip_of(section: fl.Section, load_at=None) -> tuple[float, float]:
@@ -48,10 +48,10 @@ def test_a_channel_twists_unless_loaded_at_its_shear_centre():
 
 def test_refinement_is_kept():
     fine, coarse = (
-        fl.SectionShape.rectangle(1.0, 1.0).refined(4.0),
-        fl.SectionShape.rectangle(1.0, 1.0),
+        fl.sections.SectionShape.rectangle(1.0, 1.0).refined(4.0),
+        fl.sections.SectionShape.rectangle(1.0, 1.0),
     )
     cells = {shape: len(shape.moved(1.0, 0.0).mesh.cells) for shape in (fine, coarse)}
     assert cells[fine] > 4 * cells[coarse]
-    together = fl.SectionShape.joined({"fine": fine, "coarse": coarse.moved(1.0, 0.0)})
+    together = fl.sections.SectionShape.joined({"fine": fine, "coarse": coarse.moved(1.0, 0.0)})
     assert len(together.mesh.cells) > cells[fine]

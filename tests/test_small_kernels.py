@@ -30,7 +30,7 @@ def test_cells_with_two_common_edges_are_turned_once():
 
 def test_motion_by_poissons_ratio_is_no_shear():
     """What Love's solution leaves open, a rigid motion of the section, does not change Γ."""
-    mesh = fl.SectionShape.l_section(0.1, 0.15, 0.012).mesh
+    mesh = fl.sections.SectionShape.l_section(0.1, 0.15, 0.012).mesh
     size = np.ptp(mesh.points)
     fields = WarpingFields(mesh, mesh.points / size, [STEEL], 3)
     torsion = fields.torsion()

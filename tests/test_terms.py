@@ -65,6 +65,13 @@ def branch(**options) -> fl.Scene:
     return scene_with(fl.Beam(mesh, SECTION, **options))
 
 
+def membrane(law):
+    mesh = fl.mesh.parametric_surface(lambda a, b: (a, 0.5 * b, 0.1 * a * b), (2, 2))
+    tension = (50.0, -20.0, 10.0)
+    section = fl.ShellSection.layer(1e-3, fl.Material(1e6, 0.3, 1e3))
+    return scene_with(fl.Membrane(mesh, section, prestress=tension, formulation=law))
+
+
 def shell(formulation, cell="quadrilateral", degree=1, drilling=False) -> fl.Scene:
     def position(a, b):
         return (2.0 * a, b, 0.3 * a * b)
@@ -450,6 +457,8 @@ TERMS: dict[str, Case] = {
     "shell with drilling rotations": Case(
         lambda: shell(fl.elements.HellingerReissner(), drilling=True), "elements"
     ),
+    "membrane": Case(lambda: membrane(fl.elements.LinearMembrane()), "elements"),
+    "tension field": Case(lambda: membrane(fl.elements.TensionField(0.1)), "elements"),
     "drilling": Case(
         lambda: shell(fl.elements.HellingerReissner(), drilling=True),
         "drilling of shells with drilling rotations",

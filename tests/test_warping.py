@@ -16,11 +16,11 @@ NU = 0.3
 STEEL = fl.Material(E=210e9, nu=NU, density=7850.0)
 RUBBERY = fl.Material(E=21e9, nu=NU, density=1200.0)
 SHAPES = {
-    "i": fl.SectionShape.i_section(0.1, 0.2, 0.0056, 0.0085),
-    "rolled i": fl.SectionShape.i_section(0.1, 0.2, 0.0056, 0.0085, 0.012),
-    "channel": fl.SectionShape.channel(0.08, 0.2, 0.0085, 0.011),
-    "angle": fl.SectionShape.l_section(0.1, 0.15, 0.012),
-    "box": fl.SectionShape.box(0.1, 0.2, 0.006),
+    "i": fl.sections.SectionShape.i_section(0.1, 0.2, 0.0056, 0.0085),
+    "rolled i": fl.sections.SectionShape.i_section(0.1, 0.2, 0.0056, 0.0085, 0.012),
+    "channel": fl.sections.SectionShape.channel(0.08, 0.2, 0.0085, 0.011),
+    "angle": fl.sections.SectionShape.l_section(0.1, 0.15, 0.012),
+    "box": fl.sections.SectionShape.box(0.1, 0.2, 0.006),
 }
 
 
@@ -45,12 +45,12 @@ def like(actual, wanted, rtol=1e-3):
 @pytest.mark.parametrize(
     ("shape", "exact"),
     [
-        (fl.SectionShape.rectangle(1.0, 1.0), fl.Section.rectangle(1.0, 1.0, STEEL)),
-        (fl.SectionShape.rectangle(1.0, 4.0), fl.Section.rectangle(1.0, 4.0, STEEL)),
-        (fl.SectionShape.rectangle(60.0, 1.0), fl.Section.rectangle(60.0, 1.0, STEEL)),
-        (fl.SectionShape.circle(0.3), fl.Section.circle(0.3, STEEL)),
-        (fl.SectionShape.tube(0.6, 1.0), fl.Section.tube(0.6, 1.0, STEEL)),
-        (fl.SectionShape.tube(0.97, 1.0), fl.Section.tube(0.97, 1.0, STEEL)),
+        (fl.sections.SectionShape.rectangle(1.0, 1.0), fl.Section.rectangle(1.0, 1.0, STEEL)),
+        (fl.sections.SectionShape.rectangle(1.0, 4.0), fl.Section.rectangle(1.0, 4.0, STEEL)),
+        (fl.sections.SectionShape.rectangle(60.0, 1.0), fl.Section.rectangle(60.0, 1.0, STEEL)),
+        (fl.sections.SectionShape.circle(0.3), fl.Section.circle(0.3, STEEL)),
+        (fl.sections.SectionShape.tube(0.6, 1.0), fl.Section.tube(0.6, 1.0, STEEL)),
+        (fl.sections.SectionShape.tube(0.97, 1.0), fl.Section.tube(0.97, 1.0, STEEL)),
     ],
     ids=["square", "1:4", "60:1", "circle", "thick tube", "thin tube"],
 )
@@ -67,12 +67,12 @@ def test_shapes_with_closed_forms(shape, exact):
 def test_shear_factor_of_the_rectangle_for_other_materials(nu):
     """In Cowper's formula the ratio of the sides does not matter."""
     material = fl.Material(1.0, nu, 1.0)
-    factors = properties(fl.SectionShape.rectangle(1.0, 2.0), material).shear_factors
+    factors = properties(fl.sections.SectionShape.rectangle(1.0, 2.0), material).shear_factors
     like(factors, 10 * (1 + nu) / (12 + 11 * nu) * np.eye(2), 1e-6)
 
 
 def test_equilateral_triangle():
-    p = properties(fl.SectionShape.polygon([(0, 0), (1, 0), (0.5, 0.5 * sqrt(3))]))
+    p = properties(fl.sections.SectionShape.polygon([(0, 0), (1, 0), (0.5, 0.5 * sqrt(3))]))
     assert p.area == pytest.approx(sqrt(3) / 4, rel=1e-12)
     # the warping function is a cubic, as the elements are
     assert p.torsion_constant == pytest.approx(sqrt(3) / 80, rel=1e-9)
@@ -86,7 +86,7 @@ def test_equilateral_triangle():
 def test_semicircle(nu):
     """Cowper's (1 + ν)/(1.305 + 1.273 ν) for a force along the axis of symmetry."""
     angle = np.linspace(0.0, pi, 65)
-    shape = fl.SectionShape.polygon(np.column_stack([np.cos(angle), np.sin(angle)]))
+    shape = fl.sections.SectionShape.polygon(np.column_stack([np.cos(angle), np.sin(angle)]))
     factors = properties(shape, fl.Material(1.0, nu, 1.0)).shear_factors
     # his constants have four digits
     assert factors[1, 1] == pytest.approx((1 + nu) / (1.305 + 1.273 * nu), rel=5e-4)
@@ -99,7 +99,9 @@ def test_ellipse():
     turn = 2 * pi / count
     angle, scale = turn * np.arange(count), sqrt(turn / np.sin(turn))  # area of the ellipse
     p = properties(
-        fl.SectionShape.polygon(scale * np.column_stack([a * np.cos(angle), b * np.sin(angle)]))
+        fl.sections.SectionShape.polygon(
+            scale * np.column_stack([a * np.cos(angle), b * np.sin(angle)])
+        )
     )
     assert p.area == pytest.approx(pi * a * b, rel=1e-12)
     assert p.torsion_constant == pytest.approx(pi * a**3 * b**3 / (a**2 + b**2), rel=1e-3)
@@ -134,9 +136,9 @@ def test_table_values_of_ipe_200(solved):
 def test_warping_constants_of_thin_walls():
     """Vlasov's of an I and of a channel, by middle lines."""
     b, h, t = 0.1, 0.2, 1e-3
-    found = fl.SectionShape.i_section(b, h + t, t, t).warping(STEEL).properties
+    found = fl.sections.SectionShape.i_section(b, h + t, t, t).warping(STEEL).properties
     assert found.warping_constant == pytest.approx(t * b**3 * h**2 / 24, rel=0.01)
-    found = fl.SectionShape.channel(b + t / 2, h + t, t, t).warping(STEEL).properties
+    found = fl.sections.SectionShape.channel(b + t / 2, h + t, t, t).warping(STEEL).properties
     of_channel = t * b**3 * h**2 / 12 * (3 * b + 2 * h) / (6 * b + h)
     assert found.warping_constant == pytest.approx(of_channel, rel=0.01)
     # the length over which held warping is felt
@@ -146,14 +148,14 @@ def test_warping_constants_of_thin_walls():
 
 
 OPEN = {
-    "I": fl.SectionShape.i_section(0.1, 0.2, 0.0056, 0.0085, 0.012),
-    "channel": fl.SectionShape.channel(0.1, 0.2, 0.006, 0.009),
+    "I": fl.sections.SectionShape.i_section(0.1, 0.2, 0.0056, 0.0085, 0.012),
+    "channel": fl.sections.SectionShape.channel(0.1, 0.2, 0.006, 0.009),
 }
 OTHERS = {
-    "box": fl.SectionShape.box(0.1, 0.2, 0.005),
-    "rectangle": fl.SectionShape.rectangle(0.1, 0.2),
-    "strip": fl.SectionShape.rectangle(0.1, 0.005),
-    "angle": fl.SectionShape.l_section(0.1, 0.1, 0.01),
+    "box": fl.sections.SectionShape.box(0.1, 0.2, 0.005),
+    "rectangle": fl.sections.SectionShape.rectangle(0.1, 0.2),
+    "strip": fl.sections.SectionShape.rectangle(0.1, 0.005),
+    "angle": fl.sections.SectionShape.l_section(0.1, 0.1, 0.01),
 }
 
 
@@ -178,7 +180,7 @@ def test_shear_centre_of_channels_tends_to_that_of_thin_walls():
     """e = 3 b² t / (h t + 6 b t) from the web's middle; what is left falls with the thickness."""
     errors = []
     for t in (0.08, 0.04, 0.02):
-        p = properties(fl.SectionShape.channel(1.0, 2.0, t, t))
+        p = properties(fl.sections.SectionShape.channel(1.0, 2.0, t, t))
         b, h = 1.0 - t / 2, 2.0 - t
         e = 3 * b**2 / (h + 6 * b)
         errors.append(abs(p.shear_centre[0] - (t / 2 - e)) / e)
@@ -190,13 +192,13 @@ def test_shear_centre_of_channels_tends_to_that_of_thin_walls():
 
 def test_shear_centre_of_a_thin_angle_is_at_its_corner():
     """Shear flows of both flanges pass through the point where their middle lines meet."""
-    p = properties(fl.SectionShape.l_section(1.0, 1.5, 0.03))
+    p = properties(fl.sections.SectionShape.l_section(1.0, 1.5, 0.03))
     np.testing.assert_allclose(p.shear_centre, [0.015, 0.015], atol=0.1 * 0.03)
 
 
 def test_principal_axes_of_angles():
     """Equal flanges: the axis of symmetry; unequal ones: Mohr's circle of two rectangles."""
-    equal = properties(fl.SectionShape.l_section(0.1, 0.1, 0.01))
+    equal = properties(fl.sections.SectionShape.l_section(0.1, 0.1, 0.01))
     assert equal.principal_angle == pytest.approx(-pi / 4, abs=1e-9)
     a, b, t = 0.1, 0.15, 0.012
     p = properties(SHAPES["angle"])
@@ -231,8 +233,13 @@ def test_the_mesh_does_not_matter(name, solved):
 
 # --- composites
 
-LOWER, UPPER = fl.SectionShape.rectangle(1.0, 0.4), fl.SectionShape.rectangle(1.0, 0.6)
-LAYERS = fl.SectionShape.joined({"lower": LOWER.moved(0, 0.2), "upper": UPPER.moved(0, 0.7)})
+LOWER, UPPER = (
+    fl.sections.SectionShape.rectangle(1.0, 0.4),
+    fl.sections.SectionShape.rectangle(1.0, 0.6),
+)
+LAYERS = fl.sections.SectionShape.joined(
+    {"lower": LOWER.moved(0, 0.2), "upper": UPPER.moved(0, 0.7)}
+)
 
 
 def test_two_layers_as_a_transformed_section():
@@ -263,8 +270,11 @@ def test_shear_flexibility_of_layers_is_that_of_the_shear_flow():
 
 def test_the_mesh_does_not_matter_where_a_region_ends_on_another():
     """The corners of the small square peak with a ratio of 1000 of the stiffnesses."""
-    small, large = fl.SectionShape.rectangle(0.5, 0.5), fl.SectionShape.rectangle(1.0, 1.0)
-    shape = fl.SectionShape.joined({"soft": large.moved(0.75, 0.25), "hard": small})
+    small, large = (
+        fl.sections.SectionShape.rectangle(0.5, 0.5),
+        fl.sections.SectionShape.rectangle(1.0, 1.0),
+    )
+    shape = fl.sections.SectionShape.joined({"soft": large.moved(0.75, 0.25), "hard": small})
     materials = {"hard": fl.Material(1e3, NU, 1.0), "soft": fl.Material(1.0, NU, 1.0)}
     own, fine = (s.warping(materials).properties for s in (shape, shape.refined(2.0)))
     assert own.torsion_constant == pytest.approx(fine.torsion_constant, rel=3e-4)
@@ -274,8 +284,11 @@ def test_the_mesh_does_not_matter_where_a_region_ends_on_another():
 
 def test_filled_tube():
     """Torsion does not warp it: its parts' stiffnesses add."""
-    shape = fl.SectionShape.joined(
-        {"tube": fl.SectionShape.tube(0.8, 1.0), "core": fl.SectionShape.circle(0.8)}
+    shape = fl.sections.SectionShape.joined(
+        {
+            "tube": fl.sections.SectionShape.tube(0.8, 1.0),
+            "core": fl.sections.SectionShape.circle(0.8),
+        }
     )
     section = shape.section({"tube": STEEL, "core": RUBBERY})
     tube, core = fl.Section.tube(0.8, 1.0, STEEL), fl.Section.circle(0.8, RUBBERY)
@@ -353,7 +366,7 @@ def test_a_turned_section_is_the_same_in_turned_axes(solved):
     angle, shift = 0.5, np.array([7.0, -3.0])
     c, s = np.cos(angle), np.sin(angle)
     corners = SHAPES["angle"].parts["section"].outer.vertices @ np.array([[c, s], [-s, c]])
-    warping = fl.SectionShape.polygon(corners + shift).warping(STEEL)
+    warping = fl.sections.SectionShape.polygon(corners + shift).warping(STEEL)
     straight, turned = solved["angle"].section(), warping.section(angle=angle)
     like(turned.stiffness, straight.stiffness, 1e-4)  # two meshes
     np.testing.assert_allclose(turned.inertia, straight.inertia, rtol=1e-9, atol=1e-9)
@@ -367,7 +380,7 @@ def test_a_turned_section_is_the_same_in_turned_axes(solved):
 
 @pytest.mark.parametrize("unit", [1e-6, 1e3])
 def test_units_do_not_matter(unit, solved):
-    p = properties(fl.SectionShape.channel(*(unit * np.array([0.08, 0.2, 0.0085, 0.011]))))
+    p = properties(fl.sections.SectionShape.channel(*(unit * np.array([0.08, 0.2, 0.0085, 0.011]))))
     q = solved["channel"].properties
     assert p.area == pytest.approx(unit**2 * q.area)
     assert p.torsion_constant == pytest.approx(unit**4 * q.torsion_constant, rel=1e-6)
@@ -462,7 +475,7 @@ def test_section_from_dolfinx(cell):
 
 
 def test_outline_and_edges_of_a_tube():
-    mesh = fl.SectionShape.tube(0.5, 1.0).mesh
+    mesh = fl.sections.SectionShape.tube(0.5, 1.0).mesh
     outline = mesh.outline()
     np.testing.assert_allclose(np.linalg.norm(outline, axis=1), 1.0, atol=1e-3)
     assert 16 <= len(outline) <= 64
@@ -497,7 +510,7 @@ def test_properties_can_be_printed():
 # --- bad input
 
 SQUARE = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], dtype=float)
-S = fl.SectionShape
+S = fl.sections.SectionShape
 
 
 @pytest.mark.parametrize(

@@ -14,14 +14,14 @@ STEEL = fl.Material(E=210e9, nu=0.3, density=7850)
 TORQUE = 50.0
 
 
-def vlasov(shape: fl.SectionShape) -> float:
+def vlasov(shape: fl.sections.SectionShape) -> float:
     """Angle of twist under the torque, both ends without warping."""
     GJ = STEEL.G * shape.warping(STEEL).properties.torsion_constant
     k = np.sqrt(GJ / (STEEL.E * FLANGE * WIDTH**3 * HEIGHT**2 / 24))
     return float(TORQUE / GJ * (LENGTH - 2 / k * np.tanh(k * LENGTH / 2)))
 
 
-def tipping_load(shape: fl.SectionShape) -> float:
+def tipping_load(shape: fl.sections.SectionShape) -> float:
     """Force at the end at which the long beam buckles laterally, with warping."""
     GJ = STEEL.G * shape.warping(STEEL).properties.torsion_constant
     EI = STEEL.E * FLANGE * WIDTH**3 / 6

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from fem_lie.elements.beams.geodesic import GeodesicBeam
     from fem_lie.elements.gradients.ancf import AncfElement
     from fem_lie.elements.gradients.plate import AncfPlate
+    from fem_lie.elements.membranes.element import LinearMembrane, MembraneFormulation, TensionField
     from fem_lie.elements.rods.cable import HermiteCable
     from fem_lie.elements.rods.discrete import DiscreteCable
     from fem_lie.elements.rods.discrete_rod import DiscreteRod
@@ -59,9 +60,12 @@ __all__ = [
     "IsogeometricCable",
     "Isoparametric",
     "KirchhoffRod",
+    "LinearMembrane",
     "MeanDilatation",
+    "MembraneFormulation",
     "ShellFormulation",
     "SolidFormulation",
     "StrainMeasures",
+    "TensionField",
     "director_strains",
 ]

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import Array, direction, number, vector, vectors_at
 from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.membranes.membrane import Membrane
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.thin_shells.smooth_surface import SmoothSurface
 from fem_lie.elements.beams.pressure import Pressure
@@ -114,7 +115,7 @@ class SurfacePressure(Load):
     carrier = SHELL
     components = MappingProxyType({"gradient": 3})
 
-    shell: Shell | SmoothSurface
+    shell: Shell | Membrane | SmoothSurface
     pressure: float | Callable[[Array], float]
     gradient: npt.ArrayLike = (0.0, 0.0, 0.0)
     cells: str | None = None
@@ -147,7 +148,7 @@ class SurfacePressure(Load):
                 if len(cells):
                     to.add_term(SurfacePushes(cells, load.rule(part), load.on_cells()))
 
-    def rule(self, shell: Shell) -> FaceRule:
+    def rule(self, shell: Shell | Membrane) -> FaceRule:
         """Quadrature rule of the cells.
 
         Args:

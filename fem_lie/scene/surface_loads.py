@@ -11,13 +11,16 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.membranes.membrane import Membrane
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.bodies.thin_shells.smooth_surface import SmoothSurface
 from fem_lie.mesh.shapes import FaceRule
 from fem_lie.scene.load import Carrier, Field, History, NodalLoad, at_points
 
 OnShell = TypeVar("OnShell")
-SHELL = Carrier("shell", Shell | SmoothSurface, "a Shell, ThinShell or AncfShell")
+SHELL = Carrier(
+    "shell", Shell | Membrane | SmoothSurface, "a Shell, ThinShell, AncfShell or Membrane"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +49,7 @@ class EdgeLoad(NodalLoad):
     carrier = SHELL
     components = MappingProxyType({"force": 3, "moment": 3})
 
-    shell: Shell | SmoothSurface
+    shell: Shell | Membrane | SmoothSurface
     curve: str
     force: npt.ArrayLike = (0.0, 0.0, 0.0)
     moment: npt.ArrayLike = (0.0, 0.0, 0.0)
@@ -58,8 +61,9 @@ class EdgeLoad(NodalLoad):
         super().check()
         if isinstance(self.shell, SmoothSurface):
             self.shell.model.edge_quadrature(self.curve)
-            if self.following or np.any(self.moment):
-                self.shell.model.require_frames("a moment, or a follower load,")
+        if self.following or np.any(self.moment):
+            self.shell.model.require_frames("a moment, or a follower load,")
+        if isinstance(self.shell, SmoothSurface):
             return
         edges = self.shell.model.mesh.curve(self.curve)
         if self.following and not _senses(self.shell, edges).all():
@@ -96,7 +100,7 @@ class EdgeLoad(NodalLoad):
         force = np.asarray(self.force, dtype=np.float64)
         return shell.model.consistent_forces(at, np.broadcast_to(force, at.positions.shape))
 
-    def _axes(self, shell: Shell, edges: Indices) -> Array:
+    def _axes(self, shell: Shell | Membrane, edges: Indices) -> Array:
         """Tangent, outward normal and director at the nodes of each edge, (e, 3, 2 or 3, 3)."""
         director = shell.frames[edges, 3]
         chord = shell.frames[edges[:, 1], 0] - shell.frames[edges[:, 0], 0]
@@ -121,7 +125,7 @@ class SurfaceLoad(NodalLoad):
     divisible = True
     carrier = SHELL
 
-    shell: Shell | SmoothSurface
+    shell: Shell | Membrane | SmoothSurface
     force: Field
     cells: str | None = None
     history: History | None = None
@@ -163,13 +167,13 @@ class SurfaceLoad(NodalLoad):
         """Load at points of the unloaded surface (c, g, 3), same shape."""
         return at_points(self.force, positions, f"{type(self).__name__} on {self.shell.label}")
 
-    def _scaled(self, shell: Shell, factors: Array) -> Array:
+    def _scaled(self, shell: Shell | Membrane, factors: Array) -> Array:
         """Consistent nodal forces of the loaded cells times a factor of each cell, (c, k, 3)."""
         return factors[shell.model.cells_of(self.cells), np.newaxis, np.newaxis] * self._shares(
             shell
         )
 
-    def _shares(self, shell: Shell) -> Array:
+    def _shares(self, shell: Shell | Membrane) -> Array:
         """Consistent nodal forces ``∫ N_i f dA`` of the loaded cells, shape (c, k, 3)."""
         rule = FaceRule.of(shell.model.mesh.cell, shell.model.mesh.degree)
         cells, x = nodes_of(shell)[shell.model.cells_of(self.cells)], shell.frames[:, 0]
@@ -262,12 +266,14 @@ def on_positions(rows: Array) -> Array:
     return np.concatenate([rows[:, 0], np.zeros((len(rows), 3))], axis=1)
 
 
-def nodes_of(shell: Shell) -> Indices:
+def nodes_of(shell: Shell | Membrane) -> Indices:
     """Nodes of each cell, shape (m, k)."""
     return shell.model.connectivity
 
 
-def on_parts(load: OnShell, shell: Shell) -> Iterator[tuple[OnShell, Shell, Indices]]:
+def on_parts(
+    load: OnShell, shell: Shell | Membrane
+) -> Iterator[tuple[OnShell, Shell | Membrane, Indices]]:
     """A load on the cells of each type of its shell: the load, these cells, and their nodes.
 
     Args:
@@ -279,15 +285,15 @@ def on_parts(load: OnShell, shell: Shell) -> Iterator[tuple[OnShell, Shell, Indi
         yield own, part.shell, part.nodes
 
 
-def sides_of(shell: Shell) -> Array:
+def sides_of(shell: Shell | Membrane) -> Array:
     """Sign of each cell: 1 if x,₁ × x,₂ points to the side of the directors, else −1, (m,)."""
     rule, cells = FaceRule.of(shell.model.mesh.cell, shell.model.mesh.degree), nodes_of(shell)
     normals = rule.normals(shell.frames[:, 0], cells).sum(axis=1)
-    directors = shell.frames[cells, 3].sum(axis=1)
+    directors = shell.model.mesh.normals.sum(axis=1)
     return np.sign(np.einsum("mj,mj->m", normals, directors))
 
 
-def _senses(shell: Shell, edges: Indices) -> Array:
+def _senses(shell: Shell | Membrane, edges: Indices) -> Array:
     """1 or −1 for edges with their cell on the left or right, 0 for edges between cells, (e,)."""
     count = len(shell.frames)
 

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from fem_lie.sections.orientation import Twisted
     from fem_lie.sections.properties import SectionProperties, director_mass_matrix
     from fem_lie.sections.section_mesh import SectionMesh
+    from fem_lie.sections.shape import SectionShape
     from fem_lie.sections.shell_section import Orthotropic, Ply
     from fem_lie.sections.solid_materials import (
         Hyperelastic,
@@ -32,6 +33,7 @@ __all__ = [
     "SaintVenantKirchhoff",
     "SectionMesh",
     "SectionProperties",
+    "SectionShape",
     "SolidMaterial",
     "Twisted",
     "Warping",

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 from fem_lie._arrays import Array
 from fem_lie._summary import Summarised
 from fem_lie.bodies.beams.beam import Beam
-from fem_lie.bodies.shells.shell import Shell
+from fem_lie.bodies.shells.shell import Shell, require_one_type
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
@@ -93,5 +93,5 @@ def steps_of(
     if body not in scene.bodies:
         raise ValueError(f"{body.label} is not in the scene")
     if isinstance(body, Shell):
-        body.require_one_type("the error in space")
+        require_one_type(body, "the error in space")
     return [state_number(step, len(result.frames)) for step in steps]

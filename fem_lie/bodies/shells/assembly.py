@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 from dolfinx import fem
@@ -25,13 +25,62 @@ if TYPE_CHECKING:
 _FIVE = 5
 
 
-class ShellData(Protocol):
-    """Data of a shell that the assembly reads, see :class:`~fem_lie.Shell`."""
+class MergedSurface(NamedTuple):
+    """One DOLFINx mesh of the cells of several bodies; coincident nodes stay separate.
+
+    Attributes:
+        mesh: The mesh; a single body that was made from a DOLFINx mesh has that mesh, if nodes and
+            cells agree.
+        nodal: Frames on it, those of the bodies.
+        order: Node of the mesh for each node of the bodies, one body after the other.
+        permutation: Cell of the bodies for each cell of the mesh.
+    """
+
+    mesh: dolfinx.mesh.Mesh
+    nodal: NodalFrames
+    order: Indices
+    permutation: Indices
+
+
+class OnSurface(Protocol):
+    """Body on a surface mesh, as :func:`merged_surface` reads it."""
 
     frames: Array
     mesh: SurfaceMesh
     source: dolfinx.mesh.Mesh | None
     connectivity: Indices
+
+
+def merged_surface(bodies: Sequence[OnSurface]) -> MergedSurface:
+    """Mesh of the cells of bodies of one cell type.
+
+    Args:
+        bodies: The bodies.
+    """
+    first = bodies[0]
+    starts = np.cumsum([0] + [len(body.frames) for body in bodies])
+    frames = np.concatenate([body.frames for body in bodies])
+    cells = np.concatenate(
+        [body.connectivity + start for body, start in zip(bodies, starts[:-1], strict=True)]
+    )
+    cell, degree = first.mesh.cell, first.mesh.degree
+    own = first.source if len(bodies) == 1 else None
+    if own is not None and _compat.is_made_of(own, frames[:, 0], cells):
+        mesh, permutation, given = own, np.arange(len(cells)), cells
+    else:
+        mesh = _compat.create_surface_mesh(frames[:, 0].copy(), cells, cell, degree)
+        permutation = mesh.topology.original_cell_index
+        given = mesh.geometry.input_global_indices[_compat.geometry_dofmap(mesh)]
+    nodal = NodalFrames(mesh, degree)
+    order = np.empty(len(frames), dtype=np.int64)
+    order[given] = nodal.function.function_space.dofmap.list
+    nodal.frames[order] = frames
+    return MergedSurface(mesh, nodal, order, permutation)
+
+
+class ShellData(OnSurface, Protocol):
+    """Data of a shell that the assembly reads, see :class:`~fem_lie.Shell`."""
+
     stiffness: Array
     axes: Array
     formulation: ShellFormulation
@@ -47,9 +96,6 @@ class ShellData(Protocol):
 class SurfaceAssembly(Assembly):
     """Assembly of all shells of one formulation and cell type, on one surface mesh.
 
-    A single shell that was made from a DOLFINx mesh is assembled on that mesh, if nodes and cells
-    agree.
-
     Attributes:
         mesh: Mesh of all shells, with nodes and cells in the order of DOLFINx.
         stress: Independent stress resultants ``(N, M, Q)`` at the quadrature points, in UFL, shape
@@ -64,23 +110,8 @@ class SurfaceAssembly(Assembly):
             drilling: Drilling stiffness γ of all cells, shape (m,); default: no drilling rotation.
         """
         first = bodies[0]
-        starts = np.cumsum([0] + [len(body.frames) for body in bodies])
-        frames = np.concatenate([body.frames for body in bodies])
-        cells = np.concatenate(
-            [body.connectivity + start for body, start in zip(bodies, starts[:-1], strict=True)]
-        )
+        mesh, nodal, order, permutation = merged_surface(bodies)
         cell, degree = first.mesh.cell, first.mesh.degree
-        own = first.source if len(bodies) == 1 else None
-        if own is not None and _compat.is_made_of(own, frames[:, 0], cells):
-            mesh, permutation, given = own, np.arange(len(cells)), cells
-        else:
-            mesh = _compat.create_surface_mesh(frames[:, 0].copy(), cells, cell, degree)
-            permutation = mesh.topology.original_cell_index
-            given = mesh.geometry.input_global_indices[_compat.geometry_dofmap(mesh)]
-        nodal = NodalFrames(mesh, degree)
-        order = np.empty(len(frames), dtype=np.int64)
-        order[given] = nodal.function.function_space.dofmap.list
-        nodal.frames[order] = frames
         stiffness = np.concatenate([body.stiffness for body in bodies])[permutation]
         axes = np.concatenate([body.axes for body in bodies])[permutation]
         measures = first.formulation.measures_for(cell, degree)

@@ -17,6 +17,7 @@ from fem_lie.bodies.shells.assembly import (
 )
 from fem_lie.bodies.shells.placing import cut_mesh
 from fem_lie.bodies.shells.surface_nodes import SurfaceNodes
+from fem_lie.bodies.surface_model import CellsOnSurface
 from fem_lie.elements.shells.drilling import (
     MEMBRANE_SHEAR,
     TWIST,
@@ -25,7 +26,6 @@ from fem_lie.elements.shells.drilling import (
 )
 from fem_lie.elements.shells.element import ShellFormulation
 from fem_lie.mesh.patches import Patches
-from fem_lie.mesh.shapes import rule, tabulated
 from fem_lie.mesh.surfaces import SurfaceMesh
 from fem_lie.sections.shell_section import ShellSection
 
@@ -46,7 +46,7 @@ class ModelPart(NamedTuple):
     cells: Indices
 
 
-class ShellModel(SurfaceNodes):
+class ShellModel(SurfaceNodes, CellsOnSurface):
     """Model of a shell with shear.
 
     Attributes:
@@ -62,7 +62,6 @@ class ShellModel(SurfaceNodes):
         convected_axes: Whether frames rotate about their directors with the mid-surface.
     """
 
-    mesh: SurfaceMesh
     _drilling_of_whole: Array | None = None
     """Drilling stiffness of each cell, if these are some cells of a shell."""
 
@@ -121,11 +120,6 @@ class ShellModel(SurfaceNodes):
     def assembly_key(self) -> Hashable:
         """Key of shells that are assembled together: same formulation and cell type."""
         return type(self), self.formulation, self.mesh.cell, self.mesh.degree
-
-    @property
-    def divisible_cells(self) -> Indices | None:
-        """Nodes of each cell."""
-        return self.connectivity
 
     def restricted(self, cells: Indices, holds: Sequence[HeldRotation]) -> tuple[Any, Indices]:
         """Model of some of its cells, with the drilling rotations and their stiffness of all.
@@ -221,17 +215,6 @@ class ShellModel(SurfaceNodes):
         """Largest rotation along an edge of a cell that the element represents, rad."""
         return self.formulation.measures_for(self.mesh.cell, self.mesh.degree).largest_turn
 
-    def areas(self) -> Array:
-        """Consistent weights in area of the nodes of each cell, shape (m, k), m²."""
-        shapes, weights = self._measure()
-        return np.einsum("gk,mg->mk", shapes, weights)
-
-    def element_inertia(self) -> Array:
-        """Consistent mass matrix in (x, d₁, d₂, d₃) of each cell, shape (m, k, 4, k, 4)."""
-        density = np.zeros((len(self.density), 4, 4))
-        density[:, ::3, ::3] = self.density
-        return self._integrated(density)
-
     def element_drilling_inertia(self, drilling: Array) -> Array:
         """Rotary inertia of drilling rotations of each cell, shape (m, k, 4, k, 4).
 
@@ -244,17 +227,3 @@ class ShellModel(SurfaceNodes):
         J = drilling_inertia(self.density, drilling, twist, areas)
         diagonal = np.array([0.0, 0.5, 0.5, -0.5])
         return self._integrated(J[:, np.newaxis, np.newaxis] * np.diag(diagonal))
-
-    def _integrated(self, density: Array) -> Array:
-        """Products of shape functions times densities (m, 4, 4), shape (m, k, 4, k, 4)."""
-        shapes, weights = self._measure()
-        return np.einsum("gi,gj,mg,mab->miajb", shapes, shapes, weights, density)
-
-    def _measure(self) -> tuple[Array, Array]:
-        """Shape functions (g, k), and quadrature weights times area (m, g)."""
-        cell, degree = self.mesh.cell, self.mesh.degree
-        points, w = rule(cell, 2 * degree + 2)
-        table = tabulated(cell, degree, points)
-        x = self.frames[self.mesh.cells, 0]
-        g1, g2 = np.einsum("agk,mkj->amgj", table[1:], x)
-        return table[0], w * np.linalg.norm(np.cross(g1, g2), axis=-1)

@@ -75,7 +75,7 @@ class Shell(SupportedSurface):
     """
 
     model: ShellModel
-    numbers: Indices | slice = slice(None)
+    _numbers: Indices | slice = slice(None)
     """Number in the whole shell of each of its nodes."""
     _whole: Shell | None = None
 
@@ -175,33 +175,40 @@ class Shell(SupportedSurface):
             for part in self.model.present()
         )
 
-    @property
-    def whole(self) -> Shell:
-        """The shell of which this is one of the parts, or itself."""
-        return self if self._whole is None else self._whole
-
     def _of(self, model: ShellModel, nodes: Indices) -> Shell:
         """Shell of some of its cells, or itself if they are all."""
         if model is self.model:
             return self
         part = type(self).__new__(type(self))
         Body.__init__(part, model)
-        part._whole, part.numbers = self, nodes
+        part._whole, part._numbers = self, nodes
         return part
 
-    def require_one_type(self, what: str) -> None:
-        """Raise ``ValueError`` if cells have several types.
 
-        Args:
-            what: What needs cells of one type, for the message.
-        """
-        parts = self.parts
-        if len(parts) > 1:
-            cells = " and ".join(f"{part.shell.model.mesh.cell}s" for part in parts)
-            raise ValueError(
-                f"{what} needs cells of one type, but {self.label} has {cells}: mesh it with one "
-                "of them; stresses are those of each of shell.parts"
-            )
+def whole_of(shell: Shell) -> Shell:
+    """The shell of which this is one of the parts, or itself."""
+    return shell if shell._whole is None else shell._whole
+
+
+def numbers_in_whole(shell: Shell) -> Indices | slice:
+    """Numbers of the nodes of a part in the whole shell; all of a shell that is no part."""
+    return shell._numbers
+
+
+def require_one_type(shell: Shell, what: str) -> None:
+    """Raise ``ValueError`` if a shell has cells of several types.
+
+    Args:
+        shell: The shell.
+        what: What needs one type of cells.
+    """
+    parts = shell.parts
+    if len(parts) > 1:
+        cells = " and ".join(f"{part.shell.model.mesh.cell}s" for part in parts)
+        raise ValueError(
+            f"{what} needs cells of one type, but {shell.label} has {cells}: mesh it with one "
+            "of them; stresses are those of each of shell.parts"
+        )
 
 
 def _log_turns(model: ShellModel, kink_angle: float) -> None:

@@ -8,28 +8,26 @@ from collections.abc import Hashable, Sequence
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices, log_coincident
-from fem_lie.bodies.model import BodyModel, HeldRotation
+from fem_lie._arrays import Array, log_coincident
+from fem_lie.bodies.model import HeldRotation
 from fem_lie.bodies.shells.placing import frames_with
+from fem_lie.bodies.surface_model import SurfaceModel
 from fem_lie.elements.shells.element import ShellFormulation
 from fem_lie.lie.motions import Group
 from fem_lie.mesh.patches import Patches
 from fem_lie.mesh.surfaces import Surface
 
 
-class SurfaceNodes(BodyModel):
+class SurfaceNodes(SurfaceModel):
     """Nodes of a shell with shear, whatever types of cells are on them.
 
     Attributes:
-        mesh: Surface mesh; its points are the first nodes of the body.
         formulation: Finite element of the cells.
         drilling: Whether nodes have a drilling rotation; ``None``: only if something needs it.
         convected_axes: Whether frames rotate about their directors with the mid-surface.
     """
 
-    dimension = 2
     group = Group.R3xSO3
-    mesh: Surface
 
     def __init__(
         self,
@@ -79,17 +77,6 @@ class SurfaceNodes(BodyModel):
     def separates_director(self) -> bool:  # type: ignore[override]
         """Whether statics moves the director before it drills."""
         return not self.formulation.whole_frames
-
-    def nodes(self, where: str) -> Indices:
-        """Numbers of the nodes of a named curve, group of cells or group of points.
-
-        Where the surface has a kink or branches, one node stands for all at a position: the others
-        are rigidly attached to it.
-
-        Args:
-            where: Name of the point, curve, face or group.
-        """
-        return self.mesh.nodes(where)
 
     def hold_along(self, node: int, along: Array) -> None:
         """Hold one more translation of a node, along axes that are fixed in space.
@@ -211,35 +198,3 @@ class SurfaceNodes(BodyModel):
                 "drilling=False: omit it, or pass drilling=True (Spherical and InPlane joints at "
                 "a node itself need no drilling rotation)"
             )
-
-    def edges(self, name: str) -> tuple[Indices, Array]:
-        """Nodes of a named curve's edges and their consistent lengths, both (e, 2 or 3), m.
-
-        Args:
-            name: Name of the curve.
-
-        Raises:
-            ValueError: There is no such curve; the message lists those that exist.
-        """
-        edges = self.mesh.curve(name)
-        x = self.frames[edges, 0]
-        if edges.shape[1] == 2:
-            length = np.linalg.norm(x[:, 1] - x[:, 0], axis=1)
-            return edges, np.outer(length, [0.5, 0.5])
-        # the parabola through three points, integrated by three Gauss points
-        s, w = np.polynomial.legendre.leggauss(3)
-        N = np.array([0.5 * s * (s - 1), 0.5 * s * (s + 1), 1 - s * s])
-        dN = np.array([s - 0.5, s + 0.5, -2 * s])
-        speed = np.linalg.norm(np.einsum("kg,ekj->egj", dN, x), axis=2)
-        return edges, np.einsum("g,kg,eg->ek", w, N, speed)
-
-    def cells_of(self, group: str | None = None) -> Indices:
-        """Cells of a named group (default: all cells).
-
-        Args:
-            group: Name of the group; default: all.
-
-        Raises:
-            ValueError: There is no such group; the message lists those that exist.
-        """
-        return np.arange(len(self.mesh.centres)) if group is None else self.mesh.group(group)

@@ -14,23 +14,22 @@ from dolfinx import fem
 from fem_lie._arrays import Array, Indices, diameter, instance, log_coincident, numbers
 from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.attachments.patch import averaging_attachment
-from fem_lie.bodies.model import NO_HOLDS, BodyModel, HeldRotation, Holds, LagrangeNodes
+from fem_lie.bodies.model import NO_HOLDS, HeldRotation, Holds, LagrangeNodes
 from fem_lie.bodies.per_cell import of_groups
+from fem_lie.bodies.position_model import PositionModel
 from fem_lie.bodies.solids.assembly import SolidAssembly
 from fem_lie.bodies.solids.faces import Faces, faces_of, nodes_on
 from fem_lie.elements.solids.element import SolidFormulation, default_formulation
-from fem_lie.lie.node_types import NodeType
 from fem_lie.mesh.volumes import VolumeMesh, VolumeRule
 from fem_lie.sections.material import Damping
 from fem_lie.sections.solid_materials import SolidMaterial
 
 _ORTHONORMAL = 1e-8
-_SAME = 1e-9  # sine, as of directions that are meant to be equal
 
 SolidMaterials = SolidMaterial | Mapping[str, SolidMaterial]
 
 
-class SolidModel(BodyModel):
+class SolidModel(PositionModel):
     """Model of a solid.
 
     Attributes:
@@ -138,11 +137,6 @@ class SolidModel(BodyModel):
         return faces_of(self.space, facets.astype(np.int64), self.degree)
 
     @property
-    def node_type(self) -> NodeType:
-        """Nodes with positions only."""
-        return NodeType.POSITION
-
-    @property
     def assembly_key(self) -> Hashable:
         """The solid itself: each solid is assembled on its own mesh."""
         return self
@@ -242,40 +236,7 @@ class SolidModel(BodyModel):
         """
         return np.arange(self.mesh.cells) if group is None else self.mesh.group(group)
 
-    def hold_along(self, node: int, along: Array) -> None:
-        """Hold one more translation of a node, whose axes are rotated if none is along it.
-
-        Args:
-            node: Number of the node.
-            along: Unit vector, global components, shape (3,).
-        """
-        held, axes = self.held[node, :3], self.frames[node, 1:]
-        before = axes[held]
-        rest = along - before.T @ (before @ along)
-        size = np.linalg.norm(rest)
-        if size <= _SAME:
-            return
-        rest /= size
-        free = axes[~held]
-        match = np.abs(free @ rest)
-        if match.max() < 1.0 - _SAME:
-            free = _perpendicular(np.vstack([before, rest]))
-            known = np.vstack([before, rest])
-            turned = np.vstack([known, free])
-            turned[2] *= np.sign(np.linalg.det(turned))
-            velocity = axes.T @ self.velocities[node, :3]
-            self.frames[node, 1:] = turned
-            self.velocities[node, :3] = turned @ velocity
-            held[:] = np.arange(3) < len(known)
-            return
-        held[np.flatnonzero(~held)[match.argmax()]] = True
-
 
 def _is_rotation(axes: Array) -> bool:
     gap = np.abs(axes @ axes.T - np.eye(3)).max()
     return bool(gap <= _ORTHONORMAL and np.linalg.det(axes) > 0.0)
-
-
-def _perpendicular(known: Array) -> Array:
-    """Unit vectors perpendicular to ``known`` (k, 3), which is orthonormal, shape (3 − k, 3)."""
-    return np.asarray(np.linalg.svd(known)[2][len(known) :])

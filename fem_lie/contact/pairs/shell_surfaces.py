@@ -16,7 +16,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices, flag, instance, positive, whole
 from fem_lie.bodies.body import Body, Point
-from fem_lie.bodies.shells.shell import Shell
+from fem_lie.bodies.shells.shell import Shell, require_one_type
 from fem_lie.contact.pairs.patch_surfaces import PatchSurface, patches_of
 from fem_lie.contact.sides.patches import Patches, set_nets
 from fem_lie.contact.sides.table import Nodes
@@ -70,7 +70,7 @@ class ShellSurface(PatchSurface):
     def __post_init__(self) -> None:
         """Raise ``TypeError`` or ``ValueError`` if an argument has a wrong type or value."""
         instance(self.shell, Shell, "ShellSurface: shell", "a Shell")
-        self.shell.require_one_type("ShellSurface")
+        require_one_type(self.shell, "ShellSurface")
         if self.thickness is not None:
             positive(self.thickness, "ShellSurface: thickness")
         whole(self.gauss, "ShellSurface: gauss")

@@ -21,7 +21,7 @@ import numpy as np
 from dolfinx import fem
 
 from fem_lie._arrays import Array, instance
-from fem_lie.bodies.shells.shell import Shell
+from fem_lie.bodies.shells.shell import Shell, numbers_in_whole, require_one_type, whole_of
 from fem_lie.mesh.surfaces import KINK_ANGLE
 from fem_lie.pictures.page.colours import NodalColours, at_nodes
 from fem_lie.pictures.stage import SI, Canvas, Units
@@ -113,9 +113,9 @@ def resultant_colours(
     if not series:
         raise ValueError("colours need the resultants of at least one state, got none")
     shell, nodes = series[0].shell, series[0].stress_points.patches.node
-    whole, smooth = shell.whole, np.array([state.smooth(name) for state in series])
+    whole, smooth = whole_of(shell), np.array([state.smooth(name) for state in series])
     count = len(whole.frames)
-    values = at_nodes(smooth, np.arange(count)[shell.numbers][nodes], count)
+    values = at_nodes(smooth, np.arange(count)[numbers_in_whole(shell)][nodes], count)
     return NodalColours(whole.name, values, f"{name} [{QUANTITIES[name].unit(units)}]")
 
 
@@ -127,8 +127,8 @@ def _of_states(
     kink_angle: float,
 ) -> list[Resultants]:
     instance(shell, Shell, "shell", "a Shell")
-    shell.require_one_type("resultants()")
-    nodes = nodes_in(result.info, shell.whole)[shell.numbers]
+    require_one_type(shell, "resultants()")
+    nodes = nodes_in(result.info, whole_of(shell))[numbers_in_whole(shell)]
     if along is None:
         stress_points = StressPoints.in_sections(shell, kink_angle)
     else:

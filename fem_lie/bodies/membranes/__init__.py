@@ -1,0 +1,1 @@
+"""Membranes: their nodes, supports, and the assembly of their elements."""
