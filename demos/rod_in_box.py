@@ -8,8 +8,9 @@ eight corners of the rod against the six inner faces are all that can touch, as 
 convex; with --ends spheres two balls of 0.1 m at the ends touch instead.
 
 They touch by Coulomb's cone, exactly, with --friction and --restitution; steps go over impacts and
-do not resolve them. With --law penalty they push each other off by 1e9 N/m, damped critically,
-without friction; steps have to resolve that (--step 1e-4).
+do not resolve them. With --law penalty they push each other off by 1e9 N/m, damped critically;
+steps have to resolve that (--step 1e-4). Springs of friction are a hundred times as stiff: with
+springs as soft as the contact a corner sticks at first where Coulomb's law has it slip.
 
 References are the height of the rod's first end after 2 s: for e = 0, converged in time (h = 1e-2,
 1e-3, 1e-4 s, another implementation of the same laws). Where spheres wedge between walls, and with
@@ -34,7 +35,7 @@ OUTER, INNER, CENTRE = np.array([1.8, 1.6, 1.4]), np.array([1.6, 1.4, 1.2]), (0.
 LENGTH = float(np.linalg.norm(SECOND - FIRST))
 MASS = DENSITY * SIDE**2 * LENGTH
 
-STIFFNESS, RAMP = 1e9, 3e-6
+STIFFNESS, RAMP, HOLDING = 1e9, 3e-6, 1e11
 
 REFERENCES = {
     "square": {0.0: -0.7755, 0.2: -0.8419, 0.4: -0.8758, 0.6: -0.9279},
@@ -63,9 +64,9 @@ def law_of(law: str, friction: float, restitution: float) -> Impact | Penalty:
     one_of("--law", law, ("impact", "penalty"))
     if law == "impact":
         return Impact(friction, restitution)
-    if friction or restitution:
-        raise ValueError("--law penalty has neither friction nor restitution; give --friction 0")
-    return Penalty(STIFFNESS, 2 * np.sqrt(STIFFNESS * MASS / 2), RAMP)
+    if restitution:
+        raise ValueError("--law penalty has damping, not restitution; give --restitution 0")
+    return Penalty(STIFFNESS, 2 * np.sqrt(STIFFNESS * MASS / 2), RAMP, friction, HOLDING)
 
 
 def in_contact(result: fl.Result, contact: Contact) -> tuple[int, float, float]:

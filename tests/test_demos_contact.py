@@ -58,9 +58,20 @@ def test_rod_in_box_has_no_other_ends():
         DEMO.main(ends="round", pictures=False)
 
 
-def test_rod_in_box_has_no_friction_of_penalties():
-    with pytest.raises(ValueError, match="neither friction nor restitution"):
-        DEMO.main(0.2, law="penalty", pictures=False)
+def test_rod_in_box_has_no_restitution_of_penalties():
+    with pytest.raises(ValueError, match="damping, not restitution"):
+        DEMO.main(0.2, law="penalty", restitution=0.5, pictures=False)
+
+
+@pytest.mark.parametrize("friction", [0.2, 0.4, 0.6])
+def test_penalty_and_cones_agree_until_a_corner_hits_while_others_slide(friction):
+    """After the first impact, in which both corners of an edge slip from rest."""
+    ends = [
+        DEMO.main(friction, law=law, step=1e-4, duration=0.15, pictures=False)
+        for law in ("impact", "penalty")
+    ]
+    assert ends[1]["rod_end_z"] == pytest.approx(ends[0]["rod_end_z"], abs=1e-4)
+    assert ends[1]["iterations_per_step"] < 2
 
 
 def test_capstan():

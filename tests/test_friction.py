@@ -256,6 +256,68 @@ def test_states_between_steps_have_no_friction_forces():
         fl.post.contact_forces(result, scene.contacts[0])
 
 
+def viscous_forces_of(term, H: np.ndarray, v: np.ndarray) -> np.ndarray:
+    out = np.zeros((len(H), 6))
+    term.add_viscous_forces(H, v, out)
+    return out.ravel()
+
+
+@pytest.mark.parametrize("friction", [100.0, 0.1])
+@pytest.mark.parametrize("make", [ball_on_ball, ball_on_plane, line_on_plane, ball_on_shell])
+def test_derivatives_with_damping(make, friction):
+    """In twists and in frames by differences, sticking and slipping."""
+    bodies, surfaces = make()
+    law = fl.contact.Penalty(50.0, damping=3.0, ramp=1e-2, friction=friction, holding=30.0)
+    first = np.cumsum([0, *(len(b.frames) for b in bodies)])
+    numbers = {b: np.arange(len(b.frames)) + k for b, k in zip(bodies, first, strict=False)}
+    term = fl.contact.Contact(*surfaces, law).term(numbers.__getitem__)
+    random = np.random.default_rng(1)
+    H = np.concatenate([b.frames for b in bodies])
+    H = lie.se3_retract(H, 1e-3 * random.normal(size=(len(H), 6)))
+    v = 1e-2 * random.normal(size=(len(H), 6))
+    moves = (lambda h: (H, v + h)), (lambda h: (lie.se3_retract(H, h), v))
+    for blocks, move in zip(term.viscous_tangent(H, v), moves, strict=True):
+        wanted, found = np.zeros((2, 6 * len(H), 6 * len(H)))
+        for block, i, j in zip(blocks, *term.pairs, strict=True):
+            found[6 * i : 6 * i + 6, 6 * j : 6 * j + 6] += block
+        for q in range(6 * len(H)):
+            h = np.zeros((len(H), 6))
+            h.flat[q] = 1e-7
+            ends = [viscous_forces_of(term, *move(sign * h)) for sign in (1, -1)]
+            wanted[:, q] = (ends[0] - ends[1]) / 2e-7
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-6 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("damping", [1e3, 4e3])
+def test_friction_in_an_impact_is_limited_by_the_whole_normal_force(damping):
+    """A ball that spins hits the floor: the impulse along it is μ times that across it."""
+    μ, spin = 0.3, 500.0
+    law = fl.contact.Penalty(1e6, damping=damping, ramp=1e-5, friction=μ)
+    body = fl.RigidBody(1.0, 0.4 * SIZE**2 * np.eye(3), (0, 0, SIZE + 1e-3))
+    body.add_velocity((0, 0, -0.5), omega=(0, spin, 0), about=body.point("centre"))
+    scene = fl.Scene()
+    scene.add(body)
+    contact = scene.add(fl.contact.Contact(ball(body.point("centre")), FLOOR, law))
+    result = run(scene, 0.02, 1e-5)
+    Δ = result.momentum[-1] - result.momentum[0]
+    assert Δ[2] > 0.5
+    assert Δ[0] == pytest.approx(μ * Δ[2], rel=2e-3)
+    assert result.energy_error < 2e-3
+    # forces in results have the same ratio while it slips
+    total = fl.post.contact_forces(result, contact).total
+    pushed = total[:, 2] > 1.0
+    np.testing.assert_allclose(total[pushed, 0], μ * total[pushed, 2], rtol=0.02)
+
+
+def test_damping_brings_a_block_to_rest_that_sticks():
+    """Pushed along the floor below the limit it would oscillate on its springs without damping."""
+    law = fl.contact.Penalty(1e6, damping=2e3, friction=0.5)
+    scene, centre = on_slope(20, block, law, GRAVITY * np.cos(np.radians(20)) / 4e6)
+    result = run(scene, 0.1, 1e-3)
+    assert np.abs(result.velocities[-1]).max() < 1e-6
+    assert np.ptp(result.position(centre)[-20:, 0]) < 1e-9
+
+
 LAW = fl.contact.Penalty(1e5, friction=0.3)
 
 

@@ -165,8 +165,8 @@ class PathDependence(ABC):
         """
         return 0.0
 
-    def friction_forces(self, H: Array) -> Array:
-        """Friction forces in the last accepted state, with frames ``H``, shape (k, 9).
+    def friction_forces(self, H: Array, v: Array) -> Array:
+        """Friction forces in the last accepted state, with ``H`` and twists ``v``, shape (k, 9).
 
         Numbers of both points, gap, position and force on the first side (3 each), global
         components; default: none.

@@ -53,7 +53,7 @@ GROUPS = {
         "local_frame_claims speed_against_error speed_against_error_shells time_error "
         "variable_step conservation_against_time cylinder_knock_down "
         "pendulum_conservation linear_shells elements_on_a_bend heavy_top_groups truss_policies "
-        "stiffly_accurate"
+        "stiffly_accurate penalty_beside_cones"
     ),
 }
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted
+from fem_lie.contact.laws.energy import PenaltyConstants
 from fem_lie.contact.sides.kinematics import (
     SLOTS,
     add_pulled_back,
@@ -45,20 +46,20 @@ class CoulombLaw(NamedTuple):
     """Constants of a penalty contact with friction, for an integration weight of one.
 
     Attributes:
-        k: Normal stiffness.
+        normal: Stiffness and damping along the normal.
         μ: Coefficient of friction.
         holding: Stiffness of the tangential springs.
     """
 
-    k: float
+    normal: PenaltyConstants
     μ: float
     holding: float
 
 
 @inlined_uncounted
 def limit(law: CoulombLaw, depth: float) -> float:
-    """Largest tangential traction at an overlap ``depth``."""
-    return law.μ * law.k * depth
+    """Largest traction of a tangential spring at an overlap ``depth``."""
+    return law.μ * law.normal.k * depth
 
 
 @inlined_uncounted
@@ -85,7 +86,8 @@ class Anchors(NamedTuple):
         weights: ``w``, negative on the second side, shape (m, 8).
         arms: ``c``, with the sign of the side, shape (m, 8, 3).
         fixed: ``o``, contribution of ground, shape (m, 3).
-        forces: Friction forces on the second side in the state of the anchors, shape (m, 3), N.
+        forces: Forces of the springs on the second side in the state of the anchors, shape (m,
+            3), N.
     """
 
     keys: Indices
@@ -225,14 +227,14 @@ def slip_work(H: Array, anchors: Anchors, now: Indices, forces: Array, springs: 
 
 
 @compiled
-def set_rows(H: Array, at: ContactPoints, anchors: Anchors, which: Indices, out: Array) -> None:
-    """Numbers of points, gaps, positions, and the friction forces that the anchors store.
+def set_rows(H: Array, at: ContactPoints, which: Indices, forces: Array, out: Array) -> None:
+    """Numbers of points, gaps, positions, and friction forces on the first side.
 
     Args:
         H: Frames.
         at: Pairs of points.
-        anchors: Anchors set at these frames.
         which: Index of the anchors of each pair, −1: none.
+        forces: Friction forces on the second side, shape (m, 3).
         out: Rows of pairs with anchors are set, shape (m, 9).
     """
     for e in range(at.pairs.shape[0]):
@@ -241,7 +243,7 @@ def set_rows(H: Array, at: ContactPoints, anchors: Anchors, which: Indices, out:
         i, j = at.pairs[e]
         point = contact_point(H, at.a, at.b, i, j, at.kind)
         out[e, 0], out[e, 1], out[e, 2] = i, j, point.gap
-        X, f = touched(at.a, i, point), load_row(anchors.forces, which[e])
+        X, f = touched(at.a, i, point), load_row(forces, e)
         for k in range(3):
             out[e, 3 + k], out[e, 6 + k] = X[k], -f[k]
 

@@ -1,119 +1,29 @@
-"""Friction of one penalty contact: tractions from step to step, and their derivatives."""
+"""Friction of one penalty contact: tractions from step to step."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined_uncounted
 from fem_lie.contact.laws import friction_over_steps as over_steps
 from fem_lie.contact.laws.anchors import (
     Anchors,
     CoulombLaw,
-    Traction,
     add_tractions,
     empty_anchors,
     found,
-    limit,
     packed,
     set_anchors,
     set_rows,
     slip_work,
-    stretch_of,
-    traction,
     tractions,
     unpacked,
 )
-from fem_lie.contact.laws.derivatives import (
-    add_turning,
-    column,
-    derivatives,
-    set_derivatives,
-    store_motion,
-)
-from fem_lie.contact.sides.kinematics import SLOTS, contact_point
+from fem_lie.contact.laws.damped_friction import add_damping_tangents, damping_tractions
+from fem_lie.contact.laws.friction_tangents import add_traction_tangents
 from fem_lie.contact.sides.table import ContactPoints
 from fem_lie.contact.sides.two_sides import Sides, Stations
 from fem_lie.forms.abilities import FRICTION_COLUMNS, Done, Ends
-from fem_lie.lie.tuples import Vector, combined, dot, load_row, scaled
-
-
-@inlined_uncounted
-def _change(
-    law: CoulombLaw, t: Traction, n: Vector, u: Vector, δu: Vector, δn: Vector, δg: float
-) -> Vector:
-    """Variation of a traction."""
-    δacross = combined(1.0, δu, -dot(n, δu) - dot(δn, u), n)
-    δacross = combined(1.0, δacross, -dot(n, u), δn)
-    if not t.slips:
-        return scaled(law.holding, δacross)
-    turned = combined(1.0, δacross, -dot(t.along, δacross), t.along)
-    return combined(dot(t.τ, t.along) / t.size, turned, limit(law, -δg), t.along)
-
-
-@compiled
-def add_traction_tangents(
-    H: Array,
-    types: Indices,
-    at: ContactPoints,
-    anchors: Anchors,
-    which: Indices,
-    law: CoulombLaw,
-    given: over_steps.Slips,
-    blocks: Array,
-) -> None:
-    """Add derivatives of the friction forces in twists, for anchors on the nodes of the pair.
-
-    ``given`` are the variables of a step for forces of a step, where tractions depend on the end of
-    the step and all else on its midpoint, so that their derivative has a factor of two; those of no
-    pair for forces at frames.
-    """
-    over_step, by = given.gaps.shape[0] > 0, derivatives()
-    A, T = np.zeros((SLOTS, 3, 6)), np.zeros((SLOTS, 3, 6))
-    for e in range(at.pairs.shape[0]):
-        q, weight = which[e], at.weight[e]
-        point = contact_point(H, at.a, at.b, at.pairs[e, 0], at.pairs[e, 1], at.kind)
-        g, n = point.gap, point.normal
-        if over_step and q >= 0:
-            g, n = given.gaps[e], load_row(given.normals, e)
-        if g >= 0.0 or q < 0:
-            continue
-        scale, nodes = set_derivatives(H, types, at, e, point, by), by.nodes
-        if _others(nodes, anchors.nodes[q]):
-            continue
-        u = load_row(given.stretches, e) if over_step else stretch_of(H, anchors, q)
-        t, fraction = traction(law, g, n, u), 2.0 * weight if over_step else weight
-        for s in range(SLOTS):
-            if nodes[s] >= 0:
-                c, node = load_row(anchors.arms[q], s), nodes[s]
-                store_motion(types[node], H[node], 1.0, anchors.weights[q, s], c, A[s])
-                for p in range(6):
-                    δu, δn = column(A[s], p), scaled(1.0 / scale, column(by.N[s], p))
-                    δτ = _change(law, t, n, u, δu, δn, by.rows[s, p])
-                    T[s, 0, p], T[s, 1, p], T[s, 2, p] = δτ
-        block = at.first[e]
-        for s in range(SLOTS):
-            for o in range(SLOTS):
-                if nodes[s] < 0 or nodes[o] < 0:
-                    continue
-                for p in range(6):
-                    for r in range(6):
-                        total = dot(column(A[s], p), column(T[o], r))
-                        blocks[block, p, r] += fraction * total
-                if s == o:
-                    f, w = scaled(weight, t.τ), anchors.weights[q, s]
-                    c, node = load_row(anchors.arms[q], s), nodes[s]
-                    add_turning(types[node], H[node], f, w, c, blocks[block])
-                block += 1
-
-
-@inlined_uncounted
-def _others(nodes: Indices, own: Indices) -> bool:
-    """Whether the anchor has moved on to other elements than those of the pair."""
-    for s in range(SLOTS):
-        if nodes[s] != own[s] and (nodes[s] >= 0 or own[s] >= 0):
-            return True
-    return False
 
 
 class Friction:
@@ -151,6 +61,26 @@ class Friction:
         stations, which, τ = self._tractions(H)
         add_tractions(H, self._types, stations.at, self._anchors, which, τ, grounded, out)
 
+    def add_damping_forces(self, H: Array, v: Array, out: Array, *, grounded: bool = False) -> None:
+        """Add what dampers and the limit by the whole normal force change, to ``out``."""
+        stations, which, τ = self._damping_tractions(H, v)
+        add_tractions(H, self._types, stations.at, self._anchors, which, τ, grounded, out)
+
+    def _damping_tractions(self, H: Array, v: Array) -> tuple[Stations, Indices, Array]:
+        """Pairs, index of their anchors, and the viscous part of tractions (m, 3)."""
+        stations = self._sides.stations(H)
+        which, τ = found(self._anchors.keys, stations.keys), np.empty((len(stations.keys), 3))
+        given = H, v, self._types, stations.at, self._anchors, which, self._law
+        damping_tractions(*given, τ)
+        return stations, which, τ
+
+    def add_damping_tangent(self, H: Array, v: Array, by_frames: Array, by_twists: Array) -> None:
+        """Add the derivatives of :meth:`add_damping_forces` to blocks of pairs of nodes."""
+        stations = self._sides.stations(H)
+        which = found(self._anchors.keys, stations.keys)
+        given = H, v, self._types, stations.at, self._anchors, which, self._law
+        add_damping_tangents(*given, by_frames, by_twists)
+
     def energy(self, H: Array) -> float:
         """Energy stored in the tangential springs."""
         stations, _, τ = self._tractions(H)
@@ -184,15 +114,16 @@ class Friction:
         anchors.keys[:], anchors.forces[:] = keys, forces
         self._anchors = anchors
 
-    def rows(self, H: Array) -> Array:
-        """Friction forces in the last accepted state, with frames ``H``, shape (k, 9).
+    def rows(self, H: Array, v: Array) -> Array:
+        """Friction forces in the last accepted state, with ``H`` and twists ``v``, shape (k, 9).
 
         Columns are those of :meth:`~fem_lie.forms.abilities.PathDependence.friction_forces`.
         """
-        at, keys, *_ = self._sides.stations(H)
-        which = found(self._anchors.keys, keys)
-        rows = np.zeros((len(keys), FRICTION_COLUMNS))
-        set_rows(H, at, self._anchors, which, rows)
+        (at, keys, *_), which, τ = self._damping_tractions(H, v)
+        rows, known = np.zeros((len(keys), FRICTION_COLUMNS)), which >= 0
+        forces = at.weight[: len(τ), np.newaxis] * τ
+        forces[known] += self._anchors.forces[which[known]]
+        set_rows(H, at, which, forces, rows)
         return rows[rows[:, 6:].any(axis=1)]
 
     # --- over a step of points and balls ---

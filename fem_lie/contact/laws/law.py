@@ -9,6 +9,7 @@ from typing import ClassVar
 
 from fem_lie._arrays import Array, Indices, number, positive
 from fem_lie.contact.laws.anchors import CoulombLaw
+from fem_lie.contact.laws.energy import PenaltyConstants
 from fem_lie.forms.term import Term
 
 
@@ -108,13 +109,16 @@ class Penalty(ContactLaw):
     Attributes:
         stiffness: k, force per length. Default: by the softest beam or shell element of both
             bodies, a fifth of EA/ℓ or E ℓ; the contact then has this value and logs it.
-        damping: c, force per velocity; ``2 √(k m)`` is critical for a mass m.
+        damping: c, force per velocity; ``2 √(k m)`` is critical for a mass m. It acts along the
+            tangential springs, too, within the limit of friction.
         ramp: Overlap over which the damping grows from zero to c. Without it the force is
             discontinuous where surfaces meet, and Newton's method fails if c is large.
-        friction: Coefficient of friction μ: the tangential force is at most μ times ``k`` times the
-            overlap. Below this limit tangential springs hold, whose state is kept from step to
-            step. Lines have no friction in conserving schemes.
-        holding: Stiffness of the tangential springs; default: k.
+        friction: Coefficient of friction μ: the tangential force is at most μ times the normal
+            force, with its damping. Below this limit tangential springs hold, whose state is kept
+            from step to step. Lines have no friction in conserving schemes.
+        holding: Stiffness of the tangential springs; default: k. Springs that are as soft as the
+            contact stick at the beginning of an impact even where rigid bodies slip; with a
+            hundred times k impacts are as those of :class:`Impact`.
         restitution: An error that names ``damping``: a penalty has no restitution.
     """
 
@@ -170,10 +174,15 @@ class Penalty(ContactLaw):
         return self.stiffness
 
     @property
+    def normal(self) -> PenaltyConstants:
+        """Stiffness and damping as constants; see :attr:`k` for errors."""
+        return PenaltyConstants(float(self.k), float(self.damping), float(self.ramp))
+
+    @property
     def coulomb(self) -> CoulombLaw:
-        """Stiffness and friction as constants; see :attr:`k` for errors."""
+        """All constants of friction; see :attr:`k` for errors."""
         holding = self.k if self.holding is None else self.holding
-        return CoulombLaw(float(self.k), float(self.friction), float(holding))
+        return CoulombLaw(self.normal, float(self.friction), float(holding))
 
 
 @dataclass(frozen=True)

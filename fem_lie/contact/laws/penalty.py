@@ -156,7 +156,7 @@ class PenaltyForces(
         """
         self._sides, self._name, self._allowed = sides, name, _DEEP * sides.radius
         self._types = types
-        self._law = PenaltyConstants(float(law.k), float(law.damping), float(law.ramp))
+        self._law = law.normal
         self._damped = law.damping > 0.0
         self._friction, self.friction = friction, friction is not None
         self._watch = EnergyWatch(name, self._law, self._now)
@@ -275,10 +275,14 @@ class PenaltyForces(
         """Add the damping forces to the residual."""
         at, found = self._measured(H, v, viscous=True)
         _add(H, self._types, at, found.damping, False, out)
+        if self._friction is not None:
+            self._friction.add_damping_forces(H, v, out)
 
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
         """Derivatives of the damping forces in twists and in frames."""
         by_frames, by_twists = self._tangents(H, v, viscous=True)
+        if self._friction is not None:
+            self._friction.add_damping_tangent(H, v, by_frames, by_twists)
         return by_twists, by_frames
 
     def _tangents(self, H: Array, v: Array, *, viscous: bool) -> tuple[Array, Array]:
@@ -313,9 +317,11 @@ class PenaltyForces(
         """Energy dissipated by friction."""
         return 0.0 if self._friction is None else self._friction.dissipated
 
-    def friction_forces(self, H: Array) -> Array:
+    def friction_forces(self, H: Array, v: Array) -> Array:
         """Friction forces in the last accepted state, shape (k, 9)."""
-        return super().friction_forces(H) if self._friction is None else self._friction.rows(H)
+        if self._friction is None:
+            return super().friction_forces(H, v)
+        return self._friction.rows(H, v)
 
     def check_passage(self, start: Array, end: Array) -> None:
         """Raise ``PassedThroughError`` if surfaces passed through each other in the step."""
@@ -393,6 +399,8 @@ class PenaltyForces(
         _add(H, self._types, at, found.forces, True, out)
         if self._friction is not None:
             self._friction.add_forces(H, out, grounded=True)
+            if self._damped:
+                self._friction.add_damping_forces(H, v, out, grounded=True)
 
     def touching(self, H: Array, v: Array) -> tuple[Indices, Array, Array, Array]:
         """Pairs in contact, with gaps, closest points and contact forces."""

@@ -59,7 +59,7 @@ def tangents(
         if viscous:
             speed = speed_of(H, v, types, at, e, point)
             f, by_gap, by_speed = damping(law, point.gap, speed)
-            _set_changes_of_speed(v, types, by, scale, changes)
+            set_changes_of_speed(v, types, by, scale, changes)
         elif over_step:
             f, by_gap = law.k * given.σ[e], law.k * given.by_gap[e]
         block, weight, bent = at.first[e], at.weight[e], f / scale
@@ -109,7 +109,7 @@ def normal_rows(
 
 
 @inlined_uncounted
-def _set_changes_of_speed(
+def set_changes_of_speed(
     v: Array, types: Indices, by: Derivatives, scale: float, changes: Array
 ) -> None:
     """Derivative ``∂ġ/∂h`` of each slot at constant twists.

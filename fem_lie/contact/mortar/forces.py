@@ -372,7 +372,7 @@ class MultiplierForces(MortarForces, LinearisedStress, PathDependence):
         """Nothing: frames do not determine the forces, which :meth:`friction_forces` returns."""
         return np.empty((0, 2), dtype=np.int64), np.empty(0), np.empty((0, 3)), np.empty((0, 3))
 
-    def friction_forces(self, H: Array) -> Array:
+    def friction_forces(self, H: Array, v: Array) -> Array:
         """Contact forces in the last accepted state, columns of the base class, shape (k, 9)."""
         found = self._gaps(H)
         f = found.forces(self.multipliers)

@@ -151,7 +151,7 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
     def _stored(self) -> float:
         """Energy of the springs at the frames of the last evaluation."""
         d, τ = self._found.distances, self._found.tractions
-        return 0.5 * self._law.k * float(d @ d) + 0.5 / self._law.holding * float(τ @ τ)
+        return 0.5 * self._law.normal.k * float(d @ d) + 0.5 / self._law.holding * float(τ @ τ)
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """Add the contact forces to the residual."""
@@ -234,7 +234,7 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         """Energy dissipated by friction, by the trapezoidal rule."""
         return self._dissipated
 
-    def friction_forces(self, H: Array) -> Array:
+    def friction_forces(self, H: Array, v: Array) -> Array:
         """Friction forces on the rope in the last accepted state, shape (k, 9)."""
         pairs, gaps, positions, _ = self._touching(H)
         forces = np.empty((len(gaps), 3))
@@ -276,7 +276,7 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         pairs = np.stack([self._pieces(self._feet), np.arange(count)], axis=1)
         Δ = X - positions
         gaps: Array = -np.linalg.norm(Δ, axis=1)
-        return pairs, gaps, positions, self._law.k * Δ
+        return pairs, gaps, positions, self._law.normal.k * Δ
 
 
 def _ropes_of(rope: Rope, rings: Rings, nodes: Nodes, types: Indices) -> Ropes:

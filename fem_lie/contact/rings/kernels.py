@@ -107,7 +107,7 @@ def _forces_of(
 ) -> tuple[Vector, Vector]:
     """Forces on the ring and on ``P'``: ``k Δ + τ P'/s`` and ``τ Δ/s``; the rope has the first."""
     t = load_row(points.at.sliding.slopes[0], 0)
-    return combined(law.k, separation, τ / s, t), scaled(τ / s, separation)
+    return combined(law.normal.k, separation, τ / s, t), scaled(τ / s, separation)
 
 
 @compiled
@@ -195,8 +195,8 @@ def add_over_step(
         τ = _traction(law, springs[k] + slip, distance, s)
         found.positions[k], found.distances[k], found.tractions[k] = σ, distance, τ
         found.slips[k], found.ends[k] = slip, σ1
-        stored += 0.5 * law.k * dot(after, after)
-        work += 0.5 * law.k * (dot(after, after) - dot(before, before))
+        stored += 0.5 * law.normal.k * dot(after, after)
+        work += 0.5 * law.normal.k * (dot(after, after) - dot(before, before))
         F, along = _forces_of(law, points, separation, s, τ)
         at_point = False, F
         add_force(ends.mean, types, at.a, 0, at_point, F, out, ground)
@@ -250,7 +250,7 @@ def tangents(
                     for j in range(6):
                         # that of ½ Δ·Δ, which exists where both points coincide
                         bent = by.G[a, b, i, j] + rows[a, i] * rows[b, j]
-                        block[i, j] += law.k * bent
+                        block[i, j] += law.normal.k * bent
                         if sticks:
                             block[i, j] += factor * law.holding * m[a, i] * m[b, j] / (s * s)
                         elif rises != 0.0:

@@ -355,7 +355,7 @@ class Recorder(History):
             self.elastic[row] += report.elastic
         # rows of states between steps would be interpolated
         if Record.FORCES in self.filled and self._wanted is None:
-            friction = equations.history_variables.friction_forces(H)
+            friction = equations.history_variables.friction_forces(H, v)
             if friction is not None:
                 self._friction.append(with_state(self._gone + row, friction))
         self.times[row], self.iterations[row] = time, self.count

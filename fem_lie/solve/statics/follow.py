@@ -427,9 +427,10 @@ def friction_in(equations: Equations, states: Sequence[EquilibriumState]) -> Fri
     """
     history = equations.history_variables
     present, rows = history.saved_state(), list[Array | None]()
+    at_rest = np.zeros((equations.unknowns.moving, 6))
     for state in states:
         history.restore(state.saved)
-        rows.append(history.friction_forces(state.frames))
+        rows.append(history.friction_forces(state.frames, at_rest))
     history.restore(present)
     return FrictionForces.of_states(rows)
 

@@ -289,7 +289,8 @@ class LoadSteps(Iterated):
         self._reactions.append(report.reactions)
         self._counts.append(self.iterations)
         self._pivots.append(pivots)
-        self._friction.append(self.equations.history_variables.friction_forces(self.H))
+        friction = self.equations.history_variables.friction_forces(self.H, self._zero)
+        self._friction.append(friction)
         return True
 
     def _reach(self, factor: float, preload: float = 1.0) -> int | None:

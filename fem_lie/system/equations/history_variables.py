@@ -157,15 +157,15 @@ class HistoryVariables:
         else:
             self._system.load_cases.scale(item, factor)
 
-    def friction_forces(self, H: Array) -> Array | None:
-        """Friction forces of contacts by penalty in the accepted state ``H``, shape (k, 10).
+    def friction_forces(self, H: Array, v: Array) -> Array | None:
+        """Friction forces of contacts in the accepted state ``H`` with twists ``v``, shape (k, 10).
 
         See :meth:`~fem_lie.system.terms.all_terms.Terms.friction_forces`. ``None`` if no contact
         of the part has friction.
         """
         if not self._terms.has_friction:
             return None
-        return self._terms.friction_forces(H)
+        return self._terms.friction_forces(H, v)
 
     def saved_state(self) -> dict[str, Array]:
         """State of the history variables."""

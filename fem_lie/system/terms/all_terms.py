@@ -202,15 +202,15 @@ class Terms:
         """Energy dissipated by friction in all accepted steps."""
         return sum(each.dissipated for each in self._paths)
 
-    def friction_forces(self, H: Array) -> Array:
-        """Friction forces in the last accepted state with frames ``H``, shape (k, 10).
+    def friction_forces(self, H: Array, v: Array) -> Array:
+        """Friction forces in the last accepted state with ``H``, twists ``v``, shape (k, 10).
 
         The key of the contact, then the columns of
         :meth:`~fem_lie.forms.abilities.PathDependence.friction_forces`.
         """
         found = [np.empty((0, 1 + FRICTION_COLUMNS))]
         for each in self._paths:
-            forces = each.friction_forces(H)
+            forces = each.friction_forces(H, v)
             found.append(np.column_stack([np.full(len(forces), float(each.key)), forces]))
         return np.concatenate(found)
 

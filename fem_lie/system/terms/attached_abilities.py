@@ -109,9 +109,9 @@ class AttachedPath(PathDependence):
         """Energy dissipated by friction."""
         return self._of.dissipated
 
-    def friction_forces(self, H: Array) -> Array:
+    def friction_forces(self, H: Array, v: Array) -> Array:
         """Friction forces in the last accepted state, shape (k, 9)."""
-        return self._of.friction_forces(self._nodes.frames(H))
+        return self._of.friction_forces(self._nodes.frames(H), self._nodes.twists(v))
 
 
 class AttachedPassage(PassageCheck):
