@@ -1,12 +1,13 @@
 """Walls of bricks, at rest and struck by a ball: speed of what rests, energy, time per step.
 
     tools/run python3 -m benchmarks.walls --rows 3 5 10
+    tools/run python3 -m benchmarks.walls --stack 10 --steps 2000
 
 A wall has as many rows as bricks in each, in running bond with half bricks at the ends. Bricks
 next to each other do not touch, and friction is 0.5, without restitution. Printed are the contacts,
 the largest residual of the cones, the largest velocity after the wall has stood for a while, the
 largest growth of energy in a step, relative to the energy, and milliseconds of the processor per
-step. Then a ball meets the wall.
+step. Then a ball meets the wall. ``--stack`` puts that many cubes upon each other instead.
 """
 
 from __future__ import annotations
@@ -60,9 +61,21 @@ def wall(rows: int, struck: bool = False) -> fl.Scene:
     return scene
 
 
-def measured(rows: int, struck: bool, steps: int) -> str:
+def stack(cubes: int) -> fl.Scene:
+    """Cubes upon each other on a floor."""
+    scene, law, size = fl.Scene(gravity=(0, 0, -GRAVITY)), fl.contact.Impact(FRICTION), BRICK[0]
+    below: fl.contact.Plane | fl.contact.Box = fl.contact.Plane(fl.ground(), (0, 0, 1))
+    for k in range(cubes):
+        body = scene.add(fl.RigidBody.box(DENSITY * size**3, (size,) * 3, (0, 0, (k + 0.5) * size)))
+        cube = fl.contact.Box(body.point("centre"), (size,) * 3)
+        scene.add(fl.contact.Contact(cube, below, law))
+        below = cube
+    return scene
+
+
+def measured(scene: fl.Scene, steps: int) -> str:
     """A row of the table."""
-    scene, scheme = wall(rows, struck), fl.GeneralisedAlpha(radius=0.8)
+    scheme = fl.GeneralisedAlpha(radius=0.8)
     scheme.run(scene, duration=STEP, step=STEP, progress=False)  # what is compiled is there then
     before = process_time()
     try:
@@ -85,11 +98,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--rows", type=int, nargs="+", default=[3, 5, 10], metavar="N")
     parser.add_argument("--steps", type=int, default=100)
+    parser.add_argument("--stack", type=int, metavar="N", help="cubes instead of walls")
     given = parser.parse_args()
+    if given.stack:
+        print(f"{given.stack} cubes: {measured(stack(given.stack), given.steps)}", flush=True)
+        return
     for rows in given.rows:
         for struck in (False, True):
             name = "struck" if struck else "at rest"
-            print(f"{rows} rows, {name}: {measured(rows, struck, given.steps)}", flush=True)
+            print(f"{rows} rows, {name}: {measured(wall(rows, struck), given.steps)}", flush=True)
 
 
 if __name__ == "__main__":

@@ -51,9 +51,13 @@ _LONGEST, _TURN, _LOOK, _EVERY, _WORSE = 30_000, 100, 5, 5, 4.0
 evaluations of the residual; sweeps between extrapolations; ratio of the squared change of a sweep
 to the least one above which stored sweeps are discarded."""
 
-_MOMENTA = 0.93, 0.9
-"""Largest factors of Nesterov's extrapolation: with friction, changes of impulses may oscillate,
-and larger factors amplify that."""
+_GROWS, _LOWER, _RECOVER = 3.0, 1.5, 0.99
+"""Nesterov's extrapolation: ratio of the squared change of a sweep to the least one since the last
+restart above which it restarts; factor by which the bound of the momentum is then farther from one,
+and by which it approaches one in each other sweep."""
+
+_MOMENTUM, _LEAST_MOMENTUM = 0.93, 0.8
+"""Bound of the momentum at the start, and its least value."""
 
 _RIDGE = 1e-12
 """Regularisation of the least-squares problem, relative to the largest diagonal entry."""
@@ -208,28 +212,39 @@ def _extrapolate_by(x: Array, before: Array, part: float) -> None:
 
 
 @uncounted
-def _nesterov(
-    problem: Cones, k: int, tolerance: float, most: int, largest: float
-) -> tuple[int, float]:
-    """Sweeps with Nesterov's acceleration; number of sweeps and the residual."""
+def _nesterov(problem: Cones, k: int, tolerance: float, most: int) -> tuple[int, float]:
+    """Sweeps with Nesterov's acceleration; number of sweeps and the residual.
+
+    Where contacts cannot all stick, impulses drift by nearly constant changes until one of them
+    slides; momenta near one pass through that in the square root of the number of sweeps. With
+    friction they also amplify oscillations. The momentum restarts where that happens, and its bound
+    is lowered, to approach one again in quiet sweeps.
+    """
     r, before, turned = problem.r, problem.past.end[:k], problem.past.turned
     _extrapolate_by(r, before, 0.0)
     _extrapolate_by(problem.W, turned, 0.0)
-    reached, weight = np.inf, 1.0
+    reached, weight, part, bound, least = np.inf, 1.0, 0.0, _MOMENTUM, np.inf
     for sweeps in range(1, most + 1):
-        forward = 0.0
+        forward, square = 0.0, 0.0
         for c in range(k):
             d = _improve(problem, c)
             for j in range(3):
                 r[c, j] += d[j]
                 forward += d[j] * (r[c, j] - before[c, j])
+                square += d[j] * d[j]
         if sweeps % _LOOK == 0:
             reached = residual(problem, k)
             if reached <= tolerance:
                 return sweeps, reached
-        weight = 1.0 if forward < 0.0 else weight
+        least = min(least, square)
+        if square > _GROWS * least:
+            bound = max(_LEAST_MOMENTUM, 1.0 - _LOWER * (1.0 - part))
+        else:
+            bound = 1.0 - _RECOVER * (1.0 - bound)
+        if square > _GROWS * least or forward < 0.0:
+            weight, least = 1.0, np.inf
         later = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * weight * weight))
-        part, weight = min(largest, (weight - 1.0) / later), later
+        part, weight = min(bound, (weight - 1.0) / later), later
         if sweeps < most:
             _extrapolate_by(r, before, part)
             _extrapolate_by(problem.W, turned, part)
@@ -238,13 +253,11 @@ def _nesterov(
 
 @uncounted
 def _alternate(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
-    """Alternate between all methods: with friction, each of them cycles in some problems."""
+    """Alternate between both methods: with friction, each of them cycles in some problems."""
     sweeps, most, reached = 0, _TURN, np.inf
     while reached > tolerance and sweeps < _LONGEST:
-        for momentum in _MOMENTA:
-            if reached > tolerance:
-                more, reached = _nesterov(problem, k, tolerance, 4 * most, momentum)
-                sweeps += more
+        more, reached = _nesterov(problem, k, tolerance, 4 * most)
+        sweeps += more
         if reached > tolerance:
             more, reached = _anderson(problem, k, tolerance, most)
             sweeps += more
