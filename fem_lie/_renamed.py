@@ -94,6 +94,10 @@ MEANT = {
 
 _RUN = "fl.statics(scene) or fl.GeneralisedAlpha().run(scene, ...)"
 
+_STRESS = (
+    "fl.post.section_forces(result, body, scene) of beams, fl.post.resultants(result, body) of "
+    "shells, fl.post.solid_stresses(result, body) of solids"
+)
 _FORCES = "result.joint_force(joint), result.reaction(support), fl.post.section_forces"
 
 ATTRIBUTES = {
@@ -123,13 +127,15 @@ ATTRIBUTES = {
     "plot_energy": "result.page('result.html') draws energies",
     "reactions_of": "result.reaction(support)",
     "run": _RUN,
-    "section_forces": "fl.post.section_forces(result, body)",
+    "section_forces": "fl.post.section_forces(result, body, scene)",
     "simulate": _RUN,
     "solve": _RUN,
     "start": "body.point('start')",
     "statics": "fl.statics(scene)",
-    "strain": "fl.post.section_forces(result, body), fl.post.resultants(result, body)",
-    "stress": "fl.post.section_forces(result, body), fl.post.resultants(result, body)",
+    "strain": _STRESS,
+    "stress": _STRESS,
+    "stresses": _STRESS,
+    "symmetry": "roller(name, normal) of solids and membranes, symmetry(name, normal) of shells",
     "t": "result.times",
     "time": "result.times; equilibria have result.factors",
     "u": "result.displacement(point), result.displacements(body)",

@@ -55,8 +55,8 @@ class Summarised:
         message = f"{type(self).__name__} has no attribute {name!r}"
         if name in ATTRIBUTES:
             message += f"; expected {ATTRIBUTES[name]} (fl is fem_lie)"
-        elif near := get_close_matches(name, dir(self), 3):
-            message += f"; expected {' or '.join(each for each in near if each[0] != '_')}"
+        elif near := get_close_matches(name, [each for each in dir(self) if each[0] != "_"], 3):
+            message += f"; expected {' or '.join(near)}"
         raise AttributeError(message, name=name, obj=self)
 
     def _repr_html_(self) -> str:

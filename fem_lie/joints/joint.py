@@ -59,9 +59,10 @@ class Joint(Connection):
 
     a: Point
     b: Point
-    at: npt.ArrayLike | None = None
-    axis: npt.ArrayLike = (0.0, 0.0, 1.0)
-    name: str = ""
+    # a third position would be read as an axis by one, as a position by another
+    at: npt.ArrayLike | None = field(default=None, kw_only=True)
+    axis: npt.ArrayLike = field(default=(0.0, 0.0, 1.0), kw_only=True)
+    name: str = field(default="", kw_only=True)
     active: bool = field(default=True, kw_only=True)
 
     selection: ClassVar[Array]

@@ -103,12 +103,14 @@ class SolidModel(PositionModel):
     def _take(self, material: SolidMaterials) -> list[SolidMaterial]:
         """Set law, parameters and density of the cells; return the distinct materials."""
         count = self.mesh.cells
+        expected = (
+            "a SolidMaterial such as fl.sections.SaintVenantKirchhoff(E, nu, density) or NeoHooke"
+        )
         if isinstance(material, Mapping):
-            expected = "a SolidMaterial such as NeoHooke(E, nu, density)"
             kind: Any = SolidMaterial
             each = of_groups(material, kind, expected, count, self.mesh.group)
         else:
-            instance(material, SolidMaterial, "Solid: material", "a SolidMaterial or one per group")
+            instance(material, SolidMaterial, "Solid: material", expected + " or one per group")
             each = [material] * count
         self.material = each[0]
         for other in each:

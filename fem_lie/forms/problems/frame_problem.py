@@ -78,7 +78,11 @@ class FrameProblem:
                 raise ValueError("expected forms of the frames q, got forms of other frames")
         for bc in self.bcs:
             if not _compat.is_on_space(bc, V):
-                raise ValueError("expected bcs on q.increment.function_space, got another space")
+                raise ValueError(
+                    "expected bcs on q.increment.function_space, which hold whole nodes, got "
+                    "another space; joints to ground at body.point(...) of a FormBody hold single "
+                    "components"
+                )
         self.x = fem.Function(V, name="sum of increments")
         u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
         # a form may be over few cells: the matrix gets entries of all cells
