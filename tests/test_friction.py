@@ -441,3 +441,25 @@ def test_is_refused(name):
     make, message = REFUSED[name]
     with pytest.raises(ValueError, match=message):
         make()
+
+
+@pytest.mark.parametrize(("cells", "told"), [(20, True), (150, False)])
+def test_friction_that_no_point_of_a_line_sees_is_told(cells, told, caplog):
+    """A bar on two rollers, in contact over less than the points of friction are apart."""
+    radius, stiffness = 0.01, 1e8
+    section = fl.Section.circle(radius, fl.Material(2.1e11, 0.3, 7850.0))
+    bar = fl.Beam.straight((-0.5, 0, 0), (0.5, 0, 0), section, cells=cells, name="bar")
+    scene = fl.Scene(gravity=(0.5, 0, -9.81))
+    scene.add(bar)
+    for x in (-0.3, 0.3):
+        height = -0.06 + 4.2e-4 * (3e6 / stiffness) ** (2 / 3)
+        scene.add(
+            fl.contact.Contact(
+                fl.contact.Line(bar, radius),
+                fl.contact.Cylinder(fl.ground((x, 0, height)), (0, 0.2, 0), 0.05),
+                fl.contact.Penalty(stiffness, friction=0.3),
+            )
+        )
+    with caplog.at_level("WARNING", "fem_lie"):
+        fl.GeneralisedAlpha().run(scene, duration=0.03, step=1e-3, progress=False)
+    assert ("friction acts at fixed points" in caplog.text) == told

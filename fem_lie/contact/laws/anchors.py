@@ -290,6 +290,17 @@ def tractions(
 
 
 @compiled
+def overlap_energy(H: Array, at: ContactPoints, law: PenaltyConstants) -> float:
+    """Energy of the overlaps at some points."""
+    total = 0.0
+    for e in range(at.pairs.shape[0]):
+        i, j = at.pairs[e]
+        depth = max(0.0, -contact_point(H, at.a, at.b, i, j, at.kind).gap)
+        total += 0.5 * at.weight[e] * law.k * depth * depth
+    return total
+
+
+@compiled
 def add_tractions(
     H: Array,
     types: Indices,

@@ -146,6 +146,11 @@ class EnergyWatch:
         self._closed: ContactPoints | None = None
 
     @property
+    def energy(self) -> float:
+        """Energy that the contact stored at the end of the last step, J."""
+        return self._known.energy
+
+    @property
     def memory(self) -> Array:
         """State of the balance, for checkpoints."""
         return np.array(self._known)

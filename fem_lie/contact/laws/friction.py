@@ -12,6 +12,7 @@ from fem_lie.contact.laws.anchors import (
     add_tractions,
     empty_anchors,
     found,
+    overlap_energy,
     packed,
     set_anchors,
     set_rows,
@@ -32,6 +33,7 @@ class Friction:
     Attributes:
         dissipated: Energy dissipated by slip in all accepted steps, except in those of conserving
             schemes, which account for it themselves, J.
+        pressed: Energy of the overlaps at the points of friction in the last accepted state, J.
     """
 
     def __init__(self, sides: Sides, law: CoulombLaw, types: Indices, H: Array) -> None:
@@ -46,7 +48,7 @@ class Friction:
         self._sides, self._law, self._types = sides, law, types
         self._anchors = empty_anchors(0)
         self._ahead: tuple[Indices, Array] | None = None
-        self.dissipated = 0.0
+        self.dissipated = self.pressed = 0.0
         self.accept(H)
 
     def _tractions(self, H: Array) -> tuple[Stations, Indices, Array]:
@@ -98,6 +100,7 @@ class Friction:
     def accept(self, H: Array) -> None:
         """Set new anchors at frames ``H``, with springs that keep their present elongation."""
         (at, keys, a, b), _, τ = self._tractions(H)
+        self.pressed = overlap_energy(H, at, self._law.normal)
         over_step = self._ahead is not None
         if self._ahead is not None:
             known, over = self._ahead

@@ -50,6 +50,12 @@ _DEEP = 0.1
 """Overlap over the least radius beyond which a message is logged, once."""
 
 
+_COMPARED = 20
+"""Steps in contact after which the points of friction are compared with those of the overlap."""
+
+_UNEVEN = 4.0
+"""Largest ratio of their energies, either way."""
+
 _NONE = empty_secants(0)
 
 
@@ -159,6 +165,7 @@ class PenaltyForces(
         self._law = law.normal
         self._damped = law.damping > 0.0
         self._friction, self.friction = friction, friction is not None
+        self._compared, self._energies = 0, np.zeros(2)
         self._watch = EnergyWatch(name, self._law, self._now)
         if friction is not None:
             self.label = "contacts by penalty with friction"
@@ -336,6 +343,27 @@ class PenaltyForces(
     def watch(self, start: Array, end: Array, h: float, middle: Array | None) -> None:
         """Add a step to the energy balance."""
         self._watch.add(start, end, h, middle)
+        if self._friction is not None and not self._sides.of_balls:
+            self._compare(self._friction.pressed, self._watch.energy)
+
+    def _compare(self, pressed: float, stored: float) -> None:
+        """Log once if points of friction see far less or more than the points of the overlap.
+
+        On lines, the former are fixed, three in each element, and the latter follow the overlap.
+        """
+        if self._compared >= _COMPARED or not stored > 0.0:
+            return
+        self._compared += 1
+        self._energies += pressed, stored
+        part = float(self._energies[0] / self._energies[1])
+        if self._compared == _COMPARED and not 1.0 / _UNEVEN < part < _UNEVEN:
+            _log.warning(
+                "%s: friction acts at fixed points, of which each element has three; they see "
+                "%.0f %% of the energy of the overlap, because the contact is shorter than the "
+                "distance between them. Take shorter elements, or a lower stiffness",
+                self._name,
+                100.0 * part,
+            )
 
     @property
     def watched(self) -> Array:
