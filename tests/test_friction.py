@@ -443,8 +443,8 @@ def test_is_refused(name):
         make()
 
 
-@pytest.mark.parametrize(("cells", "told"), [(20, True), (150, False)])
-def test_friction_that_no_point_of_a_line_sees_is_told(cells, told, caplog):
+@pytest.mark.parametrize(("cells", "reported"), [(20, True), (150, False)])
+def test_friction_that_no_point_of_a_line_sees_is_reported(cells, reported, caplog):
     """A bar on two rollers, in contact over less than the points of friction are apart."""
     radius, stiffness = 0.01, 1e8
     section = fl.Section.circle(radius, fl.Material(2.1e11, 0.3, 7850.0))
@@ -462,4 +462,4 @@ def test_friction_that_no_point_of_a_line_sees_is_told(cells, told, caplog):
         )
     with caplog.at_level("WARNING", "fem_lie"):
         fl.GeneralisedAlpha().run(scene, duration=0.03, step=1e-3, progress=False)
-    assert ("friction acts at fixed points" in caplog.text) == told
+    assert ("friction acts at fixed points" in caplog.text) == reported
