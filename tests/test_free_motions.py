@@ -221,3 +221,15 @@ def test_a_shell_clamped_at_one_node_turns_about_its_normal_there(corners):
             fl.statics(scene)
     else:
         assert fl.statics(scene).displacement(body.point("10"))[-1, 1] > 0.0
+
+
+def test_a_free_body_under_loads_has_small_vibrations():
+    """Statics finds the equilibrium about which they are, and the rigid motions are modes."""
+    scene = fl.Scene()
+    body, ends = free_body(scene, "shell")
+    for end, pull in zip(ends, (-1.0, 1.0), strict=True):
+        scene.add(fl.PointLoad(body.point(end), force=(pull, 0, 0)))
+    with pytest.raises(fl.ConvergenceError, match="nothing resists 4 rigid motions"):
+        fl.statics(scene)
+    found = fl.vibrations(scene, 7).frequencies
+    assert np.sum(found < 1e-3 * found[-1]) == 4

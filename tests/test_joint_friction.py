@@ -342,6 +342,12 @@ def test_joints_without_such_forces_are_refused():
         scene.add(JointFriction(fl.joints.Prismatic(joint.a, joint.b), 0.1, SLOW))
 
 
+def test_a_second_friction_of_a_joint_is_refused():
+    scene, _, joint = slider()
+    with pytest.raises(ValueError, match=r"Prismatic.* has friction already, by"):
+        scene.add(JointFriction(joint, 0.1, SLOW))
+
+
 def test_joints_whose_forces_are_not_unique_or_vanish_are_refused():
     scene, _, joint = slider()
     scene.redundant = fl.joints.RedundantConstraints.MINIMUM_NORM

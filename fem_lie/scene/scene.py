@@ -180,6 +180,7 @@ class Scene(Summarised):
             item.check()
             self._check_points(item.label, *item.bodies)
             self._check_coordinates(item)
+            self._check_friction(item)
             self._check_rotations(item)
             if isinstance(item, Joint):
                 self.joints.append(item)
@@ -444,6 +445,17 @@ class Scene(Summarised):
                 raise ValueError(
                     f"{item.label} acts along the {coordinate.label}, which is not in the scene; "
                     "add the joint first"
+                )
+
+    def _check_friction(self, item: Connection) -> None:
+        """Refuse a second friction of a joint, whose forces would add up."""
+        if item.friction is None:
+            return
+        for other in self.connections:
+            if other.friction is not None and other.friction.joint is item.friction.joint:
+                raise ValueError(
+                    f"{item.label}: {item.friction.joint.label} has friction already, by "
+                    f"{other.label}"
                 )
 
     def _check_rotations(self, item: Holding) -> None:

@@ -17,6 +17,7 @@ from fem_lie.contact.mortar.sides import (
 from fem_lie.contact.pairs.lines import piece_arrays
 from fem_lie.contact.pairs.pair import ContactPair, bodies_of, register_contact_pair
 from fem_lie.contact.pairs.patch_surfaces import PatchSurface
+from fem_lie.contact.pairs.sampled import InHollow, OnGap, OnPlanes, OnSide
 from fem_lie.contact.sides.surfaces import (
     ContactSurface,
     GapSurface,
@@ -24,16 +25,7 @@ from fem_lie.contact.sides.surfaces import (
     LineSurface,
     PlaneSurface,
 )
-from fem_lie.contact.sides.table import (
-    LEVEL,
-    PLANE,
-    ROUND,
-    Nodes,
-    Side,
-    balls_side,
-    level_side,
-    planes_side,
-)
+from fem_lie.contact.sides.table import Nodes
 
 _FORCES: dict[type[ContactLaw], type[MortarForces]] = {
     Mortar: MultiplierForces,
@@ -116,68 +108,24 @@ class MortarLinePatches(MortarPair):
         return b.nodes, b.offsets, b.tangents, b.radii, b.corners
 
 
-class _OnParts(MortarPair):
-    """A second surface of parts without edges."""
-
-    touches: int
-    """Kind of the pairs of points."""
-
-    @abstractmethod
-    def side(self, nodes: Nodes) -> Side:
-        """The second side.
-
-        Args:
-            nodes: Gives the numbers of the nodes of a body in the scene.
-        """
+class _OnParts(OnSide, MortarPair):
+    """A line on a surface of parts without edges."""
 
     def meeting(self, nodes: Nodes) -> MortarSides:
         """Both sides."""
         return LinesOnParts(self.a.pieces(), self.side(nodes), nodes, self.touches)
 
-    def second(self, nodes: Nodes) -> tuple[object, ...]:
-        """The arrays of the second side."""
-        return tuple(self.side(nodes).arrays)
 
-
-class MortarLinePlane(_OnParts):
+class MortarLinePlane(OnPlanes, _OnParts):
     """A line and planes."""
 
-    b: PlaneSurface
 
-    touches = PLANE
-
-    def side(self, nodes: Nodes) -> Side:
-        """The planes."""
-        return planes_side(self.b.faces(), nodes)
-
-
-class MortarLineHollow(_OnParts):
+class MortarLineHollow(InHollow, _OnParts):
     """A line in hollow spheres."""
 
-    b: HollowSurface
 
-    touches = ROUND
-
-    def side(self, nodes: Nodes) -> Side:
-        """The hollow spheres."""
-        return balls_side(self.b.balls(), nodes)
-
-
-class MortarLineGap(_OnParts):
+class MortarLineGap(OnGap, _OnParts):
     """A line and a surface with a gap function."""
-
-    b: GapSurface
-
-    touches = LEVEL
-
-    def side(self, nodes: Nodes) -> Side:
-        """The surface."""
-        return level_side(self.b, nodes)
-
-    def second(self, nodes: Nodes) -> tuple[object, ...]:
-        """The arrays of the surface, its class and its parameters."""
-        surface = type(self.b).__qualname__, tuple(float(each) for each in self.b.parameters)
-        return *super().second(nodes), *surface
 
 
 _PAIRS: tuple[tuple[type[ContactSurface], type[ContactSurface], type[MortarPair]], ...] = (

@@ -13,7 +13,7 @@ import numpy as np
 
 from fem_lie.contact.pairs.line_patches import LinePatchSides
 from fem_lie.contact.pairs.lines import piece_arrays
-from fem_lie.contact.pairs.pair import PenaltyPair, bodies_of
+from fem_lie.contact.pairs.pair import ContactPair, PenaltyPair, bodies_of
 from fem_lie.contact.pairs.patch_surfaces import (
     PatchSurface,
     corner_areas,
@@ -152,11 +152,14 @@ class _OnPolyhedra(_OnPatches):
         return polyhedral_patches(self.b, nodes, straight=True)
 
 
-class _OnSide(_SampledPair):
-    """A second surface whose parts need no search for closest points."""
+class OnSide(ContactPair):
+    """A second surface whose parts need no search for closest points.
+
+    Attributes:
+        touches: Kind of the pairs of points.
+    """
 
     touches: int
-    """Kind of the pairs of points."""
 
     @abstractmethod
     def side(self, nodes: Nodes) -> Side:
@@ -166,18 +169,16 @@ class _OnSide(_SampledPair):
             nodes: Gives the numbers of the nodes of a body in the scene.
         """
 
-    def meeting(self, nodes: Nodes) -> Sides:
-        """Both sides, for the evaluation of contact points."""
-        at, fixed, measures = self.samples(nodes)
-        b = self.side(nodes)
-        return Balls(at, b, kind=self.touches, same=False, areas=measures, fixed=fixed)
-
     def second(self, nodes: Nodes) -> tuple[object, ...]:
-        """The arrays of the second side."""
+        """All that the contact forces depend on, of the second surface: the arrays of its side.
+
+        Args:
+            nodes: Gives the numbers of the nodes of a body in the scene.
+        """
         return tuple(self.side(nodes).arrays)
 
 
-class _OnPlanes(_OnSide):
+class OnPlanes(OnSide):
     """Planes."""
 
     b: PlaneSurface
@@ -189,7 +190,7 @@ class _OnPlanes(_OnSide):
         return planes_side(self.b.faces(), nodes)
 
 
-class _OnGap(_OnSide):
+class OnGap(OnSide):
     """A surface with a gap function."""
 
     b: GapSurface
@@ -206,7 +207,7 @@ class _OnGap(_OnSide):
         return *super().second(nodes), *surface
 
 
-class _InHollow(_OnSide):
+class InHollow(OnSide):
     """Hollow spheres."""
 
     b: HollowSurface
@@ -216,6 +217,16 @@ class _InHollow(_OnSide):
     def side(self, nodes: Nodes) -> Side:
         """The hollow spheres."""
         return balls_side(self.b.balls(), nodes)
+
+
+class _OnSide(OnSide, _SampledPair):
+    """Points on such a surface."""
+
+    def meeting(self, nodes: Nodes) -> Sides:
+        """Both sides, for the evaluation of contact points."""
+        at, fixed, measures = self.samples(nodes)
+        b = self.side(nodes)
+        return Balls(at, b, kind=self.touches, same=False, areas=measures, fixed=fixed)
 
 
 # --- pairs ---
@@ -308,19 +319,19 @@ class PatchPolyhedronPair(_OfPatches, _OnPatches):
         return PatchSides(samples, patches, _NONE, own)
 
 
-class PatchPlanePair(_OfPatches, _OnPlanes):
+class PatchPlanePair(_OfPatches, OnPlanes, _OnSide):
     """A surface of patches and planes."""
 
 
-class PatchGapPair(_OfPatches, _OnGap):
+class PatchGapPair(_OfPatches, OnGap, _OnSide):
     """A surface of patches and one with a gap function."""
 
 
-class PatchHollowPair(_OfPatches, _InHollow):
+class PatchHollowPair(_OfPatches, InHollow, _OnSide):
     """A surface of patches in hollow spheres."""
 
 
-class PolyhedronHollowPair(_InHollow):
+class PolyhedronHollowPair(InHollow, _OnSide):
     """A polyhedron in hollow spheres, which only its corners touch."""
 
     a: PolyhedralSurface
@@ -330,11 +341,11 @@ class PolyhedronHollowPair(_InHollow):
         return point_samples(self.a.balls(), nodes)
 
 
-class LineGapPair(_OfLines, _OnGap):
+class LineGapPair(_OfLines, OnGap, _OnSide):
     """Lines and a surface with a gap function."""
 
 
-class LineHollowPair(_OfLines, _InHollow):
+class LineHollowPair(_OfLines, InHollow, _OnSide):
     """Lines in hollow spheres."""
 
 

@@ -21,7 +21,8 @@ from fem_lie.results.gathering import of_part
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.statics.load_steps import Newton
-from fem_lie.solve.statics.statics import statics
+from fem_lie.solve.statics.statics import StaticOptions, equilibrium
+from fem_lie.solve.statics.unstable import FreeRigidMotions, warn_if_unstable
 from fem_lie.system.equations import Equations
 from fem_lie.system.small_motions import SmallMotions
 
@@ -75,14 +76,18 @@ def _equilibrium(scene: Scene, rotation: Rotation, load_steps: int) -> StaticRes
     Raises:
         ConvergenceError: There is none; the message says how to get one.
     """
-    spin, about = rotation.spin, rotation.about
+    given = scene, (1.0,), rotation
     try:
-        fine = Newton(tolerance=1e-12)
-        return statics(scene, spin=spin, about=about, load_steps=load_steps, newton=fine)
+        fine = StaticOptions(load_steps, Newton(tolerance=1e-12))
+        found = equilibrium(*given, fine, FreeRigidMotions.ALLOWED)
+        warn_if_unstable(found)
+        return found
     except ConvergenceError:
         pass
     try:
-        return statics(scene, spin=spin, about=about, load_steps=load_steps)
+        found = equilibrium(*given, StaticOptions(load_steps), FreeRigidMotions.ALLOWED)
+        warn_if_unstable(found)
+        return found
     except ConvergenceError as error:
         raise ConvergenceError(
             "vibrations are about an equilibrium: the configuration in which the bodies were "

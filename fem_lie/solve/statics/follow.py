@@ -33,6 +33,7 @@ from fem_lie.solve.statics.load_steps import move
 from fem_lie.solve.statics.unstable import (
     POLISHED,
     FreeMotions,
+    FreeRigidMotions,
     SingularStartError,
     maxima,
     negative_pivots,
@@ -70,7 +71,11 @@ def follow_loads(
 
 
 def followed(
-    scene: Scene, levels: Sequence[float], options: ArcLength, prefix: str
+    scene: Scene,
+    levels: Sequence[float],
+    options: ArcLength,
+    prefix: str,
+    free: FreeRigidMotions = FreeRigidMotions.REFUSED,
 ) -> StaticResult:
     """As :func:`follow_loads`, without a warning on stability."""
     check_proportion(scene)
@@ -83,8 +88,8 @@ def followed(
         result = _result(model, error.result, levels, watch.seconds)
         raise ConvergenceError(str(error), result) from None
     result = _result(model, path, levels, watch.seconds)
-    if free := model.free_motions(levels[-1]):
-        raise SingularStartError(free, result)
+    if free is FreeRigidMotions.REFUSED and (message := model.free_motions(levels[-1])):
+        raise SingularStartError(message, result)
     return result
 
 

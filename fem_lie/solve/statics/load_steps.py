@@ -30,6 +30,7 @@ from fem_lie.solve.statics.unstable import (
     HELD,
     POLISHED,
     FreeMotions,
+    FreeRigidMotions,
     FreeStartError,
     SingularStartError,
     negative_pivots,
@@ -114,6 +115,7 @@ class LoadSteps(Iterated):
         rotation: Rotation,
         options: Newton,
         prefix: str,
+        free: FreeRigidMotions = FreeRigidMotions.REFUSED,
     ) -> None:
         """Number the unknowns; for the arguments see :func:`~.statics.statics`."""
         part = divided(scene, prefix)
@@ -145,7 +147,8 @@ class LoadSteps(Iterated):
         self._counts: list[int] = []
         self._pivots: list[int] = []
         self._friction: list[Array | None] = []
-        self._failed, self._failed_steps, self._to_check = 0, 0, True
+        self._failed, self._failed_steps = 0, 0
+        self._to_check = free is FreeRigidMotions.REFUSED
         self._watch = Stopwatch()
 
     def result(self) -> StaticResult:

@@ -6,6 +6,7 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy.typing as npt
 
@@ -17,7 +18,12 @@ from fem_lie.scene.rotation import Rotation
 from fem_lie.solve.statics.arc_length import ArcLength
 from fem_lie.solve.statics.follow import beyond, followed, in_proportion
 from fem_lie.solve.statics.load_steps import LoadSteps, Newton
-from fem_lie.solve.statics.unstable import FreeStartError, SingularStartError, warn_if_unstable
+from fem_lie.solve.statics.unstable import (
+    FreeRigidMotions,
+    FreeStartError,
+    SingularStartError,
+    warn_if_unstable,
+)
 
 _MANY = 10  # number of load steps if full steps and the arc length fail
 
@@ -73,26 +79,56 @@ def statics(
         ConvergenceError: The smallest step failed, or nothing resists a rigid motion of some body;
             its ``result`` holds the states before.
     """
+    options = StaticOptions(load_steps, newton, petsc_options_prefix)
+    result = equilibrium(scene, levels, Rotation.of(spin, about), options)
+    warn_if_unstable(result)
+    return result
+
+
+class StaticOptions(NamedTuple):
+    """Options of :func:`statics`."""
+
+    load_steps: int | None = None
+    newton: Newton | None = None
+    prefix: str = "fem_lie_statics_"
+
+
+def equilibrium(
+    scene: Scene,
+    levels: Sequence[float],
+    rotation: Rotation,
+    options: StaticOptions,
+    free: FreeRigidMotions = FreeRigidMotions.REFUSED,
+) -> StaticResult:
+    """Equilibrium as of :func:`statics`, also one in which rigid motions are free.
+
+    Args:
+        scene: The scene.
+        levels: Load factors.
+        rotation: Steady rotation of the frame in which there is equilibrium.
+        options: Options.
+        free: What becomes of an equilibrium with free rigid motions.
+    """
+    load_steps, newton, prefix = options
     instance(newton, Newton | None, "newton", "options of fl.schemes.Newton or None")
-    options = Newton() if newton is None else newton
+    chosen = Newton() if newton is None else newton
     steps = 1 if load_steps is None else whole(load_steps, "load_steps")
     levels = beyond(scene, levels)
-    rotation = Rotation.of(spin, about)
     rotation.check(scene)
 
     def stepped(count: int, smallest: float) -> StaticResult:
-        search = LoadSteps(scene, rotation, options, petsc_options_prefix)
+        search = LoadSteps(scene, rotation, chosen, prefix, free)
         return search.run(levels, levels[-1] / count, smallest)
 
-    along = partial(followed, scene, levels, ArcLength(), petsc_options_prefix)
-    asked = partial(stepped, steps, options.smallest_step)
+    along = partial(followed, scene, levels, ArcLength(), prefix, free)
+    asked = partial(stepped, steps, chosen.smallest_step)
     roads: list[Callable[[], StaticResult]]
     tension_only = any(body.model.tension_only for body in scene.bodies)
     has_friction = any(contact.has_friction for contact in scene.contacts)
     if (
         tension_only
         or has_friction
-        or not options.linearised_stress
+        or not chosen.linearised_stress
         or rotation
         or not in_proportion(scene)
     ):
@@ -102,13 +138,11 @@ def statics(
     else:
         at_once, halved = (
             partial(stepped, 1, levels[-1]),
-            partial(stepped, _MANY, options.smallest_step),
+            partial(stepped, _MANY, chosen.smallest_step),
         )
         shells = any(body.model.separates_director for body in scene.bodies)
         roads = [along, halved] if shells else [at_once, along, halved]
-    result = _first_that_arrives(roads)
-    warn_if_unstable(result)
-    return result
+    return _first_that_arrives(roads)
 
 
 def _first_that_arrives(roads: Sequence[Callable[[], StaticResult]]) -> StaticResult:

@@ -10,6 +10,7 @@ round-off. However, the rigid motions ``z`` of all parts that constraints allow 
 from __future__ import annotations
 
 import warnings
+from enum import Enum, auto
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -132,6 +133,18 @@ HELD = (
     "long as they are open"
 )
 """Advice where a tangent stiffness is singular."""
+
+
+class FreeRigidMotions(Enum):
+    """What becomes of an equilibrium in which nothing resists a rigid motion.
+
+    Attributes:
+        REFUSED: It is one of many, which is an error.
+        ALLOWED: It is kept: small vibrations about it have rigid motions.
+    """
+
+    REFUSED = auto()
+    ALLOWED = auto()
 
 
 class SingularStartError(ConvergenceError):
