@@ -22,7 +22,7 @@ from dolfinx import fem
 import fem_lie._jit
 from fem_lie._form_cache import compile_form
 from fem_lie._jit import shipped
-from fem_lie._jit.checked_files import read_checked, unpickled, write_checked
+from fem_lie._jit.checked_files import CheckedFiles, read_checked, unpickled, write_checked
 from fem_lie._jit.garbage import seldom_collected
 from fem_lie.solve.progress_bars import Stopwatch
 
@@ -501,3 +501,18 @@ def test_forms_over_parts_are_made_for_their_parts():
         tags = dolfinx.mesh.meshtags(mesh, 1, cells, np.ones(count, dtype=np.int32))
         part = compile_form(v * ufl.dx(1, domain=mesh, subdomain_data=tags))
         assert fem.assemble_vector(part).array.sum() == pytest.approx(0.25 * count, rel=1e-14)
+
+
+class _Vanished:
+    """Like the type of a function that does not exist any more."""
+
+    def __reduce__(self):
+        raise ReferenceError("underlying object has vanished")
+
+
+@pytest.mark.parametrize("others", [{}, {"other": "a"}])
+def test_signatures_of_functions_that_are_gone_leave_the_index(tmp_path, others):
+    """A cache that many scripts share has signatures of functions that only they have."""
+    files = CheckedFiles(str(tmp_path), "function", 1)
+    files._save_index({_Vanished(): "gone", **others, "new": "b"})
+    assert files._load_index() == {**others, "new": "b"}

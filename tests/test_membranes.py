@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import fem_lie as fl
+from studies import variational_sheets
 from tests.unit_systems import OTHER_SYSTEMS
 
 E, NU, T = 1e6, 0.3, 1e-3
@@ -187,3 +188,11 @@ def test_wrong_membranes():
         scene = fl.Scene()
         body = scene.add(fl.Membrane(square(), FILM))
         scene.add(fl.loads.EdgeLoad(body, "a=1", force=(1, 0, 0), following=True))
+
+
+def test_sheets_that_tumble_keep_momenta_and_energy():
+    """The first steps of the study, for the bodies that take the least time."""
+    record = variational_sheets.main(300, ("cable", "membrane", "membrane that wrinkles"))
+    for found in record.values():
+        assert found["momentum"] < 1e-13 and found["angular_momentum"] < 1e-13
+        assert found["swing"] < 1e-5 and found["drift"] < 1e-6

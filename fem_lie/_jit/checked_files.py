@@ -63,6 +63,11 @@ def unpickled(data: bytes | None) -> Any:
         return None
 
 
+def _last(overloads: dict[Any, str]) -> dict[Any, str]:
+    """The signature that was added last."""
+    return dict([list(overloads.items())[-1]])
+
+
 class CheckedFiles(IndexDataCacheFile):
     """Index and data of one function in numba's cache, each with a checksum.
 
@@ -85,7 +90,27 @@ class CheckedFiles(IndexDataCacheFile):
         return overloads if stamp == self._source_stamp else {}
 
     def _save_index(self, overloads: dict[Any, str]) -> None:
+        for kept in (self._alive, self._alive, _last):
+            try:
+                data = self._dump((self._source_stamp, overloads))
+            except ReferenceError:
+                # functions in signatures that were read from the file: numba keeps 128 alive
+                overloads = kept(overloads)
+            else:
+                write_checked(Path(self._index_path), data)
+                return
         write_checked(Path(self._index_path), self._dump((self._source_stamp, overloads)))
+
+    def _alive(self, overloads: dict[Any, str]) -> dict[Any, str]:
+        """Signatures of which all functions still exist."""
+        return {key: name for key, name in overloads.items() if self._is_alive(key)}
+
+    def _is_alive(self, key: Any) -> bool:
+        try:
+            self._dump(key)
+        except ReferenceError:
+            return False
+        return True
 
     def _load_data(self, name: str) -> Any:
         data = read_checked(Path(self._data_path(name)))

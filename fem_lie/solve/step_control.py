@@ -87,6 +87,21 @@ class StepChoice(ABC):
         """
 
 
+def number_of_steps(duration: float, step: float) -> int:
+    """Number of equal steps of a run.
+
+    Raises:
+        ValueError: The duration is no multiple of the step; the message has the nearest step.
+    """
+    steps = round(duration / step)
+    if steps < 1 or abs(steps * step - duration) > 1e-6 * step:
+        raise ValueError(
+            f"duration {duration} is not a multiple of the step {step}; it is one of "
+            f"{duration / max(steps, 1):.12g}"
+        )
+    return steps
+
+
 @dataclass(frozen=True)
 class ConstantStep(StepChoice):
     """Steps of one size, with error estimates in the result.
@@ -113,8 +128,7 @@ class ConstantStep(StepChoice):
             duration: Duration of the run.
         """
         positive(self.size, "the step")
-        if abs(round(duration / self.size) * self.size - duration) > 1e-6 * self.size:
-            raise ValueError(f"duration {duration} is not a multiple of the step {self.size}")
+        number_of_steps(duration, self.size)
         check_events(self.events, duration, self.refinement)
 
     def control(

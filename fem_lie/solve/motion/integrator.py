@@ -31,7 +31,7 @@ from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.parts_file import PartsFile
 from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan, Saving
 from fem_lie.solve.recording.whole_state import is_whole
-from fem_lie.solve.step_control import ConstantStep, Control, StepChoice
+from fem_lie.solve.step_control import ConstantStep, Control, StepChoice, number_of_steps
 from fem_lie.solve.symmetric_steps import SymmetricStep
 from fem_lie.system.equations import Equations
 
@@ -290,7 +290,4 @@ def _number_of_steps(duration: float, step: float) -> int:
             f"duration {duration} is {duration / step:g} times the step {step}, and at most "
             f"{_MOST_STEPS:.0e} steps can be counted"
         )
-    steps = round(duration / step)
-    if steps < 1 or abs(steps * step - duration) > 1e-6 * step:
-        raise ValueError(f"duration {duration} is not a multiple of the step {step}")
-    return steps
+    return number_of_steps(duration, step)
