@@ -225,6 +225,7 @@ def _accept(table: Indices) -> None:
     for c in range(this.gap.shape[0]):
         this.ahead[c] = 2.0 * this.multipliers[c] - this.earlier[c]
     advance(this.H, this.rest, this.delta[: this.step.shape[0]])
+    momenta.keep_axes(this.kinds, this.end, this.H)
     this.gap[:] += this.change
     this.before[:], this.earlier_step[:] = this.after, this.last
     this.last[:], this.earlier[:] = this.step, this.multipliers
