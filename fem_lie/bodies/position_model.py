@@ -1,10 +1,12 @@
-"""What models of bodies with positions as nodes share: supports along directions."""
+"""What bodies with positions as nodes share, and their models: supports of named sets."""
 
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, direction
+from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.model import BodyModel
 from fem_lie.lie.node_types import NodeType
 
@@ -46,6 +48,48 @@ class PositionModel(BodyModel):
             held[:] = np.arange(3) < len(known)
             return
         held[np.flatnonzero(~held)[match.argmax()]] = True
+
+
+class PositionBody(Body):
+    """Body whose nodes have positions only, with supports of named sets."""
+
+    model: PositionModel
+
+    def clamp(self, name: str) -> list[Point]:
+        """Hold all nodes of a named face, curve, point or group of cells.
+
+        Args:
+            name: Name of a face, curve, point or group of cells.
+
+        Returns:
+            Held points, for :meth:`fem_lie.Result.reaction`.
+
+        Raises:
+            ValueError: There is no such set; the message lists what exists.
+        """
+        self.model.held[self.nodes(name), :3] = True
+        return self.points(name)
+
+    def roller(self, name: str, normal: npt.ArrayLike) -> list[Point]:
+        """Hold displacements along a direction fixed in space, as on a plane of symmetry.
+
+        Nodal axes are rotated so that one is that direction, and do not rotate any more.
+        Constraints of earlier calls remain.
+
+        Args:
+            name: A named face, curve, point or group of cells.
+            normal: The direction, global components.
+
+        Returns:
+            Held points, for :meth:`fem_lie.Result.reaction`.
+
+        Raises:
+            ValueError: There is no such set, or the direction is zero.
+        """
+        n = direction(normal, f"the direction of roller {name!r}")
+        for node in self.nodes(name):
+            self.model.hold_along(int(node), n)
+        return self.points(name)
 
 
 def _perpendicular(known: Array) -> Array:

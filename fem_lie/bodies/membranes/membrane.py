@@ -9,11 +9,10 @@ import dolfinx
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices, direction, instance, log_coincident, numbers
+from fem_lie._arrays import Array, Indices, instance, log_coincident, numbers
 from fem_lie.bodies.beams.assembly import mass_only
-from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.model import NO_HOLDS, HeldRotation, Holds
-from fem_lie.bodies.position_model import PositionModel
+from fem_lie.bodies.position_model import PositionBody, PositionModel
 from fem_lie.bodies.shells.assembly import merged_surface
 from fem_lie.bodies.shells.placing import (
     Director,
@@ -159,7 +158,7 @@ class MembranePart(NamedTuple):
     points: Indices
 
 
-class Membrane(Body):
+class Membrane(PositionBody):
     """Membrane on a surface mesh: stretches in its surface, no bending stiffness.
 
     Its nodes have positions only, so there is no stiffness across a flat membrane without tension:
@@ -241,39 +240,6 @@ class Membrane(Body):
         """Cells of each type: itself, with all its nodes and points."""
         every = np.arange(len(self.frames))
         return (MembranePart(self, every, every),)
-
-    def clamp(self, name: str) -> list[Point]:
-        """Hold all nodes of a named curve, group of cells or group of points.
-
-        Args:
-            name: Name of a curve, group of cells or group of points.
-
-        Returns:
-            Held points, for :meth:`fem_lie.Result.reaction`.
-
-        Raises:
-            ValueError: There is no such set; the message lists what exists.
-        """
-        self.model.held[self.nodes(name), :3] = True
-        return self.points(name)
-
-    def roller(self, name: str, normal: npt.ArrayLike) -> list[Point]:
-        """Hold displacements along a direction fixed in space, as on a plane of symmetry.
-
-        Args:
-            name: A named point, curve or group.
-            normal: The direction, global components.
-
-        Returns:
-            Held points, for :meth:`fem_lie.Result.reaction`.
-
-        Raises:
-            ValueError: There is no such set, or the direction is zero.
-        """
-        n = direction(normal, f"the direction of roller {name!r}")
-        for node in self.nodes(name):
-            self.model.hold_along(int(node), n)
-        return self.points(name)
 
 
 def _mean_normals(mesh: SurfaceMesh) -> Array:

@@ -8,9 +8,10 @@ import dolfinx
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import direction, instance, whole
+from fem_lie._arrays import instance, whole
 from fem_lie.bodies.beams.assembly import mass_only
-from fem_lie.bodies.body import Body, Point, Where
+from fem_lie.bodies.body import Point, Where
+from fem_lie.bodies.position_model import PositionBody
 from fem_lie.bodies.solids.model import SolidMaterials, SolidModel
 from fem_lie.elements.solids.element import SolidFormulation
 from fem_lie.mesh.reading import volume_from_dolfinx
@@ -21,7 +22,7 @@ from fem_lie.sections.solid_materials import SolidMaterial
 _log = logging.getLogger(__name__)
 
 
-class Solid(Body):
+class Solid(PositionBody):
     """Solid of hexahedra or tetrahedra, of any hyperelastic material.
 
     Its nodes have positions. Their axes rotate with the adjacent cells when a state is accepted.
@@ -150,39 +151,3 @@ class Solid(Body):
             return Point(self, int(nodes[0]), where)
         frame = self.model.mean_frame(where, np.eye(3) if axes is None else axes)
         return Point(self, int(nodes[0]), where, frame)
-
-    def clamp(self, name: str) -> list[Point]:
-        """Hold all nodes of a named face, curve, point or group of cells.
-
-        Args:
-            name: Name of a face, curve, point or group of cells.
-
-        Returns:
-            Held points, for :meth:`fem_lie.Result.reaction`.
-
-        Raises:
-            ValueError: There is no such set; the message lists what exists.
-        """
-        self.model.held[self.nodes(name), :3] = True
-        return self.points(name)
-
-    def roller(self, name: str, normal: npt.ArrayLike) -> list[Point]:
-        """Hold displacements along a direction fixed in space, as on a plane of symmetry.
-
-        Nodal axes are rotated so that one is that direction, and do not rotate any more.
-        Constraints of earlier calls remain.
-
-        Args:
-            name: A named face, curve, point or group of cells.
-            normal: The direction, global components.
-
-        Returns:
-            Held points, for :meth:`fem_lie.Result.reaction`.
-
-        Raises:
-            ValueError: There is no such set, or the direction is zero.
-        """
-        n = direction(normal, f"the direction of roller {name!r}")
-        for node in self.nodes(name):
-            self.model.hold_along(int(node), n)
-        return self.points(name)

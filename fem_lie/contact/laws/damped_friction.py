@@ -1,4 +1,4 @@
-"""Friction beside damping: dampers beside the tangential springs, limited by the normal force.
+"""Friction with damping: dampers parallel to tangential springs, within the whole normal force.
 
 With the traction ``τ_e`` of a spring, the normal force ``p`` with its damping, and the tangential
 velocity ``v`` of the anchors::

@@ -76,18 +76,19 @@ def _equilibrium(scene: Scene, rotation: Rotation, load_steps: int) -> StaticRes
     Raises:
         ConvergenceError: There is none; the message says how to get one.
     """
-    given = scene, (1.0,), rotation
+
+    def found(newton: Newton | None) -> StaticResult:
+        options = StaticOptions(load_steps, newton)
+        result = equilibrium(scene, (1.0,), rotation, options, FreeRigidMotions.ALLOWED)
+        warn_if_unstable(result)
+        return result
+
     try:
-        fine = StaticOptions(load_steps, Newton(tolerance=1e-12))
-        found = equilibrium(*given, fine, FreeRigidMotions.ALLOWED)
-        warn_if_unstable(found)
-        return found
+        return found(Newton(tolerance=1e-12))
     except ConvergenceError:
         pass
     try:
-        found = equilibrium(*given, StaticOptions(load_steps), FreeRigidMotions.ALLOWED)
-        warn_if_unstable(found)
-        return found
+        return found(None)
     except ConvergenceError as error:
         raise ConvergenceError(
             "vibrations are about an equilibrium: the configuration in which the bodies were "

@@ -86,7 +86,13 @@ def statics(
 
 
 class StaticOptions(NamedTuple):
-    """Options of :func:`statics`."""
+    """Options of :func:`statics`, where they are explained.
+
+    Attributes:
+        load_steps: Number of equal steps to begin with.
+        newton: Options of load steps.
+        prefix: Prefix for the choice of the linear solver.
+    """
 
     load_steps: int | None = None
     newton: Newton | None = None
