@@ -16,47 +16,108 @@ MEANT = {
     "t_end": ("duration",),
     "end_time": ("duration",),
     "time": ("duration", "history"),
+    "times": ("at", "states", "save_at"),
+    "output_every": ("save_every",),
+    "save": ("save_every", "save_at"),
+    "filename": ("path", "file"),
     "rho_inf": ("radius",),
+    "spectral_radius": ("radius",),
     "rho": ("radius", "density"),
     "young": ("E",),
     "poisson": ("nu",),
     "elements": ("cells",),
     "n": ("cells", "count", "modes"),
-    "steps": ("load_steps", "step"),
+    "nev": ("count",),
+    "modes": ("count",),
+    "n_modes": ("count",),
+    "num_modes": ("count",),
+    "prestress": ("at",),
+    "steps": ("load_steps", "step", "resolution"),
+    "increments": ("load_steps",),
+    "arc_length": ("resolution",),
+    "max_load": ("until",),
     "f": ("force",),
     "value": ("force", "pressure"),
+    "m": ("mass", "moment"),
     "torque": ("moment",),
     "function": ("history",),
     "amplitude": ("history",),
     "follower": ("following",),
+    "scale": ("magnified",),
+    "color": ("colours",),
+    "colors": ("colours",),
+    "fps": ("seconds",),
     "k": ("stiffness",),
     "d": ("damping",),
-    "mu": ("friction",),
+    "alpha": ("mass", "radius"),
+    "beta": ("stiffness", "radius"),
+    "gamma": ("radius",),
+    "length": ("rest",),
+    "rest_length": ("rest",),
+    "mu": ("friction", "coefficient"),
+    "e": ("restitution",),
     "r": ("radius",),
     "g": ("gravity",),
+    "i": ("inertia",),
+    "com": ("position",),
+    "origin": ("position",),
+    "center": ("position", "point"),
+    "at": ("point", "position"),
+    "normal": ("axis", "up"),
+    "location": ("at",),
+    "anchor": ("at",),
     "material": ("section",),
     "thickness": ("section",),
     "diameter": ("radius",),
-    "direction": ("axis", "normal"),
+    "orientation": ("up", "rotation"),
+    "direction": ("axis", "normal", "along"),
+    "axis": ("along", "normal"),
     "angle": ("function", "motion", "history"),
     "tol": ("tolerance",),
     "maxiter": ("max_iterations",),
 }
 """Arguments of other codes, in lower case, and what they are called here."""
 
-CONVERTED = {("diameter", "radius"): "half the diameter"}
+CONVERTED = {
+    ("diameter", "radius"): "half the diameter",
+    ("axis", "along"): "the vector from the middle to an end",
+    ("alpha", "radius"): "(1 - α) / (1 + α)",
+    ("beta", "radius"): "β and γ follow from it",
+    ("gamma", "radius"): "β and γ follow from it",
+    ("steps", "resolution"): "one over the number of steps",
+    ("arc_length", "resolution"): "the largest step over the ranges of load and displacement",
+    ("fps", "seconds"): "how long the page plays",
+}
 """Arguments whose values differ from those of the argument that is meant, and by what."""
+
+_HELD = "fl.joints.InPlane(fl.ground(), point, axis=…) holds one displacement"
+_ADAPTIVE = "for steps of variable size pass step=fl.schemes.AdaptiveStep(tolerance)"
+_START = "to start from another state use fl.adaptivity.transfer(result, its_scene, scene)"
 
 ELSEWHERE = {
     "velocity": "use its method add_velocity()",
     "omega": "use its method add_velocity(omega=…)",
     "dt": "the time step is the argument step= of run()",
     "step": "the time step is the argument step= of run()",
+    "adaptive": _ADAPTIVE,
+    "rtol": _ADAPTIVE,
+    "atol": _ADAPTIVE,
+    "initial": _START,
+    "initial_state": _START,
+    "nonlinear": "rotations and displacements are finite in every solver",
     "gravity": "gravity is that of the scene: Scene(gravity=…)",
     "loads": "add loads to the scene: scene.add(load)",
     "supports": "add supports to the scene: scene.add(Clamp(point))",
+    "limits": "add fl.joints.Limit(coordinate, lower, upper) to the scene",
+    "friction": "it belongs to a contact law, or to fl.joints.JointFriction(joint, …)",
+    "Clamp.dofs": _HELD,
+    "Clamp.components": _HELD,
+    "Damping.ratio": "mass=2 ζ ω or stiffness=2 ζ / ω, for a ratio ζ at the angular frequency ω",
+    "PointLoad.frame": "following=True takes components along the axes of the point",
+    "ShellSection.material": "use fl.ShellSection.layer(thickness, material)",
 }
-"""What is no argument of the constructor or function that is called, and where it is given."""
+"""What is no argument of a constructor or function, of any or of the one named before the dot, and
+where it is given."""
 
 
 @runtime_checkable
@@ -179,7 +240,7 @@ def explanation(
     passed = args[bound:]
     for name in kwargs:
         if name not in known:
-            hint = _hint(name, known)
+            hint = _hint(what, name, known)
             return TypeError(f"{what} has no argument {name!r}{hint} (it has {shown})")
     if len(passed) > len(first):
         rest = ", ".join(f"{p.name}=" for p in named if p.kind is p.KEYWORD_ONLY)
@@ -195,13 +256,16 @@ def explanation(
     return TypeError(f"{what}: got {_listed(twice)} twice, by position and by name")
 
 
-def _hint(given: str, known: Sequence[str]) -> str:
+def _hint(what: str, given: str, known: Sequence[str]) -> str:
     """The argument that is probably meant by another name, or where its value is given."""
-    meant = [name for name in MEANT.get(given.lower(), ()) if name in known]
-    meant = meant or get_close_matches(given, known, n=1, cutoff=0.7)
+    lower = given.lower()
+    meant = [name for name in MEANT.get(lower, ()) if name in known]
+    elsewhere = ELSEWHERE.get(f"{what}.{lower}", ELSEWHERE.get(lower, ""))
+    if not meant and not elsewhere:
+        meant = get_close_matches(given, known, n=1, cutoff=0.7)
     if meant:
-        return f"; expected {' or '.join(_with_unit(given.lower(), name) for name in meant)}"
-    return f"; {ELSEWHERE[given.lower()]}" if given.lower() in ELSEWHERE else ""
+        return f"; expected {' or '.join(_with_unit(lower, name) for name in meant)}"
+    return f"; {elsewhere}" if elsewhere else ""
 
 
 def _with_unit(given: str, meant: str) -> str:

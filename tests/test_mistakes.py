@@ -68,6 +68,42 @@ MISTAKES = {
     "r=": (lambda: fl.contact.Sphere(END, r=0.1), "'r'; expected radius="),
     "k=": (lambda: fl.joints.Spring(1, k=1.0), "'k'; expected stiffness="),
     "angle=": (lambda: fl.joints.Drive(1, angle=np.sin), "'angle'; expected function="),
+    "axis of a cylinder": (
+        lambda: fl.contact.Cylinder(END, axis=(0, 0, 1)),
+        r"expected along= \(the vector from the middle to an end",
+    ),
+    "alpha=": (lambda: fl.GeneralisedAlpha(alpha=0.1), r"expected radius= \(\(1 - α\)"),
+    "beta=": (lambda: fl.GeneralisedAlpha(beta=0.25), r"expected radius= \(β and γ follow"),
+    "steps of a path": (
+        lambda: fl.follow_path(SCENE, steps=20),
+        r"expected resolution= \(one over the number of steps",
+    ),
+    "times of a picture": (
+        lambda: fl.statics(SCENE).picture("tip.png", times=[1.0]),
+        "'times'; expected at=",
+    ),
+    "ratio=": (lambda: fl.sections.Damping(ratio=0.01), "for a ratio ζ at the angular frequency ω"),
+    "adaptive=": (
+        lambda: ALPHA.run(SCENE, duration=0.1, step=0.01, adaptive=True),
+        r"pass step=fl.schemes.AdaptiveStep\(tolerance\)",
+    ),
+    "initial=": (
+        lambda: ALPHA.run(SCENE, duration=0.1, step=0.01, initial=None),
+        r"use fl.adaptivity.transfer\(result, its_scene, scene\)",
+    ),
+    "dofs=": (lambda: fl.Clamp(END, dofs=(0, 1)), r"fl.joints.InPlane\(fl.ground\(\), point"),
+    "friction of a hinge": (
+        lambda: fl.joints.Revolute(fl.ground(), END, axis=(0, 1, 0), friction=0.1),
+        r"to fl.joints.JointFriction\(joint",
+    ),
+    "material of a layer": (
+        lambda: fl.ShellSection(thickness=0.1, material=STEEL),
+        r"use fl.ShellSection.layer\(thickness, material\)",
+    ),
+    "frame of a load": (
+        lambda: fl.PointLoad(END, force=(0, 0, 1), frame="local"),
+        "following=True takes components along the axes of the point",
+    ),
     # wrong kinds of values
     "a force of time": (
         lambda: add(fl.PointLoad(END, force=lambda t: (0, 0, t))),
