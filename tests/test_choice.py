@@ -189,6 +189,14 @@ def test_statics_is_the_same_by_any_package_that_is_asked_for(cells, package):
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-13)
 
 
+@pytest.mark.parametrize("scene", [cube(3), cube(5), plate(4)], ids=["cube", "larger", "plate"])
+def test_solvers_leave_no_options_behind_that_nobody_gave(scene):
+    given = PETSc.Options("test_left_")
+    given["mat_umfpack_pivot_tolerance"] = 0.05
+    fl.statics(scene, petsc_options_prefix="test_left_")
+    assert given.getAll() == {"mat_umfpack_pivot_tolerance": "0.05"}
+
+
 def test_a_package_that_is_not_there_is_refused_by_name():
     PETSc.Options("test_missing_")["pc_factor_mat_solver_type"] = "pastiche"
     with pytest.raises(ValueError, match=r"-test_missing_pc_factor_mat_solver_type.*'pastiche'"):

@@ -56,14 +56,11 @@ def test_an_indefinite_matrix_stays_with_the_solver_that_can(cells):
 
 
 def test_options_that_are_given_come_before_those_of_a_package():
-    model = SceneEquilibrium(pinched(0.04, quarter(3), fl.elements.HellingerReissner()), "test_")
     options = PETSc.Options("test_given_")
     options["mat_umfpack_pivot_tolerance"] = 0.5
-    fl.extend.DirectSolver(
-        model.equations.matrix, "test_given_", [fl.extend.Method("lu", "umfpack")]
-    )
-    assert options.getReal("mat_umfpack_pivot_tolerance") == 0.5
-    assert options.getString("mat_umfpack_strategy") == "SYMMETRIC"
+    with fl.extend.Method("lu", "umfpack").options("test_given_"):
+        assert options.getReal("mat_umfpack_pivot_tolerance") == 0.5
+        assert options.getString("mat_umfpack_strategy") == "SYMMETRIC"
 
 
 @pytest.mark.parametrize("methods", [SYMMETRIC, INDEFINITE])

@@ -24,7 +24,6 @@ from fem_lie.linear.equilibrated import (
 from fem_lie.linear.factors import Solution, addresses
 from fem_lie.linear.low_rank import Columns
 from fem_lie.linear.packages import (
-    DEFAULTS,
     DIAGNOSIS,
     ON_RANKS,
     RESCUES,
@@ -284,11 +283,8 @@ class DirectSolver:
             ksp.setOperators(matrix)
             ksp.setType(PETSc.KSP.Type.PREONLY)
             method.put(ksp.getPC(), self._kkt, self._own)
-            options = PETSc.Options(self._prefix)
-            for name, value in DEFAULTS.get(method.package, {}).items():
-                if name not in options:
-                    options[name] = value
-            ksp.setFromOptions()
+            with method.options(self._prefix):
+                ksp.setFromOptions()
             self._solvers[method] = ksp
         return self._solvers[method]
 

@@ -81,13 +81,17 @@ class Method:
 
     @contextmanager
     def options(self, prefix: str) -> Iterator[None]:
-        """Context in which :attr:`defaults` are options that are not given otherwise.
+        """Context in which defaults are options that are not given otherwise.
+
+        They are :attr:`defaults` and those of the package, :data:`DEFAULTS`. PETSc would warn at
+        the end of a script of options of a package that was not used.
 
         Args:
             prefix: Prefix of PETSc's options.
         """
         known = PETSc.Options(prefix)
-        added = {name: value for name, value in self.defaults.items() if name not in known}
+        defaults = {**DEFAULTS.get(self.package, {}), **self.defaults}
+        added = {name: value for name, value in defaults.items() if name not in known}
         for name, value in added.items():
             known[name] = value
         try:
