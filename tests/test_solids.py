@@ -11,6 +11,7 @@ from dolfinx.io import VTXWriter
 
 import fem_lie as fl
 from tests.assembled import Assembled
+from tests.drawn import empty_model
 
 RUBBER = fl.sections.NeoHooke(1e4, 0.3, 1.0)
 SECTION = fl.Section.from_stiffness([1e3, 1e3, 1e3, 10, 10, 10], mass=1.0, rotary=(0.01, 0.01))
@@ -316,6 +317,40 @@ def test_pictures_and_files(cell, degree, tmp_path):
         found.picture(tmp_path / "states.png")
         assert (tmp_path / "stress.png").stat().st_size > 10_000
         assert (tmp_path / "states.png").stat().st_size > 5_000
+
+
+def test_a_picture_has_the_edges_of_the_body_not_those_of_its_cells(tmp_path):
+    """Facets of gmsh's tetrahedra turn either way; a uniform stress looks like that of a brick."""
+    pictures = []
+    with empty_model() as session:
+        session.model.occ.addBox(0, 0, 0, 1, 1, 1)
+        session.model.occ.synchronize()
+        session.option.setNumber("Mesh.MeshSizeMax", 0.5)
+        session.model.mesh.generate(3)
+        faces = {f"{'abc'[k]}=0": lambda x, k=k: abs(x[k]) < 1e-9 for k in range(3)}
+        faces["a=1"] = lambda x: abs(x[0] - 1) < 1e-9
+        tetrahedra = fl.Solid(fl.mesh.read_gmsh_volume().named(faces=faces), RUBBER, degree=2)
+    for cube in (tetrahedra, brick((2, 2, 2), (1, 1, 1), degree=2)):
+        for name, normal in (("a", (1, 0, 0)), ("b", (0, 1, 0)), ("c", (0, 0, 1))):
+            cube.roller(f"{name}=0", normal)
+        scene = scene_of(cube)
+        scene.add(fl.loads.FaceLoad(cube, "a=1", (2e3, 0, 0)))
+        stresses = fl.post.solid_stresses(fl.statics(scene), cube)
+        stresses.picture(tmp_path / "cube.png", "xx", title="cube", view=(2, -1, 1))
+        pictures.append(pyvista.read(tmp_path / "cube.png").point_data["PNGImage"].astype(float))
+    assert (np.abs(pictures[1] - pictures[0]).max(axis=-1) > 30).mean() < 1e-4
+
+
+def test_a_view_from_the_front_is_that_of_a_plane_scene(tmp_path):
+    beam = fl.Beam.straight((0, 0, 0), (1, 0, 0.5), SECTION, cells=2)
+    scene, pictures = scene_of(beam), {}
+    for view in (None, (0, -2, 0), (0, 0, 1)):
+        scene.picture(tmp_path / "beam.png", view=view)
+        pictures[view] = pyvista.read(tmp_path / "beam.png").point_data["PNGImage"]
+    np.testing.assert_array_equal(pictures[None], pictures[0, -2, 0])
+    assert (pictures[None] != pictures[0, 0, 1]).any()
+    with pytest.raises(ValueError, match="view must not be zero"):
+        scene.picture(tmp_path / "beam.png", view=(0, 0, 0))
 
 
 def test_motions_are_drawn_and_written(tmp_path):

@@ -22,7 +22,9 @@ _COLOURS = 256
 
 _COLOUR_AMBIENT = 0.7  # large, so that colours are nearly independent of the orientation
 
+_SCALE = 0.09  # part of the width that the colour scale takes
 _SUBDIVISION = 2  # subdivision of cells of second degree
+_CONSTANT = 1e-6  # range of round-off, relative to the values
 _ONE_SIGN = 0.02  # fraction of the largest value below which values of the other sign are ignored
 
 
@@ -67,7 +69,9 @@ def draw_values(
     size, grid = canvas.size, surface_grid(points, cells, mesh)
     grid.point_data[label] = values
     drawn = _compat.drawn_surface(grid, _SUBDIVISION)
-    rim = _compat.drawn_surface(surface_grid(unloaded, cells, mesh), 1).extract_feature_edges()
+    # facets of gmsh's tetrahedra turn either way, and each change of side would be an edge
+    outline = _compat.drawn_surface(surface_grid(unloaded, cells, mesh), 1)
+    rim = outline.compute_normals(consistent_normals=True).extract_feature_edges()
     with plotting((), canvas) as plotter:
         plotter.add_mesh(
             drawn,
@@ -96,7 +100,7 @@ def draw_values(
         if rim.n_points:
             plotter.add_mesh(rim, color=INK, line_width=size[0] / 800)
         both = np.stack([unloaded, points])[:, :, np.newaxis]
-        add_frame(plotter, both, (), canvas)
+        add_frame(plotter, both, (), canvas, beside=_SCALE)
         plotter.screenshot(target)
 
 
@@ -106,10 +110,12 @@ def _signed(values: Array) -> bool:
 
 
 def _limits(values: Array) -> tuple[float, float]:
-    if not _signed(values):
-        return float(values.min()), float(values.max())
-    largest = float(np.abs(values).max())
-    return -largest, largest
+    low, high, largest = float(values.min()), float(values.max()), float(np.abs(values).max())
+    if _signed(values):
+        return -largest, largest
+    if high - low < _CONSTANT * largest:
+        return min(low, 0.0), max(high, 0.0)
+    return low, high
 
 
 _PALEST = 0.25

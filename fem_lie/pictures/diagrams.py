@@ -81,11 +81,13 @@ class VectorSeries(NamedTuple):
         label: What it belongs to, and its unit.
         symbol: Symbol of the components; empty: their axes alone.
         values: Shape (k, 3).
+        least: Smallest magnitude to which the axis reaches, so that round-off looks like zero.
     """
 
     label: str
     symbol: str
     values: Array
+    least: float = 0.0
 
 
 def components(
@@ -108,9 +110,11 @@ def components(
     figure, axes = figure_of_rows(len(series), title, units)
     values, name, unit = along
     marker = "" if len(values) > _MARKED else "o"
-    for ax, (label, symbol, vectors) in zip(axes, series, strict=True):
+    for ax, (label, symbol, vectors, least) in zip(axes, series, strict=True):
         _components(ax, values, vectors, symbol, marker)
         ax.set_ylabel(label)
+        if np.ptp(vectors) < least:
+            ax.set_ylim(vectors.min() - least, vectors.max() + least)
     axes[-1].set_xlabel(f"{name} [{unit}]" if unit else name)
     return saved(figure, path)
 

@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Indices, direction
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,9 @@ def _start() -> tuple[subprocess.Popen[bytes], str]:
 
 INK = "#333333"
 _MARGIN, _LINES = 0.045, 4.0  # space for titles of axes: fraction of the width, and lines of text
+_ALONG = 0.999  # cosine from which a view is along z
+_ACROSS = (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)  # views of planes across an axis
+_OBLIQUE = 1.0, 1.0, 1.0
 _PER_TEXT = 100  # width of the picture in pixels over the text size
 
 
@@ -112,12 +116,15 @@ class Canvas(NamedTuple):
         units: Units of the axes.
         size: Width and height, pixels.
         text: Text size of the axes; default: a hundredth of the width.
+        view: Direction from the scene to the viewer, shape (3,); default: at right angles to a
+            plane scene, else (1, 1, 1).
     """
 
     title: str = ""
     units: Units = SI
     size: tuple[int, int] = (1600, 1200)
     text: int | None = None
+    view: npt.ArrayLike | None = None
 
 
 PLAIN = Canvas()
@@ -161,12 +168,26 @@ def plotting(paths: Sequence[Array], canvas: Canvas) -> Iterator[Any]:
             plotter.close()
 
 
-def add_frame(plotter: Any, frames: Array, paths: Sequence[Array], canvas: Canvas) -> None:
-    """Axes with round numbers around all configurations, and the camera."""
+def add_frame(
+    plotter: Any, frames: Array, paths: Sequence[Array], canvas: Canvas, *, beside: float = 0.0
+) -> None:
+    """Axes with round numbers around all configurations, and the camera.
+
+    Args:
+        plotter: PyVista plotter.
+        frames: Frames of all configurations, shape (..., N, 4, 3) or (..., N, 1, 3).
+        paths: Lines, each of shape (k, 3).
+        canvas: Title, units, size and view.
+        beside: Part of the width, on the right, that stays free.
+
+    Raises:
+        ValueError: The view of the canvas is not a direction.
+    """
     units, size = canvas.units, canvas.size
     from vtkmodules.vtkCommonCore import vtkStringArray
 
     low, high, step, flat = round_box(frames, paths)
+    towards = _view(canvas, flat)
     counts = np.rint((high - low) / step).astype(int) + 1
     bounds = np.column_stack([low, high]).ravel().tolist()
     font = canvas.text or size[0] // _PER_TEXT
@@ -188,32 +209,42 @@ def add_frame(plotter: Any, frames: Array, paths: Sequence[Array], canvas: Canva
     for axis in range(3):
         labels = vtkStringArray()
         for number, value in enumerate(np.rint(low[axis] / step) + np.arange(counts[axis])):
-            # in space the lowest of z and the first of y, and the last of x and the highest of z,
-            # would overlap
+            # from an oblique view the lowest of z and the first of y, and the last of x and the
+            # highest of z, would overlap
             hidden = (axis == 2 and number == 0) or (axis == 0 and number == counts[0] - 1)
-            shown = "" if hidden and len(flat) != 1 else f"{value * step:.6g}"
+            shown = "" if hidden and towards.all() else f"{value * step:.6g}"
             labels.InsertNextValue(shown)
         axes.SetAxisLabels(axis, labels)
-    if len(flat) == 1:
-        (plotter.view_yz, plotter.view_xz, plotter.view_xy)[flat[0]]()
-    else:
-        plotter.view_isometric()
+    plotter.view_vector(towards, _up(towards))
     plotter.enable_parallel_projection()
     plotter.reset_camera(bounds=bounds)
     bodies = np.array(plotter.bounds).reshape(3, 2).T
     corners = np.array([low, high]), bodies
-    _fit(plotter.camera, np.concatenate(corners), size, _MARGIN * size[0] + _LINES * font)
+    margins = np.full(4, _MARGIN * size[0] + _LINES * font)
+    margins[1] += beside * size[0]
+    _fit(plotter.camera, np.concatenate(corners), size, margins)
     plotter.reset_camera_clipping_range()
 
 
-def _fit(camera: Any, corners: Array, size: tuple[int, int], margin: float) -> None:
-    """Set a parallel camera to show boxes, with a margin in pixels all around.
+def _view(canvas: Canvas, flat: Indices) -> Array:
+    """Unit vector from the scene to the viewer, shape (3,)."""
+    default = _ACROSS[flat[0]] if len(flat) == 1 else _OBLIQUE
+    return direction(default if canvas.view is None else canvas.view, "view")
+
+
+def _up(view: Array) -> tuple[float, float, float]:
+    """Axis that points upwards in a picture: z, or y where the viewer looks along z."""
+    return (0.0, 1.0, 0.0) if abs(view[2]) > _ALONG else (0.0, 0.0, 1.0)
+
+
+def _fit(camera: Any, corners: Array, size: tuple[int, int], margins: Array) -> None:
+    """Set a parallel camera to show boxes, with margins around them.
 
     Args:
         camera: PyVista camera; its direction is kept.
         corners: Lowest and highest corner of each box, one after the other, shape (2 k, 3).
         size: Width and height of the picture, pixels.
-        margin: Margin, pixels.
+        margins: Left, right, lower and upper margin, pixels.
     """
     forward = np.array(camera.focal_point) - np.array(camera.position)
     distance = float(np.linalg.norm(forward))
@@ -225,9 +256,10 @@ def _fit(camera: Any, corners: Array, size: tuple[int, int], margin: float) -> N
     picks = np.array(list(np.ndindex(2, 2, 2)))
     points = np.concatenate([box[picks, np.arange(3)] for box in boxes]) @ seen.T
     low, high = points.min(axis=0), points.max(axis=0)
-    available = np.maximum(np.array(size) - 2.0 * margin, 0.2 * np.array(size))
+    before, after = margins.reshape(2, 2).T
+    available = np.maximum(np.array(size) - before - after, 0.2 * np.array(size))
     per_pixel = float(((high - low) / available).max())
-    middle = 0.5 * (low + high) @ seen
+    middle = (0.5 * (low + high) + 0.5 * per_pixel * (after - before)) @ seen
     focus = middle + (np.array(camera.focal_point) @ forward) * forward
     camera.focal_point = focus.tolist()
     camera.position = (focus - distance * forward).tolist()

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+import numpy.typing as npt
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import Point
@@ -124,6 +125,7 @@ class StaticResult(StateSeries, Saved):
         magnified: float = 1.0,
         title: str = "",
         units: Units = SI,
+        view: npt.ArrayLike | None = None,
     ) -> None:
         """Draw the undeformed bodies and equilibrium states; later states are darker.
 
@@ -139,6 +141,8 @@ class StaticResult(StateSeries, Saved):
                 of the paths of ``trace``; forces stay at their positions in the state.
             title: Title of the picture.
             units: Units of the axes.
+            view: Direction from the scene to the viewer: (0, 0, 1) from above. Default: at right
+                angles to a plane scene, else (1, 1, 1).
 
         Raises:
             ValueError: There is no such state.
@@ -147,7 +151,7 @@ class StaticResult(StateSeries, Saved):
         moved = self._magnified(self.frames[rows], magnified)
         drawn = np.concatenate([self.info.undeformed[np.newaxis], moved])
         paths = self._traces(trace, magnified)
-        canvas = Canvas(title, units)
+        canvas = Canvas(title, units, view=view)
         bodies.draw(
             self.info, drawn, path, paths=paths, triads=frames, arrows=arrows, canvas=canvas
         )

@@ -322,6 +322,7 @@ class Result(Balanced, StateSeries):
         magnified: float = 1.0,
         title: str = "",
         units: Units = SI,
+        view: npt.ArrayLike | None = None,
     ) -> None:
         """Draw the bodies at several times; later states are darker.
 
@@ -335,11 +336,13 @@ class Result(Balanced, StateSeries):
                 of the paths of ``trace``; forces stay at their positions in the state.
             title: Title of the picture.
             units: Units of the axes.
+            view: Direction from the scene to the viewer: (0, 0, 1) from above. Default: at right
+                angles to a plane scene, else (1, 1, 1).
         """
         rows = self._instants(_DRAWN) if times is None else [self.index(time) for time in times]
         drawn = self._magnified(self.frames[rows], magnified)
         paths = self._traces(trace, magnified)
-        canvas = Canvas(title, units)
+        canvas = Canvas(title, units, view=view)
         bodies.draw(
             self.info, drawn, path, paths=paths, triads=frames, arrows=arrows, canvas=canvas
         )

@@ -119,6 +119,7 @@ class ModeShapes(ABC):
         amplitude: float | None = None,
         title: str | None = None,
         units: Units = SI,
+        view: npt.ArrayLike | None = None,
     ) -> None:
         """Draw a mode; for a critical point, with the critical state.
 
@@ -130,6 +131,8 @@ class ModeShapes(ABC):
                 largest rotation.
             title: Title of the picture; default: description and load factor.
             units: Units of the axes.
+            view: Direction from the scene to the viewer: (0, 0, 1) from above. Default: at right
+                angles to a plane scene, else (1, 1, 1).
 
         Raises:
             ValueError: There is no such mode, or an amplitude is given for a mode with rotations
@@ -138,7 +141,7 @@ class ModeShapes(ABC):
         look = self._look(mode)
         frames = self._frames(mode, amplitude, np.asarray(look.parts))
         name = look.title if title is None else title
-        bodies.draw(self.info, frames, path, canvas=Canvas(name, units))
+        bodies.draw(self.info, frames, path, canvas=Canvas(name, units, view=view))
 
     def page(
         self,

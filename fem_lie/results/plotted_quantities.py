@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
+import numpy as np
+
 from fem_lie._arrays import shown
 from fem_lie.pictures.diagrams import VectorSeries
 
@@ -19,26 +21,34 @@ Curves: TypeAlias = "tuple[tuple[Array, str, str], list[VectorSeries]]"
 """Times or load factors, their name and unit; vectors over them."""
 
 
+Series: TypeAlias = "Callable[[str, Array, Units, float], list[VectorSeries]]"
+"""Diagrams of a label, the values of a quantity, units and the size of a scene."""
+
+_ROUND_OFF = 1e-6  # part of the size of a scene, or of the moment of its forces, that is round-off
+
+
 def label_of(item: object) -> str:
     """Label of a point, joint or support in diagrams."""
     return item if isinstance(item, str) else str(getattr(item, "label", f"node {item}"))
 
 
-def _length(symbol: str) -> Callable[[str, Array, Units], list[VectorSeries]]:
-    def series(label: str, values: Array, units: Units) -> list[VectorSeries]:
-        return [VectorSeries(f"{label} [{units.length}]", symbol, values)]
+def _length(symbol: str) -> Series:
+    def series(label: str, values: Array, units: Units, size: float) -> list[VectorSeries]:
+        return [VectorSeries(f"{label} [{units.length}]", symbol, values, _ROUND_OFF * size)]
 
     return series
 
 
-def _wrench(label: str, values: Array, units: Units) -> list[VectorSeries]:
+def _wrench(label: str, values: Array, units: Units, size: float) -> list[VectorSeries]:
+    F, M = values[:, :3], values[:, 3:]
+    force, moment = np.abs(F).max(), np.abs(M).max()
     return [
-        VectorSeries(f"{label} [{units.force}]", "F", values[:, :3]),
-        VectorSeries(f"{label} [{units.force} {units.length}]", "M", values[:, 3:]),
+        VectorSeries(f"{label} [{units.force}]", "F", F, _ROUND_OFF * moment / size),
+        VectorSeries(f"{label} [{units.force} {units.length}]", "M", M, _ROUND_OFF * force * size),
     ]
 
 
-_SERIES: dict[str, Callable[[str, Array, Units], list[VectorSeries]]] = {
+_SERIES: dict[str, Series] = {
     "position": _length(""),
     "displacement": _length("u"),
     "joint_force": _wrench,
@@ -47,7 +57,9 @@ _SERIES: dict[str, Callable[[str, Array, Units], list[VectorSeries]]] = {
 _OPTIONS: dict[str, dict[str, str]] = {"joint_force": {"axes": "global"}}
 
 
-def plotted(result: object, of: Sequence[Any], quantity: str, units: Units) -> list[VectorSeries]:
+def plotted(
+    result: object, of: Sequence[Any], quantity: str, units: Units, size: float
+) -> list[VectorSeries]:
     """Components in all states, forces along global axes.
 
     Args:
@@ -55,6 +67,7 @@ def plotted(result: object, of: Sequence[Any], quantity: str, units: Units) -> l
         of: Points, joints or supports.
         quantity: Name of the quantity.
         units: Units, for labels.
+        size: Size of the scene.
 
     Raises:
         ValueError: There is no such quantity, nothing it is to be drawn of, or no such point.
@@ -70,5 +83,5 @@ def plotted(result: object, of: Sequence[Any], quantity: str, units: Units) -> l
     return [
         series
         for item in of
-        for series in _SERIES[quantity](label_of(item), values(item, **options), units)
+        for series in _SERIES[quantity](label_of(item), values(item, **options), units, size)
     ]

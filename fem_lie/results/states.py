@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, ClassVar, Literal, Protocol, SupportsIndex
 
 import numpy as np
+import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices, instance, number, shown, whole
@@ -20,6 +21,7 @@ from fem_lie.pictures import bodies, diagrams
 from fem_lie.pictures.page.colours import NodalColours
 from fem_lie.pictures.page.content import drawn
 from fem_lie.pictures.page.page import Diagram, Page, Slider, page
+from fem_lie.pictures.shapes import scene_size
 from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.pictures.vtk import ForcesInBeam, forces_in_cells
 from fem_lie.results.files.functions import NodalFields
@@ -242,7 +244,8 @@ class StateSeries(Summarised, Displaced, Written):
         self, of: Sequence[Point | Connection | Support | str | int], name: Quantity, units: Units
     ) -> Curves:
         """Times or load factors with their label, and the components over them."""
-        return self._along(units), plotted(self, of, name, units)
+        size = scene_size(self.info.undeformed)
+        return self._along(units), plotted(self, of, name, units, size)
 
     def joint_force(
         self, joint: Connection | str, axes: Literal["joint", "global"] = "joint"
@@ -305,6 +308,7 @@ class StateSeries(Summarised, Displaced, Written):
         trace: Sequence[Point | str | int] = (),
         title: str = "",
         units: Units = SI,
+        view: npt.ArrayLike | None = None,
     ) -> None:
         """Draw the states as an animated picture.
 
@@ -316,6 +320,8 @@ class StateSeries(Summarised, Displaced, Written):
             trace: Points whose paths are drawn.
             title: Title of the picture.
             units: Units of the axes.
+            view: Direction from the scene to the viewer: (0, 0, 1) from above. Default: at right
+                angles to a plane scene, else (1, 1, 1).
 
         Raises:
             ValueError: The name does not end in ``.gif``, there is no such point, or no image.
@@ -327,7 +333,7 @@ class StateSeries(Summarised, Displaced, Written):
             path,
             seconds=seconds,
             paths=paths,
-            canvas=Canvas(title, units, bodies.PLAYED.size),
+            canvas=Canvas(title, units, bodies.PLAYED.size, view=view),
         )
 
     def page(

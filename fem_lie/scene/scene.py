@@ -387,6 +387,7 @@ class Scene(Summarised):
         frames: bool = False,
         title: str = "",
         units: Units = SI,
+        view: npt.ArrayLike | None = None,
     ) -> None:
         """Draw the bodies in the initial configuration.
 
@@ -395,6 +396,8 @@ class Scene(Summarised):
             frames: Whether to draw the nodal frames.
             title: Title of the picture.
             units: Units of the axes.
+            view: Direction from the scene to the viewer: (0, 0, 1) from above. Default: at right
+                angles to a plane scene, else (1, 1, 1).
 
         Raises:
             ValueError: The scene has no body, or the name does not end in ``.png``.
@@ -402,7 +405,13 @@ class Scene(Summarised):
         if not self.bodies:
             raise ValueError("the scene has no body")
         nodes = np.concatenate([body.frames for body in self.bodies])
-        draw(SceneInfo.of(self.bodies), nodes, path, triads=frames, canvas=Canvas(title, units))
+        draw(
+            SceneInfo.of(self.bodies),
+            nodes,
+            path,
+            triads=frames,
+            canvas=Canvas(title, units, view=view),
+        )
 
     def _add_body(self, body: Body) -> None:
         if body in self._known:

@@ -18,6 +18,7 @@ from functools import cached_property
 
 import dolfinx
 import numpy as np
+import numpy.typing as npt
 from dolfinx import fem
 
 from fem_lie._arrays import Array, instance
@@ -268,6 +269,7 @@ class Resultants(ResultantValues):
         magnified: float = 1.0,
         title: str = "",
         units: Units = SI,
+        view: npt.ArrayLike | None = None,
     ) -> None:
         """Draw the deformed shell, coloured by a quantity, and the outline of the undeformed one.
 
@@ -277,6 +279,8 @@ class Resultants(ResultantValues):
             magnified: Factor of the displacements in the picture.
             title: Title of the picture; default: what is drawn.
             units: Units of the axes and the colour scale.
+            view: Direction from the scene to the viewer: (0, 0, 1) from above. Default: at right
+                angles to a plane scene, else (1, 1, 1).
 
         Raises:
             ValueError: The name does not end in ``.png``; or see :meth:`smooth`.
@@ -290,5 +294,5 @@ class Resultants(ResultantValues):
             X[node] + magnified * (self.frames[node, 0] - X[node]),
             self.smooth(name),
             f"{name} [{QUANTITIES[name].unit(units)}]",
-            Canvas(title or f"{name} of {self.shell.label}", units),
+            Canvas(title or f"{name} of {self.shell.label}", units, view=view),
         )

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from dolfinx import fem
 
 from fem_lie._arrays import Array, instance
@@ -133,6 +134,7 @@ class SolidStresses(Fields):
         *,
         title: str = "",
         units: Units = SI,
+        view: npt.ArrayLike | None = None,
     ) -> None:
         """Draw the deformed solid, coloured by a quantity, and the outline of the undeformed one.
 
@@ -141,6 +143,8 @@ class SolidStresses(Fields):
             name: As for :meth:`smooth`.
             title: Title of the picture; default: what is drawn.
             units: Units of the axes and the colour scale.
+            view: Direction from the scene to the viewer: (0, 0, 1) from above. Default: at right
+                angles to a plane scene, else (1, 1, 1).
 
         Raises:
             ValueError: The name does not end in ``.png``, or there is no such quantity.
@@ -154,7 +158,7 @@ class SolidStresses(Fields):
             self.frames[:, 0],
             self.smooth(name),
             f"{name} [{units.force}/{units.length}²]",
-            Canvas(title or f"{name} of {self.solid.label}", units),
+            Canvas(title or f"{name} of {self.solid.label}", units, view=view),
         )
 
 

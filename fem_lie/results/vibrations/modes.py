@@ -126,6 +126,7 @@ class Modes(ModeDisplacements[np.complex128]):
         amplitude: float = 0.1,
         title: str | None = None,
         units: Units = SI,
+        view: npt.ArrayLike | None = None,
     ) -> None:
         """Draw half an oscillation of a mode.
 
@@ -135,10 +136,12 @@ class Modes(ModeDisplacements[np.complex128]):
             amplitude: See :meth:`moved`.
             title: Title of the picture; default: number and frequency.
             units: Units of the axes.
+            view: Direction from the scene to the viewer: (0, 0, 1) from above. Default: at right
+                angles to a plane scene, else (1, 1, 1).
         """
         frames = self.moved(mode, amplitude, np.linspace(np.pi, 0.0, 7))
         name = self._title(mode, title, units)
-        bodies.draw(self.info, frames, path, canvas=Canvas(name, units))
+        bodies.draw(self.info, frames, path, canvas=Canvas(name, units, view=view))
 
     def animate(
         self,
@@ -150,6 +153,7 @@ class Modes(ModeDisplacements[np.complex128]):
         seconds: float = 2.0,
         title: str | None = None,
         units: Units = SI,
+        view: npt.ArrayLike | None = None,
     ) -> None:
         """Draw one oscillation of a mode as an animated picture, without growth or decay.
 
@@ -161,10 +165,12 @@ class Modes(ModeDisplacements[np.complex128]):
             seconds: Duration of one oscillation.
             title: Title of the picture; default: number and frequency.
             units: Units of the axes.
+            view: Direction from the scene to the viewer: (0, 0, 1) from above. Default: at right
+                angles to a plane scene, else (1, 1, 1).
         """
         phases = np.linspace(0.0, 2 * np.pi, whole(images, "images"), endpoint=False)
         frames, name = self.moved(mode, amplitude, phases), self._title(mode, title, units)
-        canvas = Canvas(name, units, bodies.PLAYED.size)
+        canvas = Canvas(name, units, bodies.PLAYED.size, view=view)
         bodies.animate(self.info, frames, path, seconds=seconds, canvas=canvas)
 
     def page(
