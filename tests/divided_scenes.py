@@ -191,6 +191,28 @@ def sliders():
     return scene, centres
 
 
+def crossing():
+    """A sheet, crossing beams that slide on each other, a rope in a ring, a ball in the floor."""
+    scene, _ = sheet()
+    bar = fl.Section.circle(0.01, fl.Material(E=5e8, nu=0.3, density=7800.0))
+    ends = ((3, 0, 0), (4, 0, 0)), ((3.5, -0.5, 0.0198), (3.5, 0.5, 0.0198))
+    lower, upper = (scene.add(fl.Beam.straight(*each, bar, cells=8)) for each in ends)
+    upper.add_velocity((0.5, 0.1, -0.2))
+    lines = (fl.contact.Line(each, 0.01) for each in (lower, upper))
+    scene.add(fl.contact.Contact(*lines, fl.contact.Penalty(1e6, friction=0.3)))
+    rope = scene.add(fl.Cable.straight((5, 0, 0), (6, 0, 0), ROUND, cells=6))
+    bead = scene.add(fl.RigidBody(0.1, 1e-5 * np.eye(3), (5.42, 0, 0)))
+    bead.add_velocity((1.0, 0, 0.5))
+    rings = fl.contact.Rings([bead.point("centre")])
+    law = fl.contact.Penalty(1e4, friction=0.3)
+    scene.add(fl.contact.Contact(fl.contact.Rope(rope), rings, law))
+    ball = scene.add(fl.RigidBody(1.0, 4e-3 * np.eye(3), (8, 0, 0.05)))
+    floor, centre = fl.contact.Plane(fl.ground(), (0, 0, 1)), ball.point("centre")
+    sphere = fl.contact.Sphere(centre, 0.1)
+    scene.add(fl.contact.Contact(sphere, floor, fl.contact.Penalty(2e4), ignore_initial=True))
+    return scene, [upper.point("end"), bead.point("centre"), centre]
+
+
 def free_balls():
     """A beam of one cell, which one rank has, and balls that another one has."""
     beam = fl.Beam.straight((0, 0, 0), (1, 0, 0), fl.Section.rectangle(0.02, 0.03, STEEL), cells=1)

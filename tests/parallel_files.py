@@ -19,11 +19,14 @@ SCENES = {
     **{name: divided_scenes.MOTIONS[name] for name in ("sheet", "net", "pendulum", "plate")},
     "linked beams": divided_scenes.linked,
     "balls": divided_scenes.balls,
+    "sliders": divided_scenes.sliders,
+    "crossing": divided_scenes.crossing,
 }
 CONSERVING = {
     "linkage, conserving": (divided_conserving.linkage, fl.EnergyMomentum()),
     "swinging block, conserving": (divided_scenes.swinging_block, fl.EnergyMomentum()),
     "balls, conserving": (divided_scenes.balls, fl.EnergyMomentum()),
+    "sliders, conserving": (divided_scenes.sliders, fl.EnergyMomentum()),
     "net, decaying": (divided_scenes.net, fl.EnergyDecaying(radius=0.6)),
     "plate, decaying": (divided_scenes.tumbling_plate, fl.EnergyDecaying(radius=0.6)),
 }
@@ -84,6 +87,8 @@ def numbers(results):
         found[f"{case}: reactions"] = result.reactions.sum(axis=1)
         for name in "joint_forces", "kinetic", "elastic", "balance", "impulses":
             found[f"{case}: {name}"] = getattr(result, name)
+        if result.friction is not None:
+            found[f"{case}: friction"] = result.friction.each
     return found
 
 

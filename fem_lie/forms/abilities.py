@@ -7,6 +7,7 @@ and from the abilities.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from math import ceil
 from typing import NamedTuple
 
@@ -136,6 +137,27 @@ class LinearisedStress(ABC):
     @abstractmethod
     def clear_stress(self) -> None:
         """Set the values to zero, so that the tangent has no geometric stiffness."""
+
+
+class ContactState(ABC):
+    """State of a contact that a file has under the number of the contact in the scene."""
+
+    @abstractmethod
+    def contact_state(self, numbers: Indices) -> dict[str, Array]:
+        """State by name, which names nodes by their numbers in the scene.
+
+        Args:
+            numbers: Number in the scene of each node of the bodies, shape (n,).
+        """
+
+    @abstractmethod
+    def restore_contact(self, kept: Mapping[str, Array], nodes: Indices) -> None:
+        """Restore the state of :meth:`contact_state`.
+
+        Args:
+            kept: That state.
+            nodes: Node of each number in the scene, shape (N,).
+        """
 
 
 class LocalUnknowns(ABC):

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.forms.abilities import (
+    ContactState,
     GroundForces,
     LinearisedStress,
     LocalUnknowns,
@@ -128,6 +129,11 @@ class Term(ABC):
     @property
     def stress_update(self) -> LinearisedStress | None:
         """Independent stress or local unknowns, updated linearly between iterates."""
+        return None
+
+    @property
+    def of_contact(self) -> ContactState | None:
+        """State that a file has under the number of the contact."""
         return None
 
     @property

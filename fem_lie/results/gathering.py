@@ -214,6 +214,20 @@ class Gathering:
         each[:, 1] = np.array(self._keys(self.info, self.part.whole), dtype=np.float64)[of]
         return FrictionForces(each[np.lexsort((of, each[:, 0]))])
 
+    def own_friction(self, whole: Array) -> Array:
+        """Rows of :class:`.FrictionForces` of the part, from those of the scene; see :meth:`own`.
+
+        Args:
+            whole: Rows of all contacts of the scene.
+        """
+        keys = np.array(self._keys(self.info, self.part.whole), dtype=np.float64)
+        own = keys[self.part.contacts]
+        new = np.array(self._keys(self._own, self.part.scene), dtype=np.float64)
+        found = whole[np.isin(whole[:, 1], own)].copy()
+        order = np.argsort(own)
+        found[:, 1] = new[order][np.searchsorted(own[order], found[:, 1])]
+        return found
+
     @staticmethod
     def _keys(info: SceneInfo, scene: Scene) -> list[int]:
         """What identifies each contact of a scene in a result."""

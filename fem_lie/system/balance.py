@@ -320,9 +320,7 @@ class EnergyBalance(Stateful):
             a: Their rates.
             multipliers: Lagrange multipliers, shape (m,).
         """
-        self.total[:] = 0.0
-        self._dissipated[0] = self._system.terms.dissipated
-        self.look(time, H, v, a, multipliers)
+        self.restart(np.zeros(TOTAL), time, H, v, a, multipliers)
 
     @property
     def so_far(self) -> Array:
@@ -331,6 +329,23 @@ class EnergyBalance(Stateful):
         self.total[DAMPING] += dissipated - self._dissipated[0]
         self._dissipated[0] = dissipated
         return self.total
+
+    def restart(
+        self, so_far: Array, time: float, H: Array, v: Array, a: Array, multipliers: Array
+    ) -> None:
+        """Continue the balance from an accepted state.
+
+        Args:
+            so_far: The value of :attr:`so_far` there, shape (15,).
+            time: Time; other arguments are those of :meth:`open`.
+            H: Frames of all nodes, ground and prescribed motions.
+            v: Twists, shape (n, 6).
+            a: Their rates.
+            multipliers: Lagrange multipliers, shape (m,).
+        """
+        self.total[:] = so_far
+        self._dissipated[0] = self._system.terms.dissipated
+        self.look(time, H, v, a, multipliers)
 
     def look(self, time: float, H: Array, v: Array, a: Array, multipliers: Array) -> None:
         """Evaluate the actions at the current time of the equations."""

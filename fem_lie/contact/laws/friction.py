@@ -162,3 +162,16 @@ class Friction:
         """Restore the anchors that :attr:`linearised_values` returned."""
         self._ahead = None
         self.dissipated, self._anchors = float(values[0]), unpacked(values[1:])
+
+
+def renumbered(values: Array, numbers: Indices) -> Array:
+    """State of friction, :attr:`Friction.linearised_values`, with other numbers of the nodes.
+
+    Args:
+        values: The state.
+        numbers: New number of each node, shape (n,).
+    """
+    anchors = unpacked(values[1:])
+    moving = anchors.nodes >= 0
+    anchors.nodes[moving] = numbers[anchors.nodes[moving]]
+    return np.concatenate([values[:1], packed(anchors)])

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import InitVar, dataclass, field, replace
 from typing import ClassVar
 
 from fem_lie._arrays import Array, Indices, number, positive
 from fem_lie.contact.laws.anchors import CoulombLaw
 from fem_lie.contact.laws.energy import PenaltyConstants
+from fem_lie.forms.abilities import ContactState
 from fem_lie.forms.term import Term
 
 
-class ContactTerm(Term):
+class ContactTerm(Term, ContactState):
     """Contact forces of one contact by penalty.
 
     Attributes:
@@ -23,6 +24,37 @@ class ContactTerm(Term):
 
     ignores: bool = False
     key: int = 0
+
+    @property
+    def of_contact(self) -> ContactState:
+        """State of the contact."""
+        return self
+
+    def contact_state(self, numbers: Indices) -> dict[str, Array]:
+        """History variables, and the record of steps; see the base class."""
+        stress, passage, found = self.stress_update, self.passage, dict[str, Array]()
+        if stress is not None:
+            found["history"] = self._renumbered(stress.linearised_values.copy(), numbers)
+        if passage is not None:
+            found["watched"] = passage.watched
+        return found
+
+    def restore_contact(self, kept: Mapping[str, Array], nodes: Indices) -> None:
+        """Restore the state of :meth:`contact_state`."""
+        stress, passage = self.stress_update, self.passage
+        if stress is not None:
+            stress.restore(self._renumbered(kept["history"], nodes))
+        if passage is not None:
+            passage.watch_again(kept["watched"])
+
+    def _renumbered(self, values: Array, numbers: Indices) -> Array:
+        """History variables with other numbers of nodes; default: they name no nodes.
+
+        Args:
+            values: Values of :attr:`.LinearisedStress.linearised_values`.
+            numbers: New number of each node, shape (n,).
+        """
+        return values
 
     @abstractmethod
     def accept(self, H: Array) -> None:

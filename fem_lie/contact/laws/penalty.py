@@ -10,7 +10,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import uncounted
 from fem_lie.contact.laws.energy import EnergyWatch, PenaltyConstants, damping
-from fem_lie.contact.laws.friction import Friction
+from fem_lie.contact.laws.friction import Friction, renumbered
 from fem_lie.contact.laws.law import ContactTerm, Penalty
 from fem_lie.contact.laws.over_steps import (
     add_secants,
@@ -312,6 +312,10 @@ class PenaltyForces(
         """Restore the state of the friction springs."""
         assert self._friction is not None
         self._friction.restore(values)
+
+    def _renumbered(self, values: Array, numbers: Indices) -> Array:
+        """State of the friction springs, which are attached to nodes, with other numbers."""
+        return values if self._friction is None else renumbered(values, numbers)
 
     def accept(self, H: Array) -> None:
         """Accept frames: update ignored pairs and friction springs."""

@@ -12,7 +12,6 @@ SIAM J. Sci. Comput. 29 (2007) 397, which makes the conditioning independent of 
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -30,7 +29,6 @@ from fem_lie.solve.impacts.step_end import refuse_impacts
 from fem_lie.solve.motion.integration import Driver
 from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.motion.variable_steps import Stepper
-from fem_lie.solve.recording.parts_file import not_written
 from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan
 from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
@@ -84,16 +82,13 @@ class GeneralisedAlpha(Options, Integrator):
             refuse_impacts(equations)
         return equations
 
-    def _divided_equations(
-        self, scene: Scene, plan: Plan, file: str | os.PathLike[str] | None
-    ) -> Equations | None:
+    def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
         """Equations of the part of this rank, for equal steps without secants."""
         refused = {
             "steps of different sizes": not isinstance(plan, EqualSteps),
             "secants": self.policy.secants > 0,
             "joints that are inactive or switched": bool(scene.switched),
         }
-        refused |= not_written(scene, file)
         part = divided(scene.without_impacts(), self.petsc_options_prefix, refused)
         return None if part is None else self._equations(scene, part)
 

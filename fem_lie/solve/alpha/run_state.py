@@ -415,7 +415,7 @@ class RunState(DividedIntegration[Recorder]):
     def divided_state(self) -> dict[str, Array]:
         """See the base class; motion is that of all nodes as in ``s.motion``."""
         s, n = self.s, self._moving
-        moving = MovingState(s.H[:n], s.motion, self.multipliers[np.newaxis], self.balance.total)
+        moving = MovingState(s.H[:n], s.motion, self.multipliers[np.newaxis], self.balance.so_far)
         return saved(self, _COMMON) | moving._asdict()
 
     def restart(self, state: MovingState, common: Mapping[str, Array]) -> None:
@@ -426,11 +426,11 @@ class RunState(DividedIntegration[Recorder]):
         now.act()
         s.H[:n], s.H[n + 1 :], s.motion[:] = state.frames, now.frames, state.motion
         s.H1[:] = s.H
-        self.multipliers[:], self.balance.total[:] = state.multipliers[0], state.balance
+        self.multipliers[:] = state.multipliers[0]
         self.equations.history_variables.update_stress(s.H)
         self._set_size(self.h / self.division.parts)
         self._scale_constraints()
-        self.balance.look(time, *self._accepted)
+        self.balance.restart(state.balance, time, *self._accepted)
         self._born, self._outgrown = self.index, True
 
     def restore(self, kept: Mapping[str, Array]) -> None:

@@ -34,7 +34,6 @@ Romero & Armero, IJNME 54 (2002) 1683; Betsch & Leyendecker, IJNME 67 (2006) 499
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -56,7 +55,6 @@ from fem_lie.solve.conserving.variable import ConservingSteps
 from fem_lie.solve.motion.integrator import Integrator, check_until_round_off, refuse
 from fem_lie.solve.motion.policies import Automatic, RefactorisationPolicy
 from fem_lie.solve.motion.variable_steps import Stepper
-from fem_lie.solve.recording.parts_file import not_written
 from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan
 from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
@@ -161,14 +159,11 @@ class EnergyMomentum(Integrator):
     def _equations(self, scene: Scene) -> Equations:
         return self.equations(scene)
 
-    def _divided_equations(
-        self, scene: Scene, plan: Plan, file: str | os.PathLike[str] | None
-    ) -> Equations | None:
+    def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
         """Equations of the part of this rank, for equal steps without secants."""
         refused = {
             "steps of different sizes": not isinstance(plan, EqualSteps),
             "secants": self.policy.secants > 0,
-            **not_written(scene, file),
         }
         part = divided(scene, PREFIX, refused)
         return None if part is None else self.equations(scene, part)

@@ -22,7 +22,6 @@ return to Python.
 from __future__ import annotations
 
 import logging
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -54,7 +53,6 @@ from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.integrator import Integrator, refuse
 from fem_lie.solve.motion.policies import FactoriseOnce
 from fem_lie.solve.recording.checkpoints import Checkpoints
-from fem_lie.solve.recording.parts_file import not_written
 from fem_lie.solve.recording.plan import EqualSteps, Plan
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.whole_state import MovingState
@@ -353,12 +351,10 @@ class Explicit(Integrator):
             _refuse(equations)
         return equations
 
-    def _divided_equations(
-        self, scene: Scene, plan: Plan, file: str | os.PathLike[str] | None
-    ) -> Equations | None:
+    def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
         """Equations of the part of this rank."""
         refused = {"steps of different sizes": not isinstance(plan, EqualSteps)}
-        part = divided(scene, _PREFIX, refused | not_written(scene, file))
+        part = divided(scene, _PREFIX, refused)
         return None if part is None else self._equations(scene, part)
 
     def _integration(self, equations: Equations, step: float) -> ExplicitRun:

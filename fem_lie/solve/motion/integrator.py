@@ -108,7 +108,7 @@ class Integrator(ABC):
             if file is None:
                 raise ValueError("checkpoint_every needs a file to which results go")
         begin, store = self._beginning(scene, plan), None
-        equations = self._divided_equations(scene, plan, file) or self._equations(scene)
+        equations = self._divided_equations(scene, plan) or self._equations(scene)
         if file is not None:
             every = plan.checkpoint_interval(checkpoint_every)
             given = every, plan, Fingerprint(equations, self)
@@ -142,7 +142,7 @@ class Integrator(ABC):
         path = Path(file)
         last = read_together(path, partial(Last.of, path))
         if is_whole(last.kept):
-            part = self._divided_equations(scene, last.plan, file)
+            part = self._divided_equations(scene, last.plan)
             equations = part or self._equations(scene)
             given = path, last.every, last.plan, Fingerprint(equations, self)
             store: Checkpoints = PartsFile(*given, equations)
@@ -189,9 +189,7 @@ class Integrator(ABC):
                 "use GeneralisedAlpha"
             )
 
-    def _divided_equations(
-        self, scene: Scene, plan: Plan, file: str | os.PathLike[str] | None
-    ) -> Equations | None:
+    def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
         """Equations of the part of a scene that this rank has, if the scheme divides it."""
         if several():
             name = type(self).__name__

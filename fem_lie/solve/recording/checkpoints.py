@@ -42,6 +42,9 @@ WINDOW = "window.kept."
 """Prefix of the last row, from which states at requested times are interpolated, and of energies of
 the first one."""
 
+FRICTION = "friction"
+"""Name of the friction forces of all states so far."""
+
 
 class Last(NamedTuple):
     """The last checkpoint of a run with a result file.
@@ -187,6 +190,14 @@ class Checkpoints:
             known = self.info, self._shapes
             results_file.enlarge(self._path, *known, filled, max(rows, 2 * self._file.capacity))
             self._file = ResultRows(self._path)
+
+    def friction(self, own: FrictionForces | None) -> FrictionForces | None:
+        """Friction forces as this file has them, from those of the equations of this rank.
+
+        Args:
+            own: These; ``None``: no contact has any.
+        """
+        return own
 
     def state_of(self, run: Restartable) -> dict[str, Array]:
         """State of a run as this file keeps it."""

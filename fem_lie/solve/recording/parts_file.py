@@ -26,8 +26,7 @@ from fem_lie.ranks.together import all_arrive
 from fem_lie.results.files.storage import ResultRows
 from fem_lie.results.gathering import Gathering
 from fem_lie.results.record import ContactSteps, FrictionForces, StepHistory, row_shapes
-from fem_lie.scene import Scene
-from fem_lie.solve.recording.checkpoints import WINDOW, Checkpoints, Restartable
+from fem_lie.solve.recording.checkpoints import FRICTION, WINDOW, Checkpoints, Restartable
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.plan import Plan
 from fem_lie.solve.recording.whole_state import MovingState, own, whole
@@ -35,20 +34,6 @@ from fem_lie.system.equations import Equations
 
 _BYTES = 2**26
 """Size of the rows of the whole scene that are gathered at a time."""
-
-
-def not_written(scene: Scene, file: str | os.PathLike[str] | None) -> dict[str, bool]:
-    """What cannot be written to a file from the parts of a scene, and whether it is asked for.
-
-    Args:
-        scene: The scene.
-        file: The file, or ``None``.
-    """
-    found = [] if file is None else scene.contacts
-    return {
-        "friction of penalties in files": any(each.law.path_dependent for each in found),
-        "contacts with ignore_initial= in files": any(each.ignore_initial for each in found),
-    }
 
 
 def _rows_in(state: Mapping[str, Array]) -> list[str]:
@@ -107,6 +92,8 @@ class PartsFile(Checkpoints):
         for name in _rows_in(self.state):
             row = self._gathering.own(name.removeprefix(WINDOW), self.state[name][np.newaxis])
             self.state[name] = row[0]
+        if FRICTION in self.state:
+            self.state[FRICTION] = self._gathering.own_friction(self.state[FRICTION])
 
     def reachable(self) -> bool:
         """Whether all ranks have the error, and write their rows together."""
@@ -122,6 +109,10 @@ class PartsFile(Checkpoints):
             some = slice(begin, begin + self._at_once)
             found = self._gathering.rows({name: values[some] for name, values in rows.items()})
             write_once(self._path, partial(super().append, first + begin, found, reached))
+
+    def friction(self, own: FrictionForces | None) -> FrictionForces | None:
+        """Friction forces of all parts."""
+        return self._gathering.friction(own)
 
     def state_of(self, run: Restartable) -> dict[str, Array]:
         """What moves in the part, and what all ranks have in common."""
@@ -150,6 +141,9 @@ class PartsFile(Checkpoints):
         moving = MovingState(*fields)
         kept = {name: each for name, each in state.items() if name not in MovingState._fields}
         kept |= whole(self._gathering, self._equations, moving)
+        friction = self.friction(FrictionForces(kept.pop(FRICTION)) if FRICTION in kept else None)
+        if friction is not None:
+            kept[FRICTION] = friction.each
         rows = {name.removeprefix(WINDOW): np.asarray([kept.pop(name)]) for name in _rows_in(kept)}
         found = self._gathering.rows(rows)
         if self._gathering.part.comm.rank == 0:

@@ -21,7 +21,7 @@ from fem_lie.results.record import (
     StepHistory,
     with_state,
 )
-from fem_lie.solve.recording.checkpoints import Checkpoints, Restartable
+from fem_lie.solve.recording.checkpoints import FRICTION, Checkpoints, Restartable
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.solve.recording.window import Window
@@ -240,6 +240,8 @@ class History(Window):
             numbers["divided"] = divided
             self._store.finish(numbers)
         friction = self.friction
+        if self._store is not None:
+            friction = self._store.friction(friction)
         if friction is not None:
             self.add(friction)
         found = Result(
@@ -287,7 +289,7 @@ class Recorder(History):
         self.scene = self._filled.scene
         self.whole = not self._held and equations.arrays.complete
         known = {} if store is None else store.state
-        self._friction = [known["friction"]] if "friction" in known else []
+        self._friction = [known[FRICTION]] if FRICTION in known else []
 
     def record(
         self,
@@ -370,5 +372,5 @@ class Recorder(History):
         """
         kept = state | {"count": np.array(self.count)}
         if self._friction:
-            kept["friction"] = np.concatenate(self._friction)
+            kept[FRICTION] = np.concatenate(self._friction)
         super().write_checkpoint(index, kept)

@@ -70,7 +70,9 @@ def whole(gathering: Gathering, equations: Equations, state: MovingState) -> dic
     """
     comm, nodes = gathering.part.comm, gathering.nodes[equations.unknowns.masters]
     joints = gathering.part.connections[equations.arrays.owner]
-    turns = comm.gather([*equations.history_variables.turns.items()])
+    history = equations.history_variables
+    turns = comm.gather([*history.turns.items()])
+    contacts = comm.gather(history.contacts.saved_state() | history.contacts.pairs)
     pairs = comm.gather((joints, state.multipliers.T))
     cells, of_cells = _numbered(gathering, state.cells), comm.gather(state.of_cells)
     width = comm.allreduce(cells.shape[1], op=MPI.MAX)
@@ -80,8 +82,9 @@ def whole(gathering: Gathering, equations: Equations, state: MovingState) -> dic
         _MOTION: gathering.of_nodes(state.motion, nodes),
         _BALANCE: gathering.sum(state.balance[np.newaxis]),
     }
-    if turns is None or pairs is None or of_cells is None or of_all is None:
+    if turns is None or contacts is None or pairs is None or of_cells is None or of_all is None:
         return {}
+    found |= {name: values for each in contacts for name, values in each.items()}
     owners, values = (np.concatenate(each) for each in zip(*pairs, strict=True))
     order = np.argsort(owners, kind="stable")
     known = json.dumps([turn for each in turns for turn in each])
@@ -99,7 +102,7 @@ def own(
 ) -> MovingState:
     """State of the equations of a scene or of its part on this rank, from that of the whole scene.
 
-    The joints of the equations get their full turns.
+    The joints of the equations get their full turns, and the contacts their state.
 
     Args:
         gathering: Numbers of their nodes and joints in the whole scene.
@@ -113,7 +116,10 @@ def own(
     owners, known = (np.asarray(kept[name], dtype=np.int64) for name in (_OWNERS, _CELLS))
     rows = _rows_of(owners, joints)
     turns = {(name, angle): turn for (name, angle), turn in json.loads(bytes(kept[_TURNS]))}
-    equations.history_variables.turns = turns
+    history = equations.history_variables
+    history.turns = turns
+    history.contacts.restore(kept)
+    history.contacts.restore_pairs(kept)
     balance = kept[_BALANCE][0]
     return MovingState(
         kept[_FRAMES][0, masters],

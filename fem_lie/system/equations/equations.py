@@ -189,7 +189,7 @@ class Equations:
         self.matrix: KKT = self._system.kkt
         self.supports: Supports = self._system.supports
         self.info: SceneInfo = self._info()
-        self.history_variables = HistoryVariables(self._system, self._terms)
+        self.history_variables = HistoryVariables(self._system, self._terms, part)
         self._still = np.zeros((self.unknowns.moving, 6))
 
     def _info(self) -> SceneInfo:

@@ -11,28 +11,37 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.forms.abilities import PassedThroughError
+from fem_lie.forms.term import Term
 from fem_lie.joints.connection import Connection, LostBranchError
 from fem_lie.lie.node_types import Written
 from fem_lie.linear.low_rank import LowRank
+from fem_lie.parts.part_scene import ScenePart
 from fem_lie.scene.load import Load
 from fem_lie.system.constraint_sets.constraint_set import HistoryKey
 from fem_lie.system.system import System
 from fem_lie.system.terms.all_terms import Terms
+from fem_lie.system.terms.contact_states import ContactStates
 
 _PART = "low rank."  # prefix of names in a checkpoint
 
 
 class HistoryVariables:
-    """History variables, which neither states nor the time determine; the solver updates them."""
+    """History variables, which neither states nor the time determine; the solver updates them.
 
-    def __init__(self, system: System, terms: Terms) -> None:
+    Attributes:
+        contacts: State of the contacts.
+    """
+
+    def __init__(self, system: System, terms: Terms, part: ScenePart | None) -> None:
         """Store the system.
 
         Args:
             system: The equations.
             terms: Terms with history variables.
+            part: What this rank has of a divided scene; ``None``: all.
         """
         self._system, self._terms, self._connections = system, terms, system.connections
+        self.contacts = ContactStates(terms, system.scene, system.numbering, part)
         scaled = system.scene.scaled
         self._scaled, self._factors = list(scaled), np.array(list(scaled.values()))
         for item, factor in scaled.items():
@@ -175,7 +184,8 @@ class HistoryVariables:
             kept |= self._connections.activity
         if self._scaled:
             kept["factors"] = self._factors.copy()
-        return kept | {f"watched.{k}": part for k, part in enumerate(self._terms.watched())}
+        kept |= {f"watched.{k}": part for k, part in enumerate(self._terms.watched())}
+        return kept | self.contacts.saved_state()
 
     @property
     def turns(self) -> Mapping[HistoryKey, float]:
@@ -202,6 +212,7 @@ class HistoryVariables:
         self._terms.restore([kept[f"stress.{k}"] for k in range(count)])
         watched = sum(name.startswith("watched.") for name in kept)
         self._terms.watch_again([kept[f"watched.{k}"] for k in range(watched)])
+        self.contacts.restore(kept)
 
 
 @dataclass(frozen=True)
@@ -227,9 +238,13 @@ class WithMatrix:
             kept["friction"] = self.system.tangent.friction_columns
         if kkt.low_rank is not None:
             kept |= {_PART + name: array for name, array in kkt.low_rank._asdict().items()}
-        return kept | {
-            f"pairs.{k}": term.pair_positions.copy() for k, term in enumerate(self.terms)
-        }
+        positions = {f"pairs.{k}": term.pair_positions.copy() for k, term in self._others}
+        return kept | positions | self.of.contacts.pairs
+
+    @property
+    def _others(self) -> list[tuple[int, Term]]:
+        """Numbers of the terms that are no contacts, and these."""
+        return [(k, term) for k, term in enumerate(self.terms) if term.of_contact is None]
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Restore the state of :meth:`saved_state`.
@@ -244,8 +259,9 @@ class WithMatrix:
                 "option domains unset, got it set"
             )
         self.of.restore(kept)
-        for k, term in enumerate(self.terms):
+        for k, term in self._others:
             term.restore_pairs(kept[f"pairs.{k}"])
+        self.of.contacts.restore_pairs(kept)
         pattern = kept["row pointers"], kept["columns"]
         tangent.restore_pattern(*(part.astype(np.int64) for part in pattern))
         tangent.A[:] = kept["blocks"]

@@ -61,8 +61,11 @@ class Terms:
         self._viscous = [viscosity for t, viscosity in viscous if not t.within_joints]
         self.viscous_labels = tuple(dict.fromkeys(t.label for t, _ in viscous))
         self._stresses = [t.stress_update for t in self._terms if t.stress_update is not None]
+        without = [t for t in self._terms if t.of_contact is None]
+        self._of_bodies = [t.stress_update for t in without if t.stress_update is not None]
         self._paths = [t.path for t in self._terms if t.path is not None]
         self._passages = [t.passage for t in self._terms if t.passage is not None]
+        self._watched = [t.passage for t in without if t.passage is not None]
         self._local = [t.local for t in self._terms if t.local is not None]
         self.all_in_tables = not self._by_themselves
         within = [term.within_joints or term.load for term in self._with_energy]
@@ -179,12 +182,12 @@ class Terms:
             each.watch(start, end, h, middle)
 
     def watched(self) -> list[Array]:
-        """Records of steps, term by term."""
-        return [each.watched for each in self._passages]
+        """Records of steps, term by term, without those of contacts."""
+        return [each.watched for each in self._watched]
 
     def watch_again(self, watched: Sequence[Array]) -> None:
         """Restore the records of :meth:`watched`."""
-        for passage, values in zip(self._passages, watched, strict=True):
+        for passage, values in zip(self._watched, watched, strict=True):
             passage.watch_again(values)
 
     def accept(self, H: Array) -> None:
@@ -215,22 +218,23 @@ class Terms:
         return np.concatenate(found)
 
     def linearised_values(self) -> list[Array]:
-        """Copies of the history variables of the terms."""
-        return [each.linearised_values.copy() for each in self._stresses]
+        """Copies of the history variables of the terms, without those of contacts."""
+        return [each.linearised_values.copy() for each in self._of_bodies]
 
     def restore(self, stresses: Sequence[Array]) -> None:
         """Restore the copies of :meth:`linearised_values`."""
-        for each, values in zip(self._stresses, stresses, strict=True):
+        for each, values in zip(self._of_bodies, stresses, strict=True):
             each.restore(values)
 
     @contextmanager
     def unchanged(self) -> Iterator[None]:
         """Context at whose end the history variables are restored, to evaluate a state."""
-        stresses = self.linearised_values()
+        stresses = [each.linearised_values.copy() for each in self._stresses]
         try:
             yield
         finally:
-            self.restore(stresses)
+            for each, values in zip(self._stresses, stresses, strict=True):
+                each.restore(values)
 
     def clear_stress(self) -> None:
         """Set the independent stress to zero: a tangent without geometric stiffness."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.abilities import (
+    ContactState,
     GroundForces,
     LinearisedStress,
     LocalUnknowns,
@@ -67,6 +68,11 @@ class AttachedTerm(Term):
         """Linearised stress update of the term."""
         of = self.term.stress_update
         return None if of is None else AttachedStress(of, self._nodes)
+
+    @property
+    def of_contact(self) -> ContactState | None:
+        """State of the contact, on nodes of bodies."""
+        return self.term.of_contact
 
     @property
     def local(self) -> LocalUnknowns | None:
