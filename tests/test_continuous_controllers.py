@@ -152,8 +152,13 @@ def as_spring(stiffness, damping, controlled, **limit):
 
 @pytest.mark.parametrize(
     ("stiffness", "damping", "stop", "error"),
-    [(30.0, 2.0, None, 5e-9), (3e5, 50.0, None, 5e-9), (30.0, 2.0, 0.8, 1e-3)],
-    ids=["soft", "stiff", "stop"],
+    [
+        (30.0, 2.0, None, 5e-9),
+        (3e5, 50.0, None, 5e-9),
+        (30.0, 2.0, 0.8, 1e-3),
+        (3e5, 50.0, 0.8, 5e-9),
+    ],
+    ids=["soft", "stiff", "stop", "stiff stop"],
 )
 def test_feedback_has_no_delay(stiffness, damping, stop, error):
     """Each step is that of a spring and damper, however stiff; impacts restart both."""

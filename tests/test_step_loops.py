@@ -28,6 +28,7 @@ from fem_lie.solve.composed.run import ComposedRun
 from fem_lie.solve.conserving.run import Run as ConservingRun
 from fem_lie.solve.conserving.step import loop
 from fem_lie.solve.conserving.variable import ConservingSteps
+from fem_lie.solve.motion.limits import Limits
 from fem_lie.solve.motion.policies import Ruled
 from fem_lie.solve.motion.variable_steps import VariableSteps
 from fem_lie.solve.recording import window
@@ -590,3 +591,27 @@ def test_corrections_of_a_planar_chain_are_made_in_the_loop(monkeypatch):
     result = fl.GeneralisedAlpha(radius=0.8).run(chain(10), duration=0.2, step=1e-3)
     assert max(calls) > 0
     assert len(calls) <= 2 * result.factorisations + 10
+
+
+def test_a_stop_that_pulls_over_a_step_opens_at_its_end(monkeypatch):
+    """If one that was closed in spite of its pull at the start still pulls at the end."""
+    lift = {"force": (0, 0, 40.0), "history": lambda t: float(t > 0.4)}
+    free, kept = Limits.separate, []
+
+    def once_closed(self, *given):
+        kept.append(bool(self.closed.any()))
+        return len(kept) > 1 and free(self, *given)
+
+    monkeypatch.setattr(Limits, "separate", once_closed)
+    scene = fl.Scene(gravity=(0.0, 0.0, -10.0))
+    ball = scene.add(fl.RigidBody(2.0, (0.1, 0.1, 0.1), position=(0.0, 0.0, 1.0)))
+    rail = scene.add(fl.joints.Prismatic(fl.ground(), ball.point("centre"), name="rail"))
+    scene.add(fl.joints.Limit(rail.displacement, lower=-1.0))
+    scene.add(fl.PointLoad(ball.point("centre"), **lift))
+    step = fl.schemes.ConstantStep(0.01)
+    result = fl.GeneralisedAlpha(radius=1.0).run(scene, duration=1.0, step=step)
+    assert kept[0]
+    struck, opened = result.steps.event_times
+    assert 0.0 < opened - struck <= 0.01 + 1e-12
+    height = result.coordinate("rail") + 1.0
+    np.testing.assert_allclose(height[-1], 5.0 * (1.0 - opened) ** 2, rtol=1e-9)

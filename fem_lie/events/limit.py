@@ -16,8 +16,9 @@ class Limit(Connection):
     """Stops at one or both ends of the range of a coordinate: a unilateral constraint.
 
     An impact on a stop is an event: the coordinate's rate ``w`` becomes ``−e w`` by an impulse in
-    the joint, which conserves momentum. A rebound that would return within one step is not
-    followed; the coordinate then rests on the stop as a constraint, until its force would pull.
+    the joint, which conserves momentum. What would leave the stop and return within one step rests
+    on it as a constraint, until its force would pull: rebounds without end, whose flights become
+    shorter and shorter, end at rest.
     Limits that are closed take part in the impacts of others as constraints.
 
     :class:`~fem_lie.GeneralisedAlpha` with steps of any kind has limits; other schemes refuse them.

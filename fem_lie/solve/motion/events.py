@@ -233,6 +233,16 @@ class Events(Stateful):
         found[own] = self.limits.entered(self.values[own], values[own])
         return found
 
+    def overdue(self, values: Array) -> Array:
+        """Signs, as of :meth:`crossed`, of stops that pull at both ends of a step, (e + 2 l,).
+
+        Args:
+            values: Values at the end of the step.
+        """
+        own, found = slice(len(self._events), None), np.zeros(len(self))
+        found[own] = self.limits.overdue(self.values[own], values[own])
+        return found
+
     def pass_step(self, whole: bool) -> None:
         """Count steps that ended at an event.
 
@@ -285,7 +295,10 @@ class Events(Stateful):
         """
         stops = fired[len(self._events) :] != 0.0
         factors = self.limits.strike(stops, H, rebound=rebound)
-        while self.limits.separate(factors, H, change(factors)):
+        resting = np.zeros(len(stops) // 2, dtype=bool)
+        if not rebound:
+            resting = stops.reshape(-1, 2).any(axis=1)
+        while self.limits.separate(factors, H, change(factors), resting):
             factors[:] = 0.0
 
     def number(self, k: int) -> int:
@@ -349,7 +362,10 @@ class Root:
     """Search for the first zero of conditions within a step, by the method of Illinois.
 
     The search is for the size of a shorter step, at whose end the largest of all crossing
-    conditions, with the signs of their changes, is not negative.
+    conditions, with the signs of their changes, is not negative. Steps are solved up to the
+    tolerance of the iteration, so a condition at the end of two steps of one size may differ by
+    more than its change over the interval that is left, and its sign, too. The zero is then known
+    to less: the tolerance doubles until a step ends behind it.
     """
 
     def __init__(self, signs: Array, start: Array, end: Array, size: float) -> None:
@@ -364,7 +380,7 @@ class Root:
         self._signs = signs
         self._low, self._high = 0.0, size
         self._below, self._above = self._largest(start), self._largest(end)
-        self._tolerance, self._last = 1e-10 * size, 0
+        self._tolerance, self._last, self._whole = 1e-10 * size, 0, size
         self._shortest = _SHORTEST * size
 
     def _largest(self, values: Array) -> float:
@@ -373,8 +389,9 @@ class Root:
 
     @property
     def found(self) -> bool:
-        """Whether the last step that was taken ends just after the zero."""
-        return self._last > 0 and self._high - self._low <= 2.0 * self._tolerance
+        """Whether the last step that was taken ends just after the zero, or is the whole step."""
+        near = self._last > 0 and self._high - self._low <= 2.0 * self._tolerance
+        return near or self._low >= self._whole
 
     @property
     def at_start(self) -> bool:
@@ -409,3 +426,6 @@ class Root:
             if self._last < 0:
                 self._above *= 0.5
             self._low, self._below, self._last = size, value, -1
+            if size >= self._high:
+                self._tolerance *= 2.0
+                self._high = min(size + 2.0 * self._tolerance, self._whole)

@@ -141,15 +141,26 @@ class Limits(Stateful):
             factors[self.rows[k]] = self._restitution[k] if rebound else 0.0
         return factors
 
-    def separate(self, factors: Array, H: Array, multipliers: Array) -> bool:
+    def overdue(self, start: Array, end: Array) -> Flags:
+        """Stops that pull at both ends of a step, and open at its end, shape (2 l,).
+
+        Args:
+            start: Watched numbers at the start of the step.
+            end: Watched numbers at its end.
+        """
+        return np.asarray(np.repeat(self.closed != 0, 2) & (start >= 0.0) & (end >= 0.0))
+
+    def separate(self, factors: Array, H: Array, multipliers: Array, resting: Flags) -> bool:
         """Open limits that rebound, and those whose stop would pull; return whether there are any.
 
         Args:
             factors: Coefficients of restitution of the last :meth:`strike`.
             H: Frames of all nodes, ground and prescribed motions.
             multipliers: Lagrange multipliers after it, shape (m,).
+            resting: Limits that stay closed for one step, even if their stop pulls at its start,
+                shape (l,): without them they would be beyond the stop at its end.
         """
-        pulls = self.closed * multipliers[self.rows] < 0.0
+        pulls = (self.closed * multipliers[self.rows] < 0.0) & ~resting
         leaving = (self.closed != 0) & ((factors[self.rows] > 0.0) | pulls)
         for k in np.flatnonzero(leaving):
             self._open(int(k), H)

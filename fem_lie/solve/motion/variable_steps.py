@@ -421,12 +421,13 @@ class VariableSteps(Driver[Growing]):
                 return False
             if signs.any():
                 root = Root(signs, self._events.values, values, h)
-                before, h, iterations, values = self._cut(before, root)
+                before, cut, iterations, values = self._cut(before, root)
                 if root.at_start:
                     signs = self._events.crossed(values)
                     self._happen_at_start(signs, before, history, rebound=True)
                     return False
-                lands, end = False, time + h
+                if cut < h:
+                    lands, end, h = False, time + cut, cut
                 signs = self._events.crossed(values)
         error = stepper.estimate(before, time, end) if iterations else None
         e = np.inf if error is None else control.ratio(error.translation, error.rotation, h)
@@ -443,7 +444,8 @@ class VariableSteps(Driver[Growing]):
         if self._feedback:
             self._feedback.accept()
         if self._events:
-            self._events.values[:], self._fired = values, signs
+            self._fired = signs + self._events.overdue(values)
+            self._events.values[:] = values
             self._events.pass_step(not signs.any() or h > 0.1 * control.size)
         self.steps.add(end, h, error, self._measure(before, time, end, index, lands))
         control.accept(e)
