@@ -16,7 +16,8 @@ from fem_lie.contact.cones.factors import (
 )
 from fem_lie.contact.cones.jacobian import empty_rows
 from fem_lie.contact.cones.sweeps import Cones, cones_of
-from fem_lie.contact.impact.velocities import time_of
+from fem_lie.contact.impact.touching import Touching
+from fem_lie.contact.impact.velocities import largest_speed, time_of
 
 GRAVITY, RADIUS = 9.81, 0.1
 FLOOR = fl.contact.Plane(fl.ground(), (0, 0, 1))
@@ -490,6 +491,70 @@ def test_a_restart_agrees_to_the_last_bit(tmp_path, every):
         np.testing.assert_array_equal(getattr(loaded.contacts, name), values)
     with pytest.raises(ValueError, match="belongs to another scene"):
         scheme.resume(rolling_pile(0.5), file, progress=False)
+
+
+def test_spinning_balls_beside_a_large_body_do_not_lengthen_the_list_of_neighbours():
+    """A point moves with the spin of its own body; a drum's radius is none of the balls'."""
+    scene, law = fl.Scene(), fl.contact.Impact(0.3)
+    bar = scene.add(fl.RigidBody.box(1.0, (20.0, 0.1, 0.1), (0, 5, 0)))
+    balls = [scene.add(fl.RigidBody.ball(1.0, RADIUS, (float(x), 0, 0))) for x in range(30)]
+    row = fl.contact.Vertices([ball.point("centre") for ball in balls], RADIUS)
+    tip = fl.contact.Vertices([bar.point((10.0, 5.0, 0.0))], RADIUS)
+    scene.add(fl.contact.Contact(row, row, law))
+    scene.add(fl.contact.Contact(row, tip, law))
+    bodies = [bar, *balls]
+    H = np.concatenate([body.frames for body in bodies])
+    numbers = {body: np.array([k]) for k, body in enumerate(bodies)}
+    touching = Touching(scene.contacts, numbers.__getitem__, np.ones(len(bodies)), H)
+    np.testing.assert_allclose(touching.arms, [10.0] + 30 * [0.0], atol=1e-14)
+    v = np.zeros((len(bodies), 6))
+    v[1:, 3] = 100.0
+    assert largest_speed(v, touching.arms) == 0.0
+    touching.update(H, 1e-2 * largest_speed(v, touching.arms))
+    assert len(touching.touch.pairs) == 0
+    v[0, 3:] = 0.0, 3.0, 4.0
+    assert largest_speed(v, touching.arms) == pytest.approx(50.0)
+
+
+def test_impulses_stay_with_their_pairs_when_the_list_changes():
+    """The workspace has room for later lists, in which pairs have other places."""
+    scene = fl.Scene()
+    balls = [scene.add(fl.RigidBody.ball(1.0, RADIUS, (0.2 * x, 0, 0))) for x in range(4)]
+    row = fl.contact.Vertices([ball.point("centre") for ball in balls], RADIUS)
+    scene.add(fl.contact.Contact(row, row, fl.contact.Impact()))
+    H = np.concatenate([body.frames for body in balls])
+    numbers = {body: np.array([k]) for k, body in enumerate(balls)}
+    touching = Touching(scene.contacts, numbers.__getitem__, np.ones(4), H)
+    work, whole = touching.work, [[0, 1], [1, 2], [2, 3]]
+    np.testing.assert_array_equal(touching.touch.pairs, whole)
+    work.impulses[:3] = np.arange(1.0, 10.0).reshape(3, 3)
+    H[0, 0, 2] = 5.0
+    touching.update(H)
+    np.testing.assert_array_equal(touching.touch.pairs, whole[1:])
+    np.testing.assert_array_equal(touching.work.impulses[:2], [[4, 5, 6], [7, 8, 9]])
+    assert touching.work is work
+    H[0, 0, 2] = 0.0
+    touching.update(H)
+    np.testing.assert_array_equal(touching.touch.pairs, whole)
+    np.testing.assert_array_equal(touching.work.impulses[:3], [[0, 0, 0], [4, 5, 6], [7, 8, 9]])
+
+
+def test_a_surface_of_many_points_is_named_once_when_it_is_checked():
+    """The name lists all points, so that a name for each would take the square of their number."""
+
+    class Named(fl.contact.Vertices):
+        names = 0
+
+        @property
+        def label(self) -> str:
+            Named.names += 1
+            return super().label
+
+    balls = [fl.RigidBody.ball(1.0, RADIUS, (float(x), 0, 0)) for x in range(20)]
+    surface = Named([ball.point("centre") for ball in balls], RADIUS)
+    Named.names = 0
+    surface.check()
+    assert Named.names <= 1
 
 
 @pytest.mark.parametrize("n", [1, 7, 40])

@@ -48,7 +48,7 @@ class Touch(NamedTuple):
         friction: μ, shape (m,).
         restitution: e, shape (m,).
         closed: Gap below which a contact is closed, shape (m,).
-        arm: Largest distance of a point from the centre of its body.
+        arms: Largest distance of a point of each body from its centre, shape (n,).
     """
 
     a: Side
@@ -58,7 +58,7 @@ class Touch(NamedTuple):
     friction: Array
     restitution: Array
     closed: Array
-    arm: float
+    arms: Array
 
 
 class Masses(NamedTuple):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -11,7 +11,6 @@ from fem_lie._jit import uncounted
 from fem_lie._jit.records import Record
 from fem_lie.bodies.body import Body
 from fem_lie.contact.cones.jacobian import along
-from fem_lie.contact.cones.sweeps import Dense, Past
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.convex.table import polyhedra_of
 from fem_lie.contact.impact.records import (
@@ -135,15 +134,8 @@ def show(
         count[0] += 1
 
 
-def _arrays(record: tuple[object, ...]) -> Iterator[Array]:
-    """All arrays of a record and of the records in it, without workspaces of methods."""
-    for each in record:
-        if isinstance(each, Dense | Past):
-            continue
-        if isinstance(each, tuple):
-            yield from _arrays(each)
-        elif isinstance(each, np.ndarray):
-            yield each
+_ROOM = 1.25
+"""Room of a new workspace over the pairs that are there, so that few lists need another one."""
 
 
 class Touching:
@@ -154,7 +146,7 @@ class Touching:
         of: Index of the contact of each pair, shape (m,).
         work: Workspace of the pairs.
         polyhedra: Polyhedra whose contact manifolds are among the pairs.
-        arm: Largest distance of a point from the centre of its body.
+        arms: Largest distance of a point of each body from its centre, shape (n,).
     """
 
     def __init__(
@@ -191,7 +183,6 @@ class Touching:
         self.polyhedra = polyhedra_of(
             [pair for own in manifolds for pair in own], nodes, on_masters
         )
-        self.arm = self._arm
         for contact, near in zip(contacts, self._near, strict=True):
             if contact.ignore_initial:
                 near.ignore(H)
@@ -204,7 +195,8 @@ class Touching:
         self._lengths = [self._length(side, sizes) for side in (self._a, self._b)]
         self._keys = np.array([float(contact.key(nodes)) for contact in contacts])
         self._versions: tuple[int, ...] = ()
-        self._count = len(sizes)
+        self._count, self._room = len(sizes), -1
+        self.arms = self._arms
         self.update(H)
 
     def update(self, H: Array, far: float = 0.0) -> None:
@@ -217,7 +209,7 @@ class Touching:
         versions = tuple(each.version for each in self._near)
         if versions == self._versions:
             return
-        before = (self.touch.pairs, self.work.impulses) if self._versions else None
+        before = (self.touch.pairs, self.work.impulses.copy()) if self._versions else None
         self._versions = versions
         self._set()
         set_gaps(self.touch, H, 0, self.work.gaps)
@@ -243,18 +235,22 @@ class Touching:
             self._friction[of],
             self._restitution[of],
             CLOSED * np.maximum(self._lengths[0][pairs[:, 0]], self._lengths[1][pairs[:, 1]]),
-            self.arm,
+            self.arms,
         )
         count, slots = len(pairs), self.polyhedra.slots
         slots += count - slots[-1]
-        self.work: Work = work_of(count, self._count)
+        if count > self._room:
+            self._room = int(_ROOM * count)
+            self.work: Work = work_of(self._room, self._count)
 
     def _remember(self, pairs: Indices, impulses: Array) -> None:
-        """Copy the impulses of pairs that were in the list before."""
+        """Set the impulses of pairs that were in the list before; those of others are zero."""
         count = len(self._b.radii)
-        keys, old = (p[:, 0] * count + p[:, 1] for p in (self.touch.pairs, pairs))
+        touching = np.flatnonzero(impulses[: len(pairs)].any(axis=1))
+        keys, old = (p[:, 0] * count + p[:, 1] for p in (self.touch.pairs, pairs[touching]))
         _, here, there = np.intersect1d(keys, old, return_indices=True)
-        self.work.impulses[here] = impulses[there]
+        self.work.impulses[:] = 0.0
+        self.work.impulses[here] = impulses[touching][there]
 
     def named(self, shown: Array) -> Array:
         """Rows of :func:`show`, with the key of the contact and both points instead of the pair."""
@@ -312,7 +308,8 @@ class Touching:
         pair_positions = {f"near.{k}": each.pair_positions for k, each in enumerate(self._near)}
         pair_positions["margins"] = np.array([each.margin for each in self._near])
         pair_positions["slots"] = self.polyhedra.ids.astype(np.float64)
-        return pair_positions | {f"work.{k}": values for k, values in enumerate(_arrays(self.work))}
+        count, work = len(self.touch.pairs), self.work
+        return pair_positions | {"gaps": work.gaps[:count], "impulses": work.impulses[:count]}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Restore the state that :meth:`saved_state` returned."""
@@ -322,13 +319,16 @@ class Touching:
         self._versions = tuple(each.version for each in self._near)
         self._set()
         self.polyhedra.ids[:] = kept["slots"].astype(np.int64)
-        for k, values in enumerate(_arrays(self.work)):
-            values[...] = kept[f"work.{k}"]
+        count, work = len(self.touch.pairs), self.work
+        work.gaps[:count], work.impulses[:count] = kept["gaps"], kept["impulses"]
 
     @property
-    def _arm(self) -> float:
-        arms = [side.arms[side.nodes[:, 0] >= 0, 0] for side in (self._a, self._b)]
-        return float(np.linalg.norm(np.concatenate(arms), axis=1).max(initial=0.0))
+    def _arms(self) -> Array:
+        found = np.zeros(self._count)
+        for side in (self._a, self._b):
+            on = side.nodes >= 0
+            np.maximum.at(found, side.nodes[on], np.linalg.norm(side.arms[on], axis=1))
+        return found
 
     @property
     def thin(self) -> float:

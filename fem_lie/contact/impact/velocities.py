@@ -38,23 +38,27 @@ def time_of(g0: float, moved: float, g1: float) -> float:
 
 
 @inlined_uncounted
-def largest_speed(v: Array, arm: float) -> float:
-    """Largest velocity of any point within the distance ``arm`` from the centre of its body."""
+def largest_speed(v: Array, arms: Array) -> float:
+    """Largest velocity of any point within the distance ``arms`` from the centre of its body."""
     found = 0.0
     for body in range(v.shape[0]):
         u, ω = load(v[body], 0), load(v[body], 3)
-        found = max(found, np.sqrt(dot(u, u)) + arm * np.sqrt(dot(ω, ω)))
+        found = max(found, np.sqrt(dot(u, u)) + arms[body] * np.sqrt(dot(ω, ω)))
     return found
 
 
 @uncounted
 def choose(h: float, touch: Touch, start: tuple[Array, Array], v: Array, w: Work) -> None:
-    """Choose pairs whose gaps are within the motion of bodies in some steps; others stay open."""
-    speed = largest_speed(start[1], touch.arm) + largest_speed(v, touch.arm)
+    """Choose pairs whose gaps are within the motion of bodies in some steps; others stay open.
+
+    Nothing but gaps and impulses of these pairs is kept from earlier steps.
+    """
+    speed = largest_speed(start[1], touch.arms) + largest_speed(v, touch.arms)
     k = 0
     for c in range(touch.pairs.shape[0]):
         if min(w.gaps[c], w.smooth[c]) <= _REACH * h * speed + touch.closed[c]:
             w.close[k] = c
+            w.speed[c] = w.nu[c] = w.target[c] = 0.0
             k += 1
     w.many[0] = k
 
@@ -73,7 +77,9 @@ def join(h: float, touch: Touch, start: tuple[Array, Array], w: Work) -> None:
         closed = w.gaps[c] <= touch.closed[c]
         if w.joined[c] or closed:
             w.axis[c] = axis_of(H, touch, c)
-            set_rows(H, touch, c, w.axis[c], w.before, w.before.first[c])
+            block = w.before.first[c]
+            block += set_rows(H, touch, c, w.axis[c], w.before, block)
+            w.before.values[block : w.before.first[c + 1]] = 0.0  # ground has no block
             w.speed[c] = along(w.before, c, v, 0)
             lasts = many and closed and w.impulses[c, 0] > 0.0
             w.joined[c] = w.joined[c] or lasts or w.speed[c] <= touch.closed[c] / h
@@ -128,7 +134,7 @@ def set_cones(h: float, touch: Touch, masses: Masses, w: Work, factor: float) ->
     """Set rows at the positions of the last pass and velocities without impulses; their number."""
     problem, k = w.cones, 0
     rows, responses = problem.rows, problem.responses
-    problem.least[0] = _TINY * largest_speed(w.v, touch.arm)
+    problem.least[0] = _TINY * largest_speed(w.v, touch.arms)
     for at in range(w.many[0]):
         c = w.close[at]
         if not w.joined[c]:

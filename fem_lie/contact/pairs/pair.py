@@ -143,8 +143,9 @@ class ContactPair(ABC):
         Raises:
             ValueError: A body has such nodes.
         """
+        what = f"{self.label}: friction"  # names all points
         for body in self.bodies if self.has_friction else ():
-            body.model.require_frames(f"{self.label}: friction")
+            body.model.require_frames(what)
 
     def initial_frames(self, nodes: Nodes) -> Array:
         """Initial frames of the nodes of the bodies, in the order of their numbers.

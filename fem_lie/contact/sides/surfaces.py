@@ -162,10 +162,11 @@ class ContactSurface(ABC):
         Raises:
             ValueError: A node has no frame, or a point is not a node.
         """
+        label = self.label  # names all points
         for point in self.points:
-            require_node(point, self.label)
+            require_node(point, label)
             if point.body is not None and not (self.rotation_invariant and _has_position(point)):
-                point.body.model.require_frames(self.label)
+                point.body.model.require_frames(label)
 
     @property
     def rotation_invariant(self) -> bool:

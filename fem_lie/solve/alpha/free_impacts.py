@@ -177,7 +177,7 @@ class FreeImpacts(Stateful):
         self._contacts = Contacts(
             tolerance=_TOLERANCE,
             patience=self._touching.patience,
-            arm=self._touching.arm,
+            arms=self._touching.arms,
             thin=self._touching.thin,
             failed=np.full(1, -1),
             sum=np.zeros(1),
@@ -236,7 +236,7 @@ class FreeImpacts(Stateful):
                 buffer = max(_BUFFER, 4 * len(self._touching.touch.pairs))
                 self._contacts = self._contacts._replace(buffer=np.zeros((buffer, WIDTH)))
             elif self._why == STALE:
-                self._touching.update(s.H, p.h * largest_speed(s.v, self._contacts.arm))
+                self._touching.update(s.H, p.h * largest_speed(s.v, self._contacts.arms))
                 self._contacts = self._contacts._replace(patience=self._touching.patience)
                 self._contacts.sum[0] = 0.0
             else:
@@ -267,7 +267,7 @@ class FreeImpacts(Stateful):
         """
         touching, pair = self._touching, int(self._contacts.failed[0])
         if self._why == CROSSED:
-            moved = p.h * largest_speed(v, self._contacts.arm)
+            moved = p.h * largest_speed(v, self._contacts.arms)
             return str(PassedThroughError(" and ".join(self._names(pair)), moved, touching.thin))
         if self._why == OVERLAPPING:
             one, other = self._names(pair)

@@ -86,7 +86,7 @@ class CoupledPositions(CoupledBodies):
         """
         self._H0, self._V0 = H.copy(), self._all_rows(v, time)
         speeds = np.linalg.norm(self._V0.reshape(-1, 2, 3), axis=2)
-        far = self._h * float(speeds[:, 0].max() + self.near.arm * speeds[:, 1].max())
+        far = self._h * float(speeds[:, 0].max() + (self.near.arms * speeds[:, 1]).max())
         self.near.update(H, far)
 
     def _slips(self, chosen: Chosen, H: Array, B: BlockRows, glide: Array) -> Array:

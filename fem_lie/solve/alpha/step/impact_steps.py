@@ -49,7 +49,7 @@ class Contacts(NamedTuple):
     Attributes:
         tolerance: For the residual of the cones.
         patience: How far points may move until neighbours are searched again.
-        arm: Largest distance of a point from the centre of its body.
+        arms: Largest distance of a point of each body from its centre, shape (n,).
         thin: Smallest motion at which points are checked for passing through surfaces.
         failed: Pair that passed through each other or still overlaps, shape (1,).
         sum: Bound on the motion since the last search, shape (1,).
@@ -64,7 +64,7 @@ class Contacts(NamedTuple):
 
     tolerance: float
     patience: float
-    arm: float
+    arms: Array
     thin: float
     failed: Indices
     sum: Array
@@ -140,7 +140,7 @@ def advance(
     )
     H0, v0, factorisations, row = np.empty_like(state.H), np.empty_like(state.v), 0, plan.row
     for index in range(plan.first, plan.last + 1):
-        speed = largest_speed(state.v, contacts.arm)
+        speed = largest_speed(state.v, contacts.arms)
         if contacts.sum[0] + p.h * speed > contacts.patience:
             return index - 1, factorisations, STALE
         if contacts.shown[0] + touch.pairs.shape[0] > contacts.buffer.shape[0]:
@@ -196,7 +196,7 @@ def advance(
             contacts.balance[0] -= statistics.impact + statistics.friction
             for k in range(6):
                 contacts.balance[1 + k] += statistics.ground[k]
-        speed = max(speed, largest_speed(state.v, contacts.arm))
+        speed = max(speed, largest_speed(state.v, contacts.arms))
         contacts.sum[0] += p.h * speed
         if p.h * speed > 0.5 * contacts.thin:
             contacts.failed[0] = find_crossed(touch, polyhedra, H0, state.H)
