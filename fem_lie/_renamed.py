@@ -124,6 +124,8 @@ ATTRIBUTES = {
     "frequencies": "fl.vibrations(scene).hertz",
     "mises": "fl.post.resultants(result, body), fl.post.solid_stresses(result, body)",
     "moment": "result.joint_force(joint)[:, 3:], result.reaction(support)[:, 3:]",
+    "hinge": "hinge of shells, clamp(name) of solids, or fl.joints.Revolute at a point",
+    "pin": "clamp(name) of solids, hinge(name) of shells, or fl.joints.Spherical at a point",
     "plot_energy": "result.page('result.html') draws energies",
     "reactions_of": "result.reaction(support)",
     "run": _RUN,

@@ -296,6 +296,7 @@ def test_momenta_balance_the_force(seed):
         ((1.0, (1, 1)), "symmetric 3×3"),
         ((1.0, (1, 1, -0.1)), "positive principal values"),
         ((1.0, (1, 1, 2.1)), "none greater than the sum of the others"),
+        ((1.0, (0, 0, 0)), r"RigidBody.ball\(mass, radius\) has some"),
     ],
 )
 def test_bodies_that_cannot_be(arguments, message):

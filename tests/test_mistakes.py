@@ -109,6 +109,10 @@ MISTAKES = {
         lambda: add(fl.PointLoad(END, force=lambda t: (0, 0, t))),
         "got a function; expected its variation in time as history=",
     ),
+    "a pressure on another body": (
+        lambda: fl.loads.SurfacePressure(BEAM, 1e3),
+        r"on beams: PressureLoad, on solids: FacePressure\), got the Beam 'arm'",
+    ),
     "a scalar force": (
         lambda: add(fl.PointLoad(END, force=-10.0)),
         "force of the PointLoad on arm.end must be 3 finite",

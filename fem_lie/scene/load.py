@@ -120,6 +120,14 @@ class Carrier(NamedTuple):
     types: Any
     expected: str
 
+    def elsewhere(self, loads: str) -> Carrier:
+        """The same, with the loads of other bodies in messages.
+
+        Args:
+            loads: Such as ``"on solids: FaceLoad"``.
+        """
+        return self._replace(expected=f"{self.expected} ({loads})")
+
 
 class Load(ABC):
     """Base class of all loads.

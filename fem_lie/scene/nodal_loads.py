@@ -164,7 +164,9 @@ class LineLoad(NodalLoad):
     """
 
     divisible = True
-    carrier = Carrier("beam", LineBody | AncfBeam, "a Beam (on shells: EdgeLoad)")
+    carrier = Carrier(
+        "beam", LineBody | AncfBeam, "a Beam (on shells: EdgeLoad, on solids: FaceLoad)"
+    )
     components = MappingProxyType({"force": 3, "moment": 3})
 
     beam: Body

@@ -48,7 +48,9 @@ class PressureLoad(Load):
     """
 
     divisible = True
-    carrier = Carrier("beam", Beam, "a Beam (on shells: SurfacePressure)")
+    carrier = Carrier("beam", Beam, "a Beam").elsewhere(
+        "on shells: SurfacePressure, on solids: FacePressure"
+    )
 
     beam: Beam
     pressure: float
@@ -112,7 +114,7 @@ class SurfacePressure(Load):
     """
 
     divisible = True
-    carrier = SHELL
+    carrier = SHELL.elsewhere("on beams: PressureLoad, on solids: FacePressure")
     components = MappingProxyType({"gradient": 3})
 
     shell: Shell | Membrane | SmoothSurface

@@ -38,7 +38,7 @@ class FaceLoad(NodalLoad):
     """
 
     divisible = True
-    carrier = SOLID
+    carrier = SOLID.elsewhere("on beams: LineLoad, on shells: AreaLoad or EdgeLoad")
 
     solid: Solid
     face: str
@@ -91,7 +91,7 @@ class FacePressure(Load):
     """
 
     divisible = True
-    carrier = SOLID
+    carrier = SOLID.elsewhere("on beams: PressureLoad, on shells: SurfacePressure")
     components = MappingProxyType({"gradient": 3})
 
     solid: Solid
@@ -148,7 +148,7 @@ class BulkLoad(NodalLoad):
     """
 
     divisible = True
-    carrier = SOLID
+    carrier = SOLID.elsewhere("on beams: LineLoad, on shells: VolumeLoad")
 
     solid: Solid
     force: Field

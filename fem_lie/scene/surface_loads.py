@@ -46,7 +46,7 @@ class EdgeLoad(NodalLoad):
     """
 
     divisible = True
-    carrier = SHELL
+    carrier = SHELL.elsewhere("on beams: LineLoad or PointLoad, on solids: FaceLoad")
     components = MappingProxyType({"force": 3, "moment": 3})
 
     shell: Shell | Membrane | SmoothSurface
@@ -123,7 +123,7 @@ class SurfaceLoad(NodalLoad):
     """
 
     divisible = True
-    carrier = SHELL
+    carrier = SHELL.elsewhere("on beams: LineLoad, on solids: FaceLoad or BulkLoad")
 
     shell: Shell | Membrane | SmoothSurface
     force: Field

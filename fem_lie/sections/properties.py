@@ -264,9 +264,10 @@ def director_mass_matrix(
         raise ValueError(f"inertia must be a symmetric 3×3 tensor, got\n{inertia!r}")
     principal = np.linalg.eigvalsh(J)
     if principal[0] <= 0.0 or principal[2] > (principal[0] + principal[1]) * (1.0 + 1e-9):
+        small = "" if principal.any() else "; RigidBody.ball(mass, radius) has some"
         raise ValueError(
             "inertia must have positive principal values, none greater than the sum of the others, "
-            f"got {principal}"
+            f"got {principal}{small}"
         )
     G = np.empty((4, 4))
     G[0, 0] = mass
