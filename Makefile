@@ -6,7 +6,7 @@ STUDIES = compile everyday in_turns peers random_conserving random_scenes
 
 help:
 	@echo 'make demo               set up and run the flexible double pendulum (ARGS="--help")'
-	@echo 'make test               set up and run the tests (ARGS="-k lie")'
+	@echo 'make test               set up and run the tests (ARGS="-k lie"; all: SLOW=yes)'
 	@echo 'make lint               ruff and mypy'
 	@echo 'make bench              the benchmarks, but for long studies'
 	@echo 'make docs               the documentation site, results/site/index.html'
@@ -23,9 +23,13 @@ environment:
 demo: set-up
 	tools/run python3 demos/double_pendulum.py --case 1 $(ARGS)
 
+# Tests that take half a minute each, a third of the time of all, wait for .ci/run.
+SLOW =
+QUICK = $(if $(SLOW),,-m "not slow")
+
 # The tests start hundreds of interpreters: Python keeps their bytecode, also if the shell forbids it.
 test: environment
-	env --unset=PYTHONDONTWRITEBYTECODE tools/run python3 -m pytest --numprocesses=auto --maxprocesses=8 --dist=worksteal $(ARGS)
+	env --unset=PYTHONDONTWRITEBYTECODE tools/run python3 -m pytest --numprocesses=auto --maxprocesses=8 --dist=worksteal $(QUICK) $(ARGS)
 
 lint: environment
 	tools/lint

@@ -306,6 +306,7 @@ def test_flutter():
     assert record["greenhill_error"] <= 1e-4
 
 
+@pytest.mark.slow
 def test_whirl():
     """Transfer matrix of the shaft with its mass; four cells resolve the second mode to 1e-5."""
     record = main("whirl", cells="4,16,64")

@@ -108,6 +108,7 @@ def test_rolling_disc():
     assert fine["violation"] < 1e-8
 
 
+@pytest.mark.slow
 def test_squeezer():
     """Reference of the test set for initial value problem solvers, to a billionth."""
     record = main("squeezer")
@@ -124,6 +125,7 @@ def test_slider_crank_friction():
     np.testing.assert_allclose(fine["normal"], [18.9178, 27.0059], atol=2e-3)
 
 
+@pytest.mark.slow
 def test_stick_slip():
     """Period and slips in closed form, with errors of second order; nothing is lost by sticking."""
     coarse, fine = (main("stick_slip", step=step) for step in (2e-3, 1e-3))
@@ -133,6 +135,7 @@ def test_stick_slip():
     assert fine["lost"] < 1e-10
 
 
+@pytest.mark.slow
 def test_woodpecker():
     """Time and state after a period against Moreau's time-stepping and the published state."""
     found = main("woodpecker", step=2e-4, duration=0.15)
@@ -144,6 +147,7 @@ def test_woodpecker():
     assert found["cone_residual"] < 1e-9
 
 
+@pytest.mark.slow
 def test_crane():
     """Linear theory of trolley, heavy cable and load; feed-forward alone arrives at rest."""
     found = main("crane", cells=12, step=1e-2)

@@ -146,6 +146,7 @@ def test_gmsh_makes_the_same_hemisphere():
     assert records[0]["iterations"] == records[1]["iterations"]
 
 
+@pytest.mark.slow
 def test_speed_against_error_of_shells(tmp_path):
     """At one mesh all iterations find the same state, linearised stress with fewer of them."""
     record = study(

@@ -45,6 +45,7 @@ def test_joint_forces_of_a_hub_are_its_change_of_momentum():
     assert record["violation"] < 1e-12
 
 
+@pytest.mark.slow
 def test_bracket_agrees_with_calculix():
     """On the mesh of CalculiX; a mesh of another version of gmsh differs by less than that."""
     record = main("bracket")

@@ -50,6 +50,7 @@ def test_error_follows_the_tolerance():
     assert record["tip_error"] <= 2e-6
 
 
+@pytest.mark.slow
 def test_variable_steps_through_a_violent_moment():
     """A short version: up to 3 s, two constant steps."""
     record = study("variable_step", duration=3.0, halvings=2)

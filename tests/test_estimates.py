@@ -118,6 +118,7 @@ def test_rigid_motion_adds_nothing(estimate, cell):
 # --- objectivity ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @each_estimate
 @each_cell
 def test_shells_turned_as_a_whole(estimate, cell):

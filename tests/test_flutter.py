@@ -14,7 +14,7 @@ def compressed(following: bool, **options) -> fl.Scene:
     return scene.with_loads(load if following else fl.PointLoad(rod.point("end"), (0, 0, -1.0)))
 
 
-@pytest.mark.parametrize("unit", [1e-3, 1e5])
+@pytest.mark.parametrize("unit", [pytest.param(1e-3, marks=pytest.mark.slow), 1e5])
 def test_becks_column_in_any_unit_of_the_load(unit):
     scene, rod = column(8, 4.0)
     load = fl.PointLoad(rod.point("end"), force=(-unit, 0, 0), following=True)
@@ -30,6 +30,7 @@ def test_a_dead_load_makes_the_column_diverge():
     assert abs(found.factor / (np.pi**2 / 4) - 1) < 1e-4
 
 
+@pytest.mark.slow
 def test_small_damping_lowers_the_load_of_flutter():
     """Ziegler's paradox: internal damping, however small, destabilises; V. Bolotin 1963."""
     section = fl.Section.from_stiffness([1e6] * 4 + [1.0, 4.0], mass=1.0, polar=1e-6)

@@ -69,7 +69,7 @@ def test_examples_are_short(demo):
     assert sum(1 for line in code if line.strip()) <= 60
 
 
-@pytest.mark.parametrize("ranks", [2, 3])
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_ranks(ranks, records, tmp_path):
     on_ranks(parallel_form_demos, ranks, tmp_path / "out.json")
     parallel = json.loads((tmp_path / "out.json").read_text())

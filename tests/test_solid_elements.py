@@ -263,9 +263,9 @@ def bulged_error(element, n):
     [
         ("hexahedron 1, mean dilatation", 2),
         ("hexahedron 1", 2),
-        ("tetrahedron 1", 2),
+        pytest.param("tetrahedron 1", 2, marks=pytest.mark.slow),
         ("hexahedron 2", 3),
-        ("tetrahedron 2", 3),
+        pytest.param("tetrahedron 2", 3, marks=pytest.mark.slow),
     ],
 )
 def test_order_of_convergence(name, order):
