@@ -70,10 +70,10 @@ def test_disc_on_its_journal_stops():
     assert result.energy_error < 1e-4
 
 
-def pendulum(coefficient=0.4, radius=0.1, **friction):
+def pendulum(coefficient=0.4, radius=0.1, kind=fl.joints.Revolute, **friction):
     scene = fl.Scene(gravity=(0, 0, -G))
-    body = scene.add(fl.RigidBody(2.0, (0.02, 0.02, 0.02), position=(0.5, 0, 0)))
-    pin = fl.joints.Revolute(fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 1, 0))
+    body = scene.add(fl.RigidBody(2.0, (0.02, 0.02, 0.02), position=(0.5, 0, 0), name="bob"))
+    pin = kind(fl.ground(), body.point("centre"), at=(0, 0, 0), axis=(0, 1, 0))
     joint = scene.add(pin)
     scene.add(JointFriction(joint, coefficient, 0.02, radius=radius, name="friction", **friction))
     return scene, joint
@@ -90,14 +90,16 @@ def pendulum_rates(_, state, coefficient=0.4, radius=0.1):
     return rate, acceleration
 
 
-def test_pendulum_on_its_journal_against_scipy():
-    """Motion and energy balance of second order; the force of the hinge changes with the motion."""
+@pytest.mark.parametrize("kind", [fl.joints.Revolute, fl.joints.Spherical])
+def test_pendulum_on_its_journal_against_scipy(kind):
+    """Motion and energy balance of second order; the force of the joint changes with the motion."""
     exact = solve_ivp(pendulum_rates, (0, 2), (0, 0), "DOP853", rtol=1e-10, atol=1e-12).y[0, -1]
     errors, balances = [], []
     for step in (2e-3, 1e-3):
-        scene, joint = pendulum()
+        scene, _ = pendulum(kind=kind)
         result = fl.GeneralisedAlpha().run(scene, duration=2.0, step=step)
-        errors.append(abs(result.coordinate(joint)[-1] - exact))
+        x, _, z = result.position("bob.centre")[-1]
+        errors.append(abs(np.arctan2(-z, x) - exact))
         balances.append(result.energy_error)
     assert errors[1] < 3e-5 and 3.8 < errors[0] / errors[1] < 4.2
     assert balances[1] < 1e-5 and 3.8 < balances[0] / balances[1] < 4.2
@@ -127,6 +129,87 @@ def test_friction_of_a_shaft_is_along_its_slip():
     assert result.energy_error < 1e-9
     force = result.joint_force("friction")[-1]
     np.testing.assert_allclose(np.abs(force[[2, 5]]) / (0.25 * 2.0 * G), (0.6, 0.2 * 0.8))
+
+
+def screw(side="a", **given):
+    """A nut on a vertical right-handed thread, 50 mm a turn; its lead angle has tan α = 0.398."""
+    joints = {
+        "a": lambda a, b: fl.joints.Screw(a, b, axis=(0, 0, 1), pitch=0.05),
+        "b": lambda a, b: fl.joints.Screw(b, a, axis=(0, 0, -1), pitch=0.05),
+    }
+    return driven_by(joints[side], inertia=(2e-3, 2e-3, 2e-3), radius=0.02, **given)
+
+
+LEAD = 0.05 / (2.0 * np.pi * 0.02)
+
+
+@pytest.mark.parametrize("side", ["a", "b"])
+@pytest.mark.parametrize("coefficient", [0.0, 0.1, 0.3])
+def test_nut_runs_down_its_thread(side, coefficient):
+    """Force N along the normal of the thread, μ N along the helix: both equations of motion."""
+    scene, body, _ = screw(side, coefficient=coefficient, stiction_speed=1e-6)
+    rate = -10.0
+    body.add_velocity((0, 0, rate * 0.05 / (2.0 * np.pi)), omega=(0, 0, rate), about=(0, 0, 0))
+    result = fl.GeneralisedAlpha().run(scene, duration=0.3, step=1e-3)
+    cos = 1.0 / np.hypot(1.0, LEAD)
+    sin = LEAD * cos
+    along, around = cos + coefficient * sin, coefficient * cos - sin  # per N
+    mass = 2.0 - 2e-3 / 0.02**2 / LEAD * along / around
+    fall = -2.0 * G / mass
+    change = result.velocities[-1, 0, 2] - result.velocities[0, 0, 2]
+    np.testing.assert_allclose(change, 0.3 * fall, rtol=1e-8)
+    assert result.energy_error < 1e-8
+    # a nut that pushes at μ N along the helix, upwards and against its rotation
+    normal = 2e-3 * fall / (0.02**2 * LEAD * around)
+    force = np.abs(result.joint_force("friction")[-1, [2, 5]])
+    np.testing.assert_allclose(force, coefficient * normal * np.array([sin, 0.02 * cos]), rtol=1e-7)
+
+
+@pytest.mark.parametrize(("coefficient", "holds"), [(1.01 * LEAD, True), (0.99 * LEAD, False)])
+def test_a_screw_locks_itself(coefficient, holds):
+    """Above the tangent of its lead angle a thread holds a weight; it creeps at s₀ atanh(α/μ)."""
+    scene, *_ = screw(coefficient=coefficient, stiction_speed=1e-5)
+    result = fl.GeneralisedAlpha().run(scene, duration=0.2, step=1e-3)
+    fall = -result.velocities[-1, 0, 2]
+    if holds:
+        creep = 1e-5 * np.arctanh(1.0 / 1.01) * LEAD / np.hypot(1.0, LEAD)
+        np.testing.assert_allclose(fall, creep, rtol=1e-3)
+    else:
+        assert fall > 1e-4
+
+
+@pytest.mark.parametrize("side", ["a", "b"])
+def test_a_ball_in_its_socket_stops_about_its_axis(side):
+    """The moment μ m g r opposes the angular velocity: it keeps its axis, its rate falls evenly."""
+    joints = {
+        "a": lambda a, b: fl.joints.Spherical(a, b),
+        "b": lambda a, b: fl.joints.Spherical(b, a),
+    }
+    scene, body, _ = driven_by(joints[side], inertia=(0.04, 0.04, 0.04), radius=0.05)
+    start = np.array([4.0, -2.0, 4.0])
+    body.add_velocity(omega=start, about=(0, 0, 0))
+    deceleration = 0.25 * 2.0 * G * 0.05 / 0.04
+    end = 6.0 / deceleration
+    result = fl.GeneralisedAlpha().run(scene, duration=1.1 * end, step=end / 500, save_every=1)
+    before = result.times < end - 0.02
+    exact = start * (1.0 - result.times[before, np.newaxis] / end)
+    np.testing.assert_allclose(result.velocities[before, 0, 3:], exact, atol=2e-5)
+    assert np.abs(result.velocities[-1, 0, 3:]).max() < 1e-5
+    np.testing.assert_allclose(result.balance[-1, 1], 0.5 * 0.04 * 36.0, rtol=1e-5)
+
+
+def test_a_puck_slides_and_spins():
+    """With J = m r² both parts of the slip shrink alike, as those of a shaft."""
+    inertia = (0.1, 0.1, 2.0 * 0.2**2)
+    scene, body, _ = driven_by(fl.joints.Planar, inertia=inertia, radius=0.2)
+    body.add_velocity((2.0, 1.0, 0), omega=(0, 0, 10.0), about=body.point("centre"))
+    result = fl.GeneralisedAlpha().run(scene, duration=0.5, step=1e-3)
+    slip = np.linalg.norm([2.0, 1.0, 2.0])
+    left = 1.0 - 0.5 * 0.25 * G / slip
+    velocity, spin = result.velocities[-1, 0].reshape(2, 3) @ result.frames[-1, 0, 1:]
+    np.testing.assert_allclose(velocity, left * np.array([2.0, 1.0, 0.0]), atol=1e-7)
+    np.testing.assert_allclose(spin, left * np.array([0.0, 0.0, 10.0]), atol=1e-6)
+    assert result.energy_error < 1e-6
 
 
 BEARINGS = {
@@ -319,6 +402,11 @@ NUMBERS = {
 }
 
 
+def test_a_ball_has_no_bearing_with_ends():
+    with pytest.raises(ValueError, match="expected length with a joint that has a bearing"):
+        driven_by(fl.joints.Spherical, radius=0.1, length=0.2)
+
+
 @pytest.mark.parametrize(("given", "message"), NUMBERS.values(), ids=NUMBERS)
 def test_wrong_numbers_are_refused(given, message):
     with pytest.raises(ValueError, match=f"friction: {message}"):
@@ -329,8 +417,8 @@ def test_joints_without_such_forces_are_refused():
     scene, _, joint = slider()
     with pytest.raises(ValueError, match="expected radius"):
         hinge()
-    with pytest.raises(TypeError, match="Prismatic, Revolute or Cylindrical joint, which has"):
-        JointFriction(fl.joints.Spherical(joint.a, joint.b), 0.1, SLOW)
+    with pytest.raises(TypeError, match="a universal joint is two Revolutes"):
+        JointFriction(fl.joints.Universal(joint.a, joint.b, second=(1, 0, 0)), 0.1, SLOW)
     with pytest.raises(TypeError, match="got "):
         JointFriction(joint.displacement, 0.1, SLOW)
     with pytest.raises(TypeError, match="must be a number"):

@@ -242,7 +242,7 @@ def forbidden(definition, A: np.ndarray, B: np.ndarray) -> np.ndarray:
     z, of_z = np.empty(12), np.empty(3)
     relative_motion(A, B, z)
     functions.values(z, definition.angle, 0.0, of_z)
-    return definition.selection @ z + definition.functions @ of_z
+    return definition.selection @ z + definition.functions[:, :3] @ of_z
 
 
 def allowed(definition, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:

@@ -53,7 +53,8 @@ class ConstraintDefinition(NamedTuple):
         b: Point to which frame B is fixed.
         frames: Frames A and B in the initial configuration, each (4, 3).
         selection: Linear part of the terms, shape (t, 12).
-        functions: Factors of angle, distance and tilt in the terms, shape (t, 3).
+        functions: Factors of angle, distance, tilt and angular velocity in the terms, shape (t, 6),
+            see :mod:`~.equations.functions`.
         rows: Number of the constraint of the connection to which each term belongs; −1: spring
             term.
         angle: Rows of sine and cosine of the angle, shape (2, 12).
@@ -131,7 +132,7 @@ class FrictionDefinition(NamedTuple):
 
     Attributes:
         joint: The joint whose constraint forces press its surfaces together.
-        data: Numbers of the law, shape (9,).
+        data: Numbers of the law, shape (10,).
     """
 
     joint: Connection
@@ -282,7 +283,7 @@ class Connection(ABC):
                     (definition.a, definition.b), definition.frames, strict=True
                 )
             )
-            used = definition.functions[:, [joint_functions.ANGLE, joint_functions.TILT]].any()
+            used = np.delete(definition.functions, joint_functions.DISTANCE, axis=1).any()
             if by_place or used or definition.selection[:, 3:].any():
                 return True
         return False
@@ -372,7 +373,7 @@ class Coordinate(NamedTuple):
         z, f, definition = np.empty(12), np.zeros(3), self.definition
         relative_motion(*definition.frames, z)
         joint_functions.values(z, definition.angle, 0.0, f)
-        return float(definition.selection[0] @ z + definition.functions[0] @ f)
+        return float(definition.selection[0] @ z + definition.functions[0, : len(f)] @ f)
 
     def as_row(self, row: int, factor: float = 1.0) -> ConstraintDefinition:
         """Coordinate times ``factor`` as a term of constraint ``row``; −1: spring.

@@ -15,25 +15,30 @@ from fem_lie.joints.connection import (
     Coordinate,
     FrictionDefinition,
 )
-from fem_lie.joints.kinds import Cylindrical, Prismatic, Revolute
+from fem_lie.joints.kinds import Cylindrical, Planar, Prismatic, Revolute, Screw, Spherical
 
 if TYPE_CHECKING:
     from fem_lie.joints.joint import Joint
 
 _WITH_BEARINGS = Prismatic | Revolute | Cylindrical
+_WITH_SURFACES = _WITH_BEARINGS | Screw | Planar | Spherical
 
 
 @dataclass(frozen=True, eq=False)
 class JointFriction(Connection):
-    """Coulomb friction, with Stribeck's effect on request, in a slider, hinge or cylindrical joint.
+    """Coulomb friction, with Stribeck's effect on request, in a joint with surfaces that slide.
 
     The forces of the joint press its surfaces together: the normal force ``N`` is the preload, the
     norm of the force across the axis, and what a collar or key takes. A bearing with a ``length``
     takes force and moment at its two ends, each with its own norm; without one the moment across
-    the axis causes no friction. The bearing is fixed to point ``b`` of the joint.
+    the axis causes no friction. The bearing is fixed to point ``b`` of the joint. The thread of a
+    screw takes the force along the axis with the normal force of its lead angle, a ball joint the
+    norm of the whole force, the pad of a planar joint the force along the normal.
 
     The force ``μ(s) N`` opposes the slip ``s``: the rate of displacement, radius times rate of
-    rotation, or both as a vector in a cylindrical joint. The coefficient is regularised ::
+    rotation, or both as a vector: along the helix of a screw, in a plane together with radius times
+    its rotation, of the angular velocity in a ball joint. A screw is self-locking, but for creep,
+    if ``μ`` is above the tangent of its lead angle. The coefficient is regularised ::
 
         μ(s) = (μ + (μ₀ − μ) exp(−(s/s₁)²)) tanh(s/s₀),
 
@@ -46,15 +51,18 @@ class JointFriction(Connection):
     refuse it by name.
 
     Attributes:
-        joint: A :class:`~fem_lie.joints.Prismatic`, :class:`~fem_lie.joints.Revolute` or
-            :class:`~fem_lie.joints.Cylindrical` joint.
+        joint: A :class:`~fem_lie.joints.Prismatic`, :class:`~fem_lie.joints.Revolute`,
+            :class:`~fem_lie.joints.Cylindrical`, :class:`~fem_lie.joints.Screw`,
+            :class:`~fem_lie.joints.Planar` or :class:`~fem_lie.joints.Spherical` joint.
         coefficient: Coefficient ``μ`` of kinetic friction.
         stiction_speed: Slip ``s₀`` below which friction fades, a length per time.
         static: Coefficient ``μ₀`` of static friction, at least ``μ``; default: ``μ``.
         stribeck_speed: Slip ``s₁`` over which it falls to ``μ``; required with ``static``.
-        radius: Radius of the journal, required where the joint rotates; of a slider: arm of the
-            keys that take the moment about its axis, default: that moment causes no friction.
-        length: Length of the bearing along the axis; default: force across the axis only.
+        radius: Radius of the journal or ball, mean radius of the thread or of the plane surface,
+            required where the joint rotates; of a slider: arm of the keys that take the moment
+            about its axis, default: that moment causes no friction.
+        length: Length of the bearing along the axis; default: force across the axis only. Plane
+            surfaces and balls have none.
         collar: Mean radius of the collar that takes the force along the axis of a hinge; default:
             that force causes no friction.
         preload: Normal force that is always there.
@@ -85,8 +93,11 @@ class JointFriction(Connection):
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` if an argument has a wrong type."""
-        expected = "a Prismatic, Revolute or Cylindrical joint, which has surfaces that slide"
-        _arrays.instance(self.joint, _WITH_BEARINGS, "JointFriction: joint", expected)
+        expected = (
+            "a Prismatic, Revolute, Cylindrical, Screw, Planar or Spherical joint, which has "
+            "surfaces that slide; a universal joint is two Revolutes"
+        )
+        _arrays.instance(self.joint, _WITH_SURFACES, "JointFriction: joint", expected)
         _arrays.text(self.name, "JointFriction: name")
 
     @property
@@ -121,6 +132,11 @@ class JointFriction(Connection):
                 f"{self.label}: expected collar with a Revolute joint, which takes forces along "
                 f"its axis, got one with {type(self.joint).__name__}"
             )
+        if self.length is not None and isinstance(self.joint, Planar | Spherical):
+            raise ValueError(
+                f"{self.label}: expected length with a joint that has a bearing, got one with "
+                f"{type(self.joint).__name__}"
+            )
         if not self.joint.active:
             raise ValueError(
                 f"{self.label}: {self.joint.label} is not active: it has no forces that press its "
@@ -141,14 +157,20 @@ class JointFriction(Connection):
 
     @property
     def friction(self) -> FrictionDefinition:
-        """The joint, and μ, μ₀ − μ, 1/s₁, 1/s₀, preload, 1/L, shares of collar and key, radius."""
+        """The joint, and the data of :mod:`~fem_lie.joints.equations.friction`."""
         inverse = [0.0 if x is None else 1.0 / x for x in (self.stribeck_speed, self.length)]
         drop = 0.0 if self.static is None else self.static - self.coefficient
         radius = 1.0 if self.radius is None else self.radius
         collar = 0.0 if self.collar is None else self.collar / radius
+        if isinstance(self.joint, Screw):
+            # the normal force of a thread over its part along the axis
+            collar = float(np.hypot(1.0, self.joint.pitch / (2.0 * np.pi * radius)))
+        if isinstance(self.joint, Planar):
+            collar = 1.0
         key = 0.0 if self._rotates or self.radius is None else 1.0 / radius
         law = [self.coefficient, drop, inverse[0], 1.0 / self.stiction_speed]
-        bearing = [self.preload, inverse[1], collar, key, radius]
+        ball = float(isinstance(self.joint, Spherical))
+        bearing = [self.preload, inverse[1], collar, key, radius, ball]
         return FrictionDefinition(self.joint, np.array([*law, *bearing], dtype=np.float64))
 
     @property
@@ -163,7 +185,7 @@ class JointFriction(Connection):
 
     def definitions(self) -> list[ConstraintDefinition]:
         """Definition of the free coordinates as terms without constraint."""
-        parts = [coordinate.definition for coordinate in self.coordinates()]
+        parts = [coordinate.definition for coordinate in self.joint.slips()]
         return [
             parts[0]._replace(
                 selection=np.concatenate([each.selection for each in parts]),

@@ -78,8 +78,8 @@ class Joint(Connection):
 
     @property
     def functions(self) -> Array:
-        """Factors of angle, distance and tilt in each constraint, shape (m, 3)."""
-        return np.zeros((len(self.selection), 3))
+        """Factors of the functions in each constraint, shape (m, 6)."""
+        return np.zeros((len(self.selection), joint_functions.COUNT))
 
     @property
     def size(self) -> int:
@@ -141,6 +141,10 @@ class Joint(Connection):
     def _direction(self, given: npt.ArrayLike, what: str) -> Array:
         return direction(given, f"{self.label}: {what}")
 
+    def slips(self) -> tuple[Coordinate, ...]:
+        """Motions whose rates are the slip of its surfaces; default: its coordinates."""
+        return self.coordinates()
+
     def _tie(
         self, selection: Array, functions: Array, of: Sequence[int], angle: Array
     ) -> ConstraintDefinition:
@@ -151,12 +155,13 @@ class Joint(Connection):
 
     def _linear(self, name: str, index: int) -> Coordinate:
         """Coordinate that is a component of ``Δ``."""
-        definition = self._tie(rows({index: 1.0}), np.zeros((1, 3)), (0,), NO_ANGLE)
+        none = np.zeros((1, joint_functions.COUNT))
+        definition = self._tie(rows({index: 1.0}), none, (0,), NO_ANGLE)
         return Coordinate(definition, name, self)
 
     def _function(self, name: str, number: int, angle: Array = NO_ANGLE) -> Coordinate:
         """Coordinate that is one of the functions."""
-        factors = np.zeros((1, 3))
+        factors = np.zeros((1, joint_functions.COUNT))
         factors[0, number] = 1.0
         return Coordinate(self._tie(np.zeros((1, 12)), factors, (0,), angle), name, self)
 

@@ -67,6 +67,11 @@ class Spherical(Joint):
     selection = rows(*_COINCIDE)
     reversible = True
 
+    def slips(self) -> tuple[Coordinate, ...]:
+        """Rotations about the three axes of ``b``."""
+        spin = joint_functions.SPIN
+        return tuple(self._function(f"rotation {k + 1}", spin + k) for k in range(3))
+
 
 class InPlane(Joint):
     """Point ``b`` stays in the plane through ``a`` whose normal ``axis`` is fixed to ``a``.
@@ -164,7 +169,7 @@ class Screw(_Turning, _Gliding):
     @property
     def functions(self) -> Array:
         """Factors of the last constraint, ``Δ₃ − pitch φ/2π = 0``."""
-        factors = np.zeros((5, 3))
+        factors = np.zeros((5, joint_functions.COUNT))
         factors[4, joint_functions.ANGLE] = -self.pitch / (2.0 * np.pi)
         return factors
 

@@ -13,6 +13,7 @@ from fem_lie._arrays import Array, flag, text, vector
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.points import require_node, require_point
 from fem_lie.joints.connection import Connection, ConstraintDefinition
+from fem_lie.joints.equations import functions as joint_functions
 from fem_lie.joints.kinds import Fixed, Spherical
 from fem_lie.lie.node_types import TRAITS, NodeType
 
@@ -165,7 +166,7 @@ class KinematicCoupling(Connection):
             assert point.body is not None
             selection = _SELECTIONS[NodeType(point.body.model.node_types[point.node])]
             own, count = lie.frame(point.position, np.eye(3)), len(selection)
-            none, of = np.zeros((count, 3)), range(first, first + count)
+            none, of = np.zeros((count, joint_functions.COUNT)), range(first, first + count)
             found.append(ConstraintDefinition(self.a, point, (reference, own), selection, none, of))
             first += count
         return found

@@ -69,7 +69,7 @@ class RollingDisc(Joint):
     @property
     def functions(self) -> Array:
         """Factors of the constraint: centre height = ``radius`` times the sine of the tilt."""
-        factors = np.zeros((1, 3))
+        factors = np.zeros((1, joint_functions.COUNT))
         factors[0, joint_functions.TILT] = -self.radius
         return factors
 

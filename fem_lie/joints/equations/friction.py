@@ -6,7 +6,8 @@ bearing's centre and along its axes, with the sliding direction or axis ``e₃``
 
     N = N₀ + |F⊥/2 + M × e₃/L| + |F⊥/2 − M × e₃/L| + c |F₃| + d |M₃|
 
-of preload, both ends, and what collars (``c``) and keys (``d``) take. Friction opposes the slip
+of preload, both ends, and what collars or threads (``c``) and keys (``d``) take; in a ball joint
+both ends are one sphere, which takes ``|F|``. Friction opposes the slip
 ``s``, whose components are rates of displacement and radius times rate of rotation, with the
 coefficient ::
 
@@ -25,15 +26,14 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined, uncounted
 from fem_lie._jit.stack import stack, vector_at
-from fem_lie.joints.equations import functions
 from fem_lie.joints.equations.joint_arrays import JointArrays
 from fem_lie.joints.equations.one_pair import gradient, locate, rate_of_term
 from fem_lie.joints.equations.relative_motion import force as forces_on_sides
 
-KINETIC, DROP, BY_STRIBECK, BY_STICTION, PRELOAD, BY_LENGTH, COLLAR, KEY, RADIUS = range(9)
-"""Data of friction: μ, μ₀ − μ, 1/s₁, 1/s₀, N₀, 1/L, c, d, and the radius of the journal."""
+KINETIC, DROP, BY_STRIBECK, BY_STICTION, PRELOAD, BY_LENGTH, COLLAR, KEY, RADIUS, BALL = range(10)
+"""Data of friction: μ, μ₀ − μ, 1/s₁, 1/s₀, N₀, 1/L, c, d, the radius, and 1 for a ball, else 0."""
 
-SIZE = 9
+SIZE = 10
 """Number of data."""
 
 _STILL = 1e-4
@@ -66,7 +66,7 @@ def of_spring(arrays: JointArrays, k: int) -> bool:
 
 @inlined
 def data_of(arrays: JointArrays, k: int) -> Array:
-    """Data of the friction of spring ``k``, shape (9,)."""
+    """Data of the friction of spring ``k``, shape (10,)."""
     return arrays.data[arrays.laws[k, 1] : arrays.laws[k, 2]]
 
 
@@ -103,8 +103,10 @@ def set_load(arrays: JointArrays, k: int, z: Array, multipliers: Array, w: Array
 def normal_force(data: Array, w: Array) -> float:
     """Normal force of a bearing under force and moment ``w`` (6,)."""
     a, b, c, d = _ends(data, w)
+    e = 0.5 * data[BALL] * w[2]
     along = data[COLLAR] * abs(w[2]) + data[KEY] * abs(w[5])
-    return float(data[PRELOAD] + np.hypot(a, b) + np.hypot(c, d) + along)
+    one, other = np.sqrt(a * a + b * b + e * e), np.sqrt(c * c + d * d + e * e)
+    return float(data[PRELOAD] + one + other + along)
 
 
 @uncounted
@@ -113,18 +115,19 @@ def normal_change(data: Array, w: Array, dw: Array) -> float:
     a, b, c, d = _ends(data, w)
     da, db, dc, dd = _ends(data, dw)
     change = data[COLLAR] * np.sign(w[2]) * dw[2] + data[KEY] * np.sign(w[5]) * dw[5]
-    one, other = np.hypot(a, b), np.hypot(c, d)
+    e, de = 0.5 * data[BALL] * w[2], 0.5 * data[BALL] * dw[2]
+    one, other = np.sqrt(a * a + b * b + e * e), np.sqrt(c * c + d * d + e * e)
     if one > 0.0:
-        change += (a * da + b * db) / one
+        change += (a * da + b * db + e * de) / one
     if other > 0.0:
-        change += (c * dc + d * dd) / other
+        change += (c * dc + d * dd + e * de) / other
     return float(change)
 
 
 @inlined
 def arm(arrays: JointArrays, t: int, data: Array) -> float:
-    """Slip per unit of term ``t``: the radius for an angle, 1 for a displacement."""
-    return float(data[RADIUS]) if arrays.functions[t, functions.ANGLE] != 0.0 else 1.0
+    """Slip per unit of term ``t``: the radius for a rotation, 1 for a displacement."""
+    return float(data[RADIUS]) if arrays.functions[t].any() else 1.0
 
 
 @uncounted
@@ -170,7 +173,7 @@ def add_tangent(
         K: Blocks, shape (any, 6, 6).
     """
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
-    p, sides, b, along = np.empty(12), np.empty((2, 6)), np.empty((2, 2, 6)), np.empty((2, 6))
+    p, sides, b, along = np.empty(12), np.empty((2, 6)), np.empty((3, 2, 6)), np.empty((2, 6))
     w, m = np.empty(6), len(arrays.targets)
     for j in range(arrays.nodes.shape[0]):
         first, end = arrays.first[j], arrays.first[j + 1]

@@ -5,9 +5,11 @@
     φ = atan2(s·z, c·z)     an angle, with two rows s and c of each joint; unwrapped
     ℓ = |Δ|                 the distance of the two origins
     σ = |(Q₃₁, Q₃₂)|        sine of the angle between the axes e₃
+    ω = axial(Qᵀ Q̇)         angular velocity of B relative to A, in the axes of B
 
 Joints add them to linear terms ``S z``. For the rotation of B about e₃ of A, ``s·z = Q₂₁ −
 Q₁₂`` and ``c·z = Q₁₁ + Q₂₂``, with ``s² + c² = (1 + Q₃₃)²``: smooth unless the axes are opposite.
+The components of ω are rates of no coordinate: friction uses their derivatives ``∂ω/∂ż`` only.
 """
 
 from __future__ import annotations
@@ -19,8 +21,11 @@ import numpy as np
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 
-ANGLE, DISTANCE, TILT = range(3)
-"""Numbers of the functions."""
+ANGLE, DISTANCE, TILT, SPIN = range(4)
+"""Numbers of the functions; the three components of ω begin at ``SPIN``."""
+
+COUNT = SPIN + 3
+"""Number of factors of functions in a term."""
 
 
 @inlined
@@ -58,6 +63,18 @@ def add_gradients(z: Array, angle: Array, factors: Array, p: Array) -> None:
         over = factors[TILT] / math.sqrt(z[9] * z[9] + z[10] * z[10])
         p[9] += over * z[9]
         p[10] += over * z[10]
+    _add_spin(z, factors, p)
+
+
+@inlined
+def _add_spin(z: Array, factors: Array, p: Array) -> None:
+    """Add ``½ q × m`` to the rows of ``p`` for the rows q of Q, with the factors m of ω."""
+    x, y, w = factors[SPIN], factors[SPIN + 1], factors[SPIN + 2]
+    if x != 0.0 or y != 0.0 or w != 0.0:
+        for row in range(3, 12, 3):
+            p[row] += 0.5 * (z[row + 1] * w - z[row + 2] * y)
+            p[row + 1] += 0.5 * (z[row + 2] * x - z[row] * w)
+            p[row + 2] += 0.5 * (z[row] * y - z[row + 1] * x)
 
 
 @compiled
@@ -72,6 +89,7 @@ def add_gradient_changes(z: Array, dz: Array, angle: Array, factors: Array, dp: 
         for k in range(12):
             change = dc * angle[0, k] - ds * angle[1, k]
             dp[k] += over * (change - rate * (c * angle[0, k] - s * angle[1, k]))
+    _add_spin(dz, factors, dp)
     _add_norm_change(z, dz, 0, 3, factors[DISTANCE], dp)
     _add_norm_change(z, dz, 9, 2, factors[TILT], dp)
 

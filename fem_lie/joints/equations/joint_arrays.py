@@ -14,6 +14,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import inlined
 from fem_lie._jit.packed_arrays import Integers1, Numbers1
+from fem_lie.joints.equations.functions import COUNT
 
 PackedJoints: TypeAlias = tuple[Numbers1, Integers1]
 """Numbers and integers of a :class:`JointArrays`, each as one array."""
@@ -27,7 +28,7 @@ class JointArrays(NamedTuple):
         frames: Joint frames in the frames of their nodes, shape (j, 2, 4, 3).
         first: First term of each pair and ``t`` at the end, shape (j + 1,).
         selection: Rows ``S``, shape (t, 12): three columns for Δ, nine for Q (row-major).
-        functions: Factors ``c`` of angle, distance and tilt, shape (t, 3).
+        functions: Factors ``c`` of angle, distance, tilt and angular velocity, shape (t, 6).
         rows: Constraint of each term, or ``m`` plus the number of its spring, shape (t,).
         incidences: Incidence of each term's constraint with the nodes of its sides A and B, −1: the
             side does not move, or the term is of a spring, shape (t, 2).
@@ -81,7 +82,7 @@ def views(packed: PackedJoints) -> JointArrays:
     x, i = packed
     j, t, m, k = i[0], i[1], i[2], i[3]
     selection, functions = 24 * j, 24 * j + 12 * t
-    angle = functions + 3 * t
+    angle = functions + COUNT * t
     turned = angle + 24 * j
     targets = turned + j
     springs = targets + m
@@ -96,7 +97,7 @@ def views(packed: PackedJoints) -> JointArrays:
         x[:selection].reshape(j, 2, 4, 3),
         i[first:rows],
         x[selection:functions].reshape(t, 12),
-        x[functions:angle].reshape(t, 3),
+        x[functions:angle].reshape(t, COUNT),
         i[rows:incidences],
         i[incidences:curved].reshape(t, 2),
         x[angle:turned].reshape(j, 2, 12),

@@ -17,7 +17,7 @@ from fem_lie.joints.equations import functions
 from fem_lie.joints.equations.joint_arrays import JointArrays
 from fem_lie.joints.equations.relative_motion import relative_motion, variation
 
-WORKSPACE = 72
+WORKSPACE = 75
 """Size of the array that :func:`workspace` divides."""
 
 
@@ -30,7 +30,7 @@ class Workspace(NamedTuple):
         z: Relative motion, shape (12,).
         p: Generalised force conjugate to ``z``, shape (12,).
         f: Values of the functions, shape (3,).
-        c: Factors of the gradients of the functions in ``p``, shape (3,).
+        c: Factors of the gradients of the functions in ``p``, shape (6,).
         sides: Forces and moments on the two frames, shape (2, 6).
         moved: Force and moment on one node, shape (6,).
     """
@@ -47,7 +47,7 @@ class Workspace(NamedTuple):
 
 @inlined
 def workspace(work: Array) -> Workspace:
-    """Views of ``work`` (72,), which is set to zero."""
+    """Views of ``work`` (75,), which is set to zero."""
     work[:] = 0.0
     return Workspace(
         work[:12].reshape(4, 3),
@@ -55,9 +55,9 @@ def workspace(work: Array) -> Workspace:
         work[24:36],
         work[36:48],
         work[48:51],
-        work[51:54],
-        work[54:66].reshape(2, 6),
-        work[66:72],
+        work[51:57],
+        work[57:69].reshape(2, 6),
+        work[69:75],
     )
 
 

@@ -63,7 +63,7 @@ def load(
                 multiplier = k * (q - rest) + damping * rate
         for k in range(12):
             p[k] += multiplier * arrays.selection[t, k]
-        for k in range(3):
+        for k in range(functions.COUNT):
             c[k] += multiplier * arrays.functions[t, k]
     functions.add_gradients(z, arrays.angle[j], c, p)
 
@@ -260,7 +260,7 @@ def geometric(H: Array, arrays: JointArrays, multipliers: Array, index: Indices,
     Springs contribute with their current force, without their stiffness.
     """
     A, B, z, p = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.empty(12)
-    f, c, rest = np.zeros(3), np.empty(3), np.zeros((0, 6))
+    f, c, rest = np.zeros(3), np.empty(functions.COUNT), np.zeros((0, 6))
     twist, unit = np.zeros((2, 6)), np.empty(6)
     dz, dp, sides, bent = np.empty(12), np.empty(12), np.empty((2, 6)), np.empty((2, 6))
     moved = np.empty(6)

@@ -52,7 +52,8 @@ def foresee(H: Array, h: Array, arrays: JointArrays) -> None:
         arrays: The joints; ``turned`` is updated.
     """
     A, B, z, f = np.empty((4, 3)), np.empty((4, 3)), np.empty(12), np.zeros(3)
-    twist, dz, p, angle = np.empty((2, 6)), np.empty(12), np.empty(12), np.zeros(3)
+    twist, dz, p = np.empty((2, 6)), np.empty(12), np.empty(12)
+    angle = np.zeros(functions.COUNT)
     angle[functions.ANGLE] = 1.0
     for j in range(arrays.nodes.shape[0]):
         if arrays.functions[arrays.first[j] : arrays.first[j + 1], functions.ANGLE].any():

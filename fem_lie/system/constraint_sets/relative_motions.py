@@ -10,7 +10,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.joints.connection import Connection, ConstraintDefinition, LostBranchError
 from fem_lie.joints.equations import friction, terms, turns
-from fem_lie.joints.equations.functions import ANGLE, DISTANCE
+from fem_lie.joints.equations.functions import ANGLE, COUNT, DISTANCE
 from fem_lie.joints.equations.joint_arrays import JointArrays, PackedJoints, pack, views
 from fem_lie.joints.equations.turns import spring_changes
 from fem_lie.joints.joint import Joint
@@ -480,7 +480,7 @@ def _packed(
         frames=relative_frames(constrained, of_pairs, frames),
         first=np.cumsum([0] + [len(pair.rows) for pair in pairs], dtype=np.int64),
         selection=stacked([pair.definition.selection for pair in pairs], 0, 12),
-        functions=stacked([pair.definition.functions for pair in pairs], 0, 3),
+        functions=stacked([pair.definition.functions for pair in pairs], 0, COUNT),
         rows=of_terms,
         incidences=np.where(at >= 0, at + incidence, -1),
         angle=np.array([pair.definition.angle for pair in pairs]).reshape(-1, 2, 12),
