@@ -3,15 +3,17 @@
     tools/run python3 -m benchmarks.calculix_bracket --write
 
 writes the input, runs CalculiX, prints both results and, with ``--write``, records those of
-CalculiX in ``demos/reference/bracket.json``. CalculiX is the program named by the variable ``CCX``,
-or ``ccx`` on the path, or Debian's package with the libraries that it needs, which apt downloads
-into the cache folder where its lists have it; nothing is installed.
+CalculiX in ``demos/reference/bracket.json``. ``--draw`` makes the STEP files of the demo first.
+CalculiX is the program named by the variable ``CCX``, or ``ccx`` on the path, or Debian's package
+with the libraries that it needs, which apt downloads into the cache folder where its lists have it;
+nothing is installed.
 
 The input knows nothing of this library but the nodes, the cells and the sets of the mesh:
 
-- bracket: C3D10; arm: C3D20 bricks, ``SECTIONS`` of 2 x 2 along its length;
+- bracket: C3D10; arm: C3D20 bricks, ``CELLS`` along its axes;
 - rigid bolt to the ground: the nodes of the hole are held, their reactions summed;
 - rigid bolt to the arm: a ``*RIGID BODY`` of the nodes of the hole and of the first section;
+- clamp at its end: another one, whose reference node carries the force;
 - bolt that holds the mean motion: ``sum w u = 0`` and ``sum w (x - x0) x u = 0`` as six equations,
   solved for six displacements as ``*EQUATION`` needs it. Its force is that of equilibrium.
 """
@@ -45,7 +47,7 @@ PACKAGES = (
 ).split()
 """Debian's packages; libraries have either of two names, by release."""
 
-SECTIONS, MODES = 30, 6
+CELLS, MODES = (30, 4, 2), 6
 _C3D10 = [0, 1, 2, 3, 9, 6, 8, 7, 5, 4]
 """CalculiX's nodes of a tetrahedron among those of DOLFINx."""
 
@@ -86,24 +88,19 @@ def environment() -> tuple[str, dict[str, str]]:
 
 
 class Arm:
-    """Bricks of the arm: nodes, cells, first section, fractions of the force on the last one."""
+    """Bricks of the arm: nodes, cells, nodes of the first section and of the last one."""
 
     def __init__(self, first: int) -> None:
         """Number the nodes from ``first``."""
-        cells = np.array([(i, j, k) for i in range(SECTIONS) for j in (0, 1) for k in (0, 1)])
+        cells = np.array(list(np.ndindex(*CELLS)))
         grid = 2 * cells[:, np.newaxis] + _HEXAHEDRON
         known, numbers = np.unique(grid.reshape(-1, 3), axis=0, return_inverse=True)
-        edges = np.array([demo.LENGTH / SECTIONS, demo.SIDE / 2, demo.SIDE / 2])
-        corner = demo.START - (0.0, demo.SIDE / 2, demo.SIDE / 2)
-        self.nodes: Array = corner + 0.5 * edges * known
+        edges = np.array([demo.LENGTH, demo.WIDTH, demo.THICKNESS])
+        corner = demo.START - 0.5 * edges * (0.0, 1.0, 1.0)
+        self.nodes: Array = corner + 0.5 * edges / CELLS * known
         self.cells: Indices = first + numbers.reshape(-1, 20)
         self.root: Indices = first + np.flatnonzero(known[:, 0] == 0)
-        self.tip: Indices = first + np.flatnonzero(known[:, 0] == 2 * SECTIONS)
-        # consistent loads of a uniform traction on four faces of eight nodes
-        j, k = known[known[:, 0] == 2 * SECTIONS][:, 1:].T
-        faces = np.where(j % 4 == 2, 2, 1) * np.where(k % 4 == 2, 2, 1)
-        corners = (j % 2 == 0) & (k % 2 == 0)
-        self.fractions: Array = faces * np.where(corners, -1 / 12, 1 / 3) / 4.0
+        self.tip: Indices = first + np.flatnonzero(known[:, 0] == 2 * CELLS[0])
 
 
 def mean_motion(x: Array, weights: Array) -> tuple[Array, Indices]:
@@ -130,8 +127,9 @@ def deck(solid: fl.Solid) -> tuple[str, dict[str, Indices], Arm]:
     arm = Arm(len(x) + 1)
     reference = len(x) + len(arm.nodes) + 1
     sets = {name: 1 + solid.nodes(name) for name in ("rigid", "mean", "upper")}
-    sets |= {"rigidbody": np.concatenate([sets["upper"], arm.root]), "tip": arm.tip}
-    nodes = np.vstack([x, arm.nodes, demo.START, demo.START])
+    sets |= {"bolt": np.concatenate([sets["upper"], arm.root]), "clamp": arm.tip}
+    end = demo.START + demo.LENGTH * np.eye(3)[0]
+    nodes = np.vstack([x, arm.nodes, demo.START, demo.START, end, end])
     cells = {"C3D10": 1 + model.connectivity[:, _C3D10], "C3D20": arm.cells}
     rows = [f"{k + 1}, " + ", ".join(f"{value:.12e}" for value in at) for k, at in enumerate(nodes)]
     text = ["*NODE, NSET=ALL", *rows]
@@ -148,7 +146,8 @@ def deck(solid: fl.Solid) -> tuple[str, dict[str, Indices], Arm]:
         f"*MATERIAL, NAME=STEEL\n*ELASTIC\n{steel['E']}, {steel['nu']}",
         f"*DENSITY\n{steel['density']}",
         *(f"*SOLID SECTION, ELSET={kind}, MATERIAL=STEEL" for kind in cells),
-        f"*RIGID BODY, NSET=RIGIDBODY, REF NODE={reference}, ROT NODE={reference + 1}",
+        f"*RIGID BODY, NSET=BOLT, REF NODE={reference}, ROT NODE={reference + 1}",
+        f"*RIGID BODY, NSET=CLAMP, REF NODE={reference + 2}, ROT NODE={reference + 3}",
         "*BOUNDARY\nRIGID, 1, 3",
     ]
     faces, total = model.facets("mean"), np.zeros(len(x))
@@ -159,10 +158,9 @@ def deck(solid: fl.Solid) -> tuple[str, dict[str, Indices], Arm]:
         terms = [f"{held[k // 3] + 1}, {k % 3 + 1}, {row[k]:.12e}" for k in order]
         text += [f"*EQUATION\n{len(terms)}", lines(terms, 4)]
     text += ["*STEP\n*STATIC\n*CLOAD"]
-    for node, part in zip(arm.tip, arm.fractions, strict=True):
-        text += [f"{node}, {k + 1}, {part * f:.12e}" for k, f in enumerate(demo.FORCE) if f]
+    text += [f"{reference + 2}, {k + 1}, {f:.12e}" for k, f in enumerate(demo.FORCE) if f]
     text += [
-        "*NODE PRINT, NSET=RIGID\nRF\n*NODE PRINT, NSET=TIP\nU\n*END STEP",
+        "*NODE PRINT, NSET=RIGID\nRF\n*NODE PRINT, NSET=CLAMP\nU\n*END STEP",
         f"*STEP\n*FREQUENCY\n{MODES}\n*END STEP",
     ]
     return "\n".join(text) + "\n", sets, arm
@@ -195,9 +193,8 @@ def table(printed: str, heading: str) -> Array:
 
 def reference(size: float) -> dict[str, Any]:
     """Results of CalculiX as the demo names them."""
-    solid = fl.Solid(
-        demo.bracket_mesh(size), fl.sections.SaintVenantKirchhoff(**demo.STEEL), name="bracket"
-    )
+    steel = fl.sections.SaintVenantKirchhoff(**demo.STEEL)
+    solid = fl.Solid(demo.meshes(size)[0], steel, name="bracket")
     text, sets, arm = deck(solid)
     printed = run(text)
     headings = "forces (fx,fy,fz)", "displacements (vx,vy,vz)", "(RAD/TIME)"
@@ -206,20 +203,41 @@ def reference(size: float) -> dict[str, Any]:
     at = forces[:, 0].astype(int) - 1
     # on the ground, as the joints of the demo report it
     on_ground = -forces[:, 1:]
-    arms = x[at] - x[sets["rigid"] - 1].mean(axis=0)
-    rigid = np.concatenate([on_ground.sum(axis=0), np.cross(arms, on_ground).sum(axis=0)])
-    frame = solid.point("mean").position
+    rigid = x[sets["rigid"] - 1].mean(axis=0)
+    moments = [np.cross(x[at] - centre, on_ground).sum(axis=0) for centre in (rigid, 0.0 * rigid)]
     force, end = np.array(demo.FORCE), demo.START + demo.LENGTH * np.eye(3)[0]
-    mean_force = force - rigid[:3]
-    about = np.cross(end - frame, force) - np.cross(x[at] - frame, on_ground).sum(axis=0)
+    total, mean = on_ground.sum(axis=0), solid.point("mean").position
+    other = np.cross(end, force) - moments[1] - np.cross(mean, force - total)
+    # the clamp is rigid: the mean of its nodes moves as its centre
+    nodes = arm.nodes[arm.tip - len(x) - 1]
     order = np.searchsorted(arm.tip, moved[:, 0].astype(int))
+    central = np.linalg.norm(nodes[order] - end, axis=1).argmin()
     return {
-        "nodes": len(x),
-        "rigid_bolt": rigid.tolist(),
-        "mean_bolt": [*mean_force, *about],
-        "tip": (arm.fractions[order] @ moved[:, 1:]).tolist(),
+        "tip": moved[central, 1:].tolist(),
+        "forces": [total.tolist(), (force - total).tolist()],
+        "moments": [moments[0].tolist(), other.tolist()],
         "frequencies": modes[:MODES, 2].tolist(),
     }
+
+
+def draw() -> None:
+    """Write the parts of the demo as STEP: an L of two plates of 8 mm with three holes; the arm."""
+    import gmsh
+
+    gmsh.initialize(["gmsh", "-v", "0"])
+    occ, (a, b, c) = gmsh.model.occ, 1e3 * demo.START
+    plates = [[(3, occ.addBox(0, 0, 0, *edges))] for edges in ((100, 80, 8), (8, 80, 90))]
+    *base, (y, z, radius) = (1e3 * np.array(hole) for hole in demo.HOLES.values())
+    holes = [occ.addCylinder(u, v, -1, 0, 0, 10, r) for u, v, r in base]
+    holes.append(occ.addCylinder(-1, y, z, 10, 0, 0, radius))
+    occ.cut(occ.fuse(*plates)[0], [(3, hole) for hole in holes])
+    occ.synchronize()
+    gmsh.write(str(demo.REFERENCE / "bracket.step"))
+    gmsh.clear()
+    occ.addRectangle(a, b - 500 * demo.WIDTH, c, 1e3 * demo.LENGTH, 1e3 * demo.WIDTH)
+    occ.synchronize()
+    gmsh.write(str(demo.REFERENCE / "arm.step"))
+    gmsh.finalize()
 
 
 def main() -> None:
@@ -227,13 +245,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--size", type=float, default=0.012, help="size of the cells, m")
     parser.add_argument("--write", action="store_true", help="record the results of CalculiX")
+    parser.add_argument("--draw", action="store_true", help="make the STEP files")
     given = parser.parse_args()
+    if given.draw:
+        draw()
     theirs = reference(given.size)
+    if given.write:
+        text = json.dumps(theirs, indent=1) + "\n"
+        (demo.REFERENCE / "bracket.json").write_text(text, encoding="utf-8")
     ours = demo.main(given.size, pictures=False)
     for key, value in theirs.items():
         print(f"{key:12} CalculiX {np.round(value, 8)}\n{'':12} fem_lie  {np.round(ours[key], 8)}")
-    if given.write:
-        demo.REFERENCE.write_text(json.dumps(theirs, indent=1) + "\n", encoding="utf-8")
+    print(ours["errors"])
 
 
 if __name__ == "__main__":

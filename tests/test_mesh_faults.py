@@ -270,6 +270,16 @@ def test_the_boundary_of_a_solid_is_a_shell_only_if_it_is_named(tmp_path, caplog
     )
 
 
+@pytest.mark.parametrize("dim", [None, 3])
+def test_a_surface_beside_a_solid_is_meant_without_a_name(tmp_path, caplog, dim):
+    sheet = "Rectangle(99) = {5, 0, 0, 2, 1};"
+    with caplog.at_level(logging.INFO, logger="fem_lie"):
+        mesh = fl.mesh.read_gmsh_surface(written(tmp_path, BOX + sheet, dim))
+    ends = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    np.testing.assert_allclose(ends, ((5, 0, 0), (7, 1, 0)), atol=1e-12)
+    assert "1 surfaces that bound none of higher dimension are taken; 6 other" in caplog.text
+
+
 @pytest.mark.parametrize("dim", [None, 2])
 def test_edges_of_a_surface_are_beams_only_if_they_are_named(tmp_path, caplog, dim):
     with pytest.raises(ValueError, match="2 surfaces and volumes and no physical group of curves"):

@@ -222,13 +222,18 @@ def physical(gmsh: Any, dim: int) -> dict[str, list[int]]:
 def chosen_entities(gmsh: Any, dim: int, what: str) -> list[int]:
     """Entities in physical groups, or all if there are none; ignored entities are logged.
 
+    Without groups, boundaries of entities of higher dimension do not count.
+
     Raises:
-        ValueError: They have no physical group, and are boundaries of other entities.
+        ValueError: They have no physical group, and all are boundaries of other entities.
     """
     every = {tag for _, tag in gmsh.model.getEntities(dim)}
     grouped = {tag for entities in physical(gmsh, dim).values() for tag in entities}
     above = sum(len(gmsh.model.getEntities(d)) for d in range(dim + 1, 4))
     mine, others = _ENTITIES[dim]
+    taken = "of physical groups"
+    if above and not grouped:
+        grouped, taken = _apart(gmsh, dim, every), "that bound none of higher dimension"
     if above and not grouped:
         raise ValueError(
             f"{what} has {above} {others} and no physical group of {mine}: which of their edges or "
@@ -237,10 +242,26 @@ def chosen_entities(gmsh: Any, dim: int, what: str) -> list[int]:
     left = every - grouped if grouped else set()
     if above or left:
         _log.info(
-            "%s: the %d %s of physical groups are taken; %d other %s and %d %s are left out",
-            *(what, len(grouped), mine, len(left), mine, above, others),
+            "%s: the %d %s %s are taken; %d other %s and %d %s are left out",
+            *(what, len(grouped), mine, taken, len(left), mine, above, others),
         )
     return sorted(grouped or every)
+
+
+def _apart(gmsh: Any, dim: int, every: set[int]) -> set[int]:
+    """Entities that bound no other, by topology and by the nodes of elements.
+
+    Files of older formats have no topology, CAD that is not meshed yet no elements above.
+    """
+    above = [gmsh.model.mesh.getElements(d)[2] for d in range(dim + 1, 4)]
+    used = np.concatenate([np.empty(0), *(nodes for each in above for nodes in each)])
+    found = {tag: gmsh.model.mesh.getElements(dim, tag)[2] for tag in every}
+    return {
+        tag
+        for tag, kinds in found.items()
+        if not len(gmsh.model.getAdjacencies(dim, tag)[0])
+        and any(not np.isin(nodes, used).all() for nodes in kinds)
+    }
 
 
 def named_points(gmsh: Any, used: Indices) -> dict[str, Indices]:

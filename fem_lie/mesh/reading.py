@@ -400,7 +400,7 @@ def _cell_block(gmsh: Any, chosen: list[int], what: str) -> tuple[Indices, Indic
         raise ValueError(
             f"{what} has {' and '.join(names)}: a solid needs cells of one type, as displacements "
             "of a tetrahedron and of a hexahedron at a common face differ between their nodes, and "
-            "there are no pyramids to lie between. Mesh it with tetrahedra of 10 nodes"
+            "DOLFINx has no pyramids that fit between. Mesh it with tetrahedra of 10 nodes"
         )
     kind = kinds.pop()
     cell, degree = _CELLS[kind]
