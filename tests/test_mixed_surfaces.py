@@ -54,6 +54,16 @@ def sheet(cells=(4, 4), degree=1, function=flat, **how):
     return fl.Shell(mixed(mesh, straight=True), LAYER, name="sheet", **how)
 
 
+@pytest.mark.parametrize("degree", [1, 2])
+def test_drawn_faces_have_no_rim_between_types(degree):
+    """Edges of one face only are those of the square."""
+    faces = sheet((4, 4), degree).model.faces
+    edges = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    edges = edges[edges[:, 0] != edges[:, 1]]
+    _, count = np.unique(edges, axis=0, return_counts=True)
+    assert (count == 1).sum() == 16 and count.max() == 2
+
+
 def everywhere(result, shell, name):
     """A quantity at the points of all cells of all types."""
     along = {"along": (1.0, 0.0, 0.0)}

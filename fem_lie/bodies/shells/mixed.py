@@ -86,8 +86,11 @@ class MixedShellModel(SurfaceNodes):
         )
         self.has_mass = all(part.model.has_mass for part in self.parts)
         self.thickness = np.array([s.thickness for s in sections], dtype=np.float64)
+        # where types meet, faces have one node: edges between them are no rim
+        one = (self.frames == self.frames[self.masters]).all(axis=(1, 2))
+        drawn = np.where(one, self.masters, np.arange(len(one)))
         # triangles end with their last corner twice
-        corners = [part.nodes[part.model.faces] for part in self.parts]
+        corners = [drawn[part.nodes[part.model.faces]] for part in self.parts]
         most = max(each.shape[1] for each in corners)
         self.faces = np.concatenate(
             [np.pad(each, ((0, 0), (0, most - each.shape[1])), mode="edge") for each in corners]
