@@ -1,10 +1,16 @@
-"""Mortar contact along lines: patch tests, a belt on a drum, and two crossed cables.
+"""Mortar contact along lines: patch tests, Hertz-like pressure, belts on drums, crossed cables.
 
     python -m benchmarks.mortar
 
 - Patch test: two beams with 7 and 5 elements, the lower one on an elastic foundation, are pressed
-  against each other by an even load. The pressure is even.
+  against each other by an even load. The pressure is even. So it is where a beam lies askew on
+  faces of a shell that is held.
+- Hertz-like: a cylinder of radius R is pressed by d into a line on an elastic foundation, k per
+  area. The pressure is ``k (d − x²/2R)`` for ``|x| < a = √(2 R d)``, the force ``4/3 k a d``.
 - A belt is pulled around half of a drum without friction: the pressure is T/R per length.
+- The belt is pulled around half of the drum with friction: on its surface, in a distance b from
+  the axis, so that shear forces ``Q = −μ p b`` bend it back. With ``r = R + b`` the tension grows
+  by ``exp(λ φ)``, ``λ (r + μ b λ) = μ R``, which is ``exp(μ φ)`` for thin belts.
 - Two taut cables of length 2 L, tension T and extensional stiffness EA cross at a right angle. One
   of them is moved by d against the other: the force is ``2 (T + EA ε) δ/ℓ`` with ``δ = d/2``,
   ``ℓ² = L² + δ²`` and ``ε = ℓ/L − 1`` along the taut length.
@@ -24,7 +30,9 @@ Law: TypeAlias = fl.contact.Penalty | fl.contact.MortarPenalty
 
 LOAD, SOFT, RADIUS = 10.0, 0.1, 0.01  # N/m, N/m^2, m
 FOUNDATION = 1e3  # N/m^2
+HALF_LENGTH, WHEEL, DEEP = 0.1, 5.0, 2e-4  # m
 DRUM, BELT, TENSION = 0.1, 1e-3, 1.0
+ROPE, PULLED, FRICTION = 2e-4, 2e-3, 0.3
 HALF, CABLE, TAUT, EXTENSION, MOVED = 0.5, 2e-3, 100.0, 1e4, 0.04
 DOWN = np.array([[0.0, 0.0, -1.0], *np.zeros((3, 3))])
 
@@ -65,9 +73,55 @@ def pressed(law: Law, cells: tuple[int, int] = (7, 5)) -> dict[str, float]:
     }
 
 
-def belt(law: Law, cells: int = 40) -> dict[str, float]:
-    """Pressure over T/R in the middle half of the arc: mean and largest errors."""
-    radius, tail = DRUM + 0.999 * BELT, 3 * np.pi * DRUM / cells
+def askew(law: Law) -> float:
+    """How uneven the force per length of a beam is that lies across faces of a held shell."""
+    section = fl.Section.circle(RADIUS, fl.Material(1e9, 0.3, 1000.0))
+    start, end = np.array([0.0, -0.05, 2 * RADIUS]), np.array([1.0, 0.12, 2 * RADIUS])
+    beam = fl.Beam.straight(start, end, section, cells=7)
+    mesh = fl.mesh.parametric_surface(
+        lambda a, b: np.array([1.2 * a - 0.1, 0.4 * b - 0.2, 0.0]), (5, 3)
+    )
+    shell = fl.Shell(mesh, fl.ShellSection.layer(2 * RADIUS, fl.Material(5e8, 0.3, 1000.0)))
+    scene = fl.Scene()
+    scene.add(beam)
+    scene.add(shell)
+    guided(scene, beam, SOFT, LOAD)
+    for node in range(len(shell.frames)):
+        scene.add(fl.Clamp(shell.point(node)))
+    surfaces = fl.contact.Line(beam, RADIUS), fl.contact.ShellSurface(shell)
+    contact = scene.add(fl.contact.Contact(*surfaces, law))
+    found = fl.post.contact_forces(fl.statics(scene), contact)
+    last = found.states == found.count - 1
+    element = (7 * found.positions[last, 0]).astype(int)
+    forces = np.bincount(element, found.forces[last, 2])
+    return float(np.ptp(forces) / forces.mean())
+
+
+def hertz(law: Law, cells: int = 80) -> dict[str, float]:
+    """Errors of the force and of the largest pressure of a cylinder on an elastic foundation."""
+    section = fl.Section.from_stiffness([1e-4, 1e-4, 1e-4, 1e-9, 1e-9, 1e-9])
+    scene, length = fl.Scene(), HALF_LENGTH
+    line = scene.add(fl.Beam.straight((-length, 0, 0), (length, 0, 0), section, cells=cells))
+    guided(scene, line, FOUNDATION, 0.0)
+    wheel = scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0), (0, 0, RADIUS + WHEEL)))
+    start = wheel.frames[0].copy()
+    motion = fl.PrescribedMotion(wheel.point("centre"), lambda factor: start + factor * DEEP * DOWN)
+    scene.add(motion)
+    surface = fl.contact.Cylinder(wheel.point("centre"), (0, 0.4, 0), WHEEL)
+    contact = scene.add(fl.contact.Contact(fl.contact.Line(line, RADIUS), surface, law))
+    rest = fl.statics(scene, load_steps=4)
+    force = float(abs(fl.post.contact_forces(rest, contact).total[-1][2]))
+    deepest = float(-rest.frames[-1][cells // 2, 0, 2])
+    half = np.sqrt(2 * (WHEEL + RADIUS) * DEEP)
+    return {
+        "force": float(force / (4 / 3 * FOUNDATION * half * DEEP) - 1.0),
+        "pressure": deepest / DEEP - 1.0,
+        "iterations": int(rest.iterations[-1]),
+    }
+
+
+def laid(radius: float, tail: float) -> Callable[[float], tuple[float, float, float]]:
+    """Half a circle with straight tails at both ends."""
 
     def position(s: float) -> tuple[float, float, float]:
         along = s * (np.pi * radius + 2 * tail) - tail
@@ -75,8 +129,42 @@ def belt(law: Law, cells: int = 40) -> dict[str, float]:
         beyond, c, n = along - turned * radius, np.cos(turned), np.sin(turned)
         return radius * c - beyond * n, radius * n + beyond * c, 0.0
 
+    return position
+
+
+def capstan(
+    law: fl.contact.Penalty | fl.contact.MortarPenalty, cells: int = 40, thick: float = ROPE
+) -> dict[str, float]:
+    """Error of the ratio of tensions of a belt that slips around half of a drum."""
+    radius = DRUM + thick - 6e-6
+    section = fl.Section.from_stiffness([1e4, 3e3, 3e3, 1e-5, 1e-5, 1e-5])
+    element = fl.elements.GeodesicBeam(bending_flexibility=False)
+    curve = laid(radius, 3 * np.pi * radius / cells)
+    rope = fl.Beam.curve(curve, section, cells=cells + 6, formulation=element)
+    start, scene = rope.frames[-1], fl.Scene()
+    along = np.array([start[1], *np.zeros((3, 3))])
+    scene.add(rope)
+    motion = fl.PrescribedMotion(rope.point("end"), lambda factor: start + factor * PULLED * along)
+    scene.add(motion)
+    scene.add(fl.PointLoad(rope.point("start"), force=-TENSION * rope.frames[0, 1]))
+    drum = fl.contact.Cylinder(fl.ground(), (0, 0, 0.4), DRUM)
+    scene.add(fl.contact.Contact(fl.contact.Line(rope, thick), drum, law))
+    rest = fl.statics(scene, load_steps=10)
+    ratio = float(rest.reaction(motion)[-1, :3] @ start[1]) / TENSION
+    μ, across = law.friction, DRUM + thick
+    grows = (np.sqrt(across**2 + 4 * μ**2 * thick * DRUM) - across) / (2 * μ * thick)
+    return {
+        "error": float(ratio / np.exp(grows * np.pi) - 1.0),
+        "of thin belts": float(ratio / np.exp(μ * np.pi) - 1.0),
+        "iterations": int(rest.iterations[-1]),
+    }
+
+
+def belt(law: Law, cells: int = 40) -> dict[str, float]:
+    """Pressure over T/R in the middle half of the arc: mean and largest errors."""
+    radius, tail = DRUM + 0.999 * BELT, 3 * np.pi * DRUM / cells
     section = fl.Section.from_stiffness([1e4, 1e3, 1e3, 1e-5, 1e-5, 1e-5])
-    rope = fl.Beam.curve(position, section, cells=cells + 6)
+    rope = fl.Beam.curve(laid(radius, tail), section, cells=cells + 6)
     scene = fl.Scene()
     scene.add(rope)
     scene.add(fl.Clamp(rope.point("end")))
@@ -149,9 +237,20 @@ def main() -> dict[str, dict[str, float]]:
         "two beams, multipliers": pressed(mortar(1e5)),
         "two beams, mortar penalty": pressed(penalty(1e5)),
         "two beams, penalty": pressed(fl.contact.Penalty(1e5)),
+        "askew on a shell, multipliers": {"uneven": askew(mortar(1e5))},
+        "askew on a shell, mortar penalty": {"uneven": askew(penalty(1e5))},
+        "Hertz-like, multipliers": hertz(mortar(1e6)),
+        "Hertz-like, mortar penalty": hertz(penalty(1e6)),
         "belt, multipliers": belt(mortar(1e8)),
+        "belt, multipliers, k = 1e7, 1e9": {
+            "iterations": float(max(belt(mortar(k))["iterations"] for k in (1e7, 1e9)))
+        },
         "belt, mortar penalty": belt(penalty(1e6)),
         "belt, penalty": belt(fl.contact.Penalty(1e6)),
+        "belt that slips, 20 elements": capstan(penalty(1e6, FRICTION), 20),
+        "belt that slips, 40 elements": capstan(penalty(1e6, FRICTION)),
+        "belt that slips, thick": capstan(penalty(1e6, FRICTION), thick=5e-3),
+        "belt that slips, penalty": capstan(fl.contact.Penalty(1e6, friction=FRICTION)),
         "crossed cables, 20 elements": crossed(mortar(1e7), 20),
         "crossed cables, 41 elements": crossed(mortar(1e7)),
         "crossed cables, 41 elements, penalty": crossed(fl.contact.Penalty(1e8)),

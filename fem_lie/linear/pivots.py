@@ -24,6 +24,8 @@ from fem_lie.ranks.divided_matrix import DividedMatrix, with_diagonal
 from fem_lie.ranks.shared_nodes import SharedNodes
 
 _NULL, _DETERMINANT = 24, 33  # MUMPS: ICNTL to look for null pivots, and for the determinant
+_SPACE = 14  # MUMPS: ICNTL of the space beyond the estimate, in percent
+_MORE_SPACE = 20, 100, 1000  # pivots that are delayed need more than the estimate
 _ZERO, _MANTISSA = 28, 12  # INFOG of the number of null pivots, RINFOG of the determinant
 
 
@@ -60,16 +62,18 @@ def _factors(A: sp.csr_matrix, kind: str, option: int, shared: SharedNodes | Non
     shared = SharedNodes.alone(0) if shared is None else shared
     matrix = DividedMatrix((A.data, csr[1], csr[0]), shared).matrix
     matrix.setOption(PETSc.Mat.Option.SYMMETRIC, kind == PETSc.PC.Type.CHOLESKY)
-    pc = PETSc.PC().create(matrix.comm)
-    pc.setOperators(matrix)
-    pc.setType(kind)
-    pc.setFactorSolverType("mumps")
-    pc.setFactorSetUpSolverType()
-    pc.getFactorMatrix().setMumpsIcntl(option, 1)
-    try:
-        pc.setUp()
-    except PETSc.Error as error:
-        raise SingularMatrixError("the matrix is singular or not finite") from error
-    if lacks_memory(pc, None):
-        raise MemoryError(f"not enough memory to factorise the matrix of {A.shape[0]} unknowns")
-    return pc.getFactorMatrix()
+    for more in _MORE_SPACE:
+        pc = PETSc.PC().create(matrix.comm)
+        pc.setOperators(matrix)
+        pc.setType(kind)
+        pc.setFactorSolverType("mumps")
+        pc.setFactorSetUpSolverType()
+        pc.getFactorMatrix().setMumpsIcntl(option, 1)
+        pc.getFactorMatrix().setMumpsIcntl(_SPACE, more)
+        try:
+            pc.setUp()
+        except PETSc.Error as error:
+            raise SingularMatrixError("the matrix is singular or not finite") from error
+        if not lacks_memory(pc, None):
+            return pc.getFactorMatrix()
+    raise MemoryError(f"not enough memory to factorise the matrix of {A.shape[0]} unknowns")

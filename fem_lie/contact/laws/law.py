@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import InitVar, dataclass, field, replace
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from fem_lie._arrays import Array, Indices, number, positive
 from fem_lie.contact.laws.anchors import CoulombLaw
@@ -72,6 +72,18 @@ class ContactTerm(Term, ContactState):
             Pairs of points (k, 2), gaps (k,), closest points of the first surface (k, 3), and
             contact forces on it without friction (k, 3), in global components.
         """
+
+
+class FrictionConstants(NamedTuple):
+    """Constants of friction with one tangential spring per node.
+
+    Attributes:
+        μ: Coefficient of friction.
+        k: Stiffness of the tangential springs, force per length of the line and slip, N/m².
+    """
+
+    μ: float
+    k: float
 
 
 class ContactLaw(ABC):
@@ -218,26 +230,14 @@ class Penalty(ContactLaw):
 
 
 @dataclass(frozen=True)
-class MortarPenalty(ContactLaw):
-    """Contact law along lines with a penalty on mean gaps: one pressure per node of a line.
-
-    The first of two surfaces is a :class:`~fem_lie.contact.Line`. The pressure is linear between
-    its nodes and proportional to the mean overlap near each node. Products of shape functions of
-    both lines are integrated exactly, so that an even pressure is transmitted exactly between
-    meshes that do not match. Without friction and damping; for statics and, in dynamics, for
-    :class:`~fem_lie.GeneralisedAlpha`, :class:`~fem_lie.schemes.Variational` and
-    :class:`~fem_lie.Explicit`.
-
-    A pressure acts on the mean gap near a node. For lines that cross at large angles use
-    :class:`~fem_lie.contact.Penalty`.
+class MortarLaw(ContactLaw):
+    """Base class of contact laws along lines with one pressure per node of a line.
 
     Attributes:
-        stiffness: k, force per length of the first line and overlap, N/m². Default: as for
-            :class:`~fem_lie.contact.Penalty`.
+        stiffness: k, N/m².
     """
 
     stiffness: float | None = None
-    friction: float = field(default=0.0, init=False)
 
     impulsive: ClassVar[bool] = False
 
@@ -246,7 +246,12 @@ class MortarPenalty(ContactLaw):
         if self.stiffness is not None:
             positive(self.stiffness, f"{type(self).__name__}: stiffness")
 
-    def with_stiffness(self, choose: Callable[[], float]) -> MortarPenalty:
+    @property
+    def coulomb(self) -> FrictionConstants | None:
+        """Constants of friction; default: none."""
+        return None
+
+    def with_stiffness(self, choose: Callable[[], float]) -> MortarLaw:
         """The law with the given stiffness, or else the chosen one."""
         return self if self.stiffness is not None else replace(self, stiffness=choose())
 
@@ -263,18 +268,67 @@ class MortarPenalty(ContactLaw):
 
 
 @dataclass(frozen=True)
-class Mortar(MortarPenalty):
+class MortarPenalty(MortarLaw):
+    """Contact law along lines with a penalty on mean gaps: one pressure per node of a line.
+
+    The first of two surfaces is a :class:`~fem_lie.contact.Line`. The pressure is linear between
+    its nodes and proportional to the mean overlap near each node. Products of shape functions of
+    both lines are integrated exactly, so that an even pressure is transmitted exactly between
+    meshes that do not match. Without damping; for statics and, in dynamics, for
+    :class:`~fem_lie.GeneralisedAlpha` and, without friction, :class:`~fem_lie.schemes.Variational`
+    and :class:`~fem_lie.Explicit`.
+
+    A pressure acts on the mean gap near a node. For lines that cross at large angles use
+    :class:`~fem_lie.contact.Penalty`.
+
+    Attributes:
+        stiffness: k, force per length of the first line and overlap, N/m². Default: as for
+            :class:`~fem_lie.contact.Penalty`.
+        friction: Coefficient of friction μ. Each pressure has one tangential spring, on the mean
+            slip near its node, whose traction is at most μ times the pressure.
+        holding: Stiffness of the tangential springs, N/m²; default: k.
+    """
+
+    friction: float = 0.0
+    holding: float | None = None
+
+    def __post_init__(self) -> None:
+        """Raise ``TypeError`` or ``ValueError`` for wrong types or values out of range."""
+        super().__post_init__()
+        if number(self.friction, "MortarPenalty: friction") < 0.0:
+            raise ValueError(f"MortarPenalty: friction must not be negative, got {self.friction}")
+        if self.holding is not None:
+            positive(self.holding, "MortarPenalty: holding")
+
+    @property
+    def path_dependent(self) -> bool:
+        """Whether forces depend on the path, by friction."""
+        return self.friction > 0.0
+
+    @property
+    def coulomb(self) -> FrictionConstants | None:
+        """Constants of friction, if there is any; see :attr:`k` for errors."""
+        if not self.friction > 0.0:
+            return None
+        return FrictionConstants(self.friction, self.k if self.holding is None else self.holding)
+
+
+@dataclass(frozen=True)
+class Mortar(MortarLaw):
     """Contact law along lines with Lagrange multipliers: one pressure per node of a line.
 
     Mean gaps near the nodes of the first line are zero where there is a pressure, and pressures are
-    not negative. Weighted gaps are those of :class:`~fem_lie.contact.MortarPenalty`. Equilibria do
-    not depend on the stiffness, which governs how fast Newton's method finds the multipliers. The
-    law is for statics. In dynamics a multiplier of the last step would do work in the next one.
+    not negative. Weighted gaps are those of :class:`~fem_lie.contact.MortarPenalty`, which has
+    friction, too. Equilibria do not depend on the stiffness: the larger it is, the fewer iterations
+    does Newton's method take. The law is for statics. In dynamics a multiplier of the last step
+    would do work in the next one.
 
     Attributes:
         stiffness: k of the augmented Lagrangian, N/m². Default: as for
             :class:`~fem_lie.contact.Penalty`.
     """
+
+    friction: float = field(default=0.0, init=False)
 
     static: ClassVar[bool] = True
 

@@ -8,9 +8,11 @@ functions ``Φ_A``. Each node has one gap, and one pressure by the augmented Lag
 
 With ``λ_A = 0`` this is a penalty on the mean gap of a node. A multiplier is updated to ``p_A``
 where the solver updates independent stress, so that Newton's method ends at ``g_A = 0`` where
-``p_A > 0``; the forces then do not depend on ``k``. Gaps beyond ``c``, the least radius, count as
-``c``, so that points that are not near each other need not be known; parts of the first line that
-face a free end of the second have no pressure and no gap.
+``p_A > 0``; the forces then do not depend on ``k``. Its tangent has the geometric stiffness of
+``λ_A``: for large ``k`` this is Newton's method on the saddle point, with the active set of
+``λ_A − k g_A > 0``. Gaps beyond ``c``, the least radius, count as ``c``, so that points that are
+not near each other need not be known; parts of the first line that face a free end of the second
+have no pressure and no gap.
 
 Puso & Laursen, Comput. Methods Appl. Mech. Engrg. 193 (2004) 601; Alart & Curnier, ibid. 92 (1991)
 353.
@@ -26,9 +28,10 @@ from scipy.sparse import coo_array, csr_array
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.contact.laws.energy import PenaltyConstants
-from fem_lie.contact.laws.law import ContactTerm
+from fem_lie.contact.laws.law import ContactTerm, FrictionConstants
 from fem_lie.contact.laws.over_steps import empty_secants
 from fem_lie.contact.laws.tangents import tangents
+from fem_lie.contact.mortar.friction import MortarFriction, Weighted, summed
 from fem_lie.contact.mortar.sides import MortarPoints, MortarSides
 from fem_lie.contact.sides.kinematics import SLOTS, contact_point, pulled_back, slot, touched
 from fem_lie.contact.sides.table import ContactPoints
@@ -128,14 +131,29 @@ class _Found(NamedTuple):
         """Forces of pressures (n,) at the points, shape (m,)."""
         return np.asarray(self.at_points(p) * self.limited.slope)
 
+    @property
+    def weighted(self) -> Weighted:
+        """The points with the weights of their forces."""
+        weights, changes = (
+            self.of.at.weight * each for each in (self.limited.slope, self.limited.bend)
+        )
+        return Weighted(self.of, weights, changes, self.rows, self.nodes, self.normals)
 
-class MortarForces(ContactTerm, PassageCheck, GroundForces):
+
+class MortarForces(ContactTerm, PassageCheck, GroundForces, LinearisedStress, PathDependence):
     """Contact forces by a penalty on the mean gaps of nodes."""
 
     label = "mortar contacts"
     in_space = True
 
-    def __init__(self, sides: MortarSides, stiffness: float, types: Indices, name: str) -> None:
+    def __init__(
+        self,
+        sides: MortarSides,
+        stiffness: float,
+        types: Indices,
+        name: str,
+        friction: FrictionConstants | None = None,
+    ) -> None:
         """Store both sides.
 
         Args:
@@ -143,8 +161,13 @@ class MortarForces(ContactTerm, PassageCheck, GroundForces):
             stiffness: ``k``, force per length of the first line and gap.
             types: Types of all nodes of the bodies, in the order of their numbers, shape (n,).
             name: Name for messages.
+            friction: Constants of friction; default: none.
         """
         self._sides, self._k, self._types, self._name = sides, stiffness, types, name
+        self._friction: MortarFriction | None = None
+        if friction is not None:
+            self._friction = MortarFriction(len(sides.lengths), friction, types)
+            self.friction, self.label = True, f"{self.label} with friction"
         self.multipliers: Array = np.zeros(len(sides.lengths))
         self._known, self._pairs, self._keys = -1, _no_pairs(), np.empty(0, dtype=np.int64)
 
@@ -152,6 +175,16 @@ class MortarForces(ContactTerm, PassageCheck, GroundForces):
     def passage(self) -> PassageCheck:
         """Check whether surfaces pass through each other."""
         return self
+
+    @property
+    def stress_update(self) -> LinearisedStress | None:
+        """State of friction, if there is any."""
+        return self if self._friction is not None else None
+
+    @property
+    def path(self) -> PathDependence | None:
+        """Path dependence by friction."""
+        return self if self._friction is not None else None
 
     @property
     def ground(self) -> GroundForces | None:
@@ -220,52 +253,80 @@ class MortarForces(ContactTerm, PassageCheck, GroundForces):
 
     def energy(self, H: Array) -> float:
         """Potential of the forces at constant multipliers, J."""
-        p = self.pressures(H)
+        found = self._gaps(H)
+        p = self._pressures(found)[0]
         squares = p * p - self.multipliers * self.multipliers
-        return float(self._sides.lengths @ squares) / (2.0 * self._k)
+        held = 0.0 if self._friction is None else self._friction.energy(H, found.weighted, p)
+        return float(self._sides.lengths @ squares) / (2.0 * self._k) + held
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """Add the contact forces to the residual."""
         found = self._gaps(H)
-        _add(found, found.forces(self._pressures(found)[0]), out)
+        p = self._pressures(found)[0]
+        _add(found, found.forces(p), out)
+        if self._friction is not None:
+            self._friction.add_forces(H, found.weighted, p, out)
 
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
         """Add forces between nodes and ground."""
         found = self._gaps(H)
-        f, at = found.forces(self._pressures(found)[0]), found.of.at
+        p, at = self._pressures(found)[0], found.of.at
         grounded = (at.a.owners[at.pairs[:, 0]] < 0) | (at.b.owners[at.pairs[:, 1]] < 0)
-        _add(found, np.where(grounded, f, 0.0), out)
+        _add(found, np.where(grounded, found.forces(p), 0.0), out)
+        if self._friction is not None:
+            self._friction.add_of_ground(H, found.weighted, p, out)
 
     def tangent(self, H: Array, kept: Array) -> Array:
         """Tangent stiffness of each pair of nodes."""
         found = self._gaps(H)
         p, closed = self._pressures(found)
-        blocks = np.zeros((len(self.pairs[0]), 6, 6))
-        self._add_material(self._rows(found)[closed], self._sides.lengths[closed], blocks)
-        self._add_geometric(H, found, found.at_points(p), blocks)
+        blocks, rows = np.zeros((len(self.pairs[0]), 6, 6)), self._rows(found)
+        by_pressure = self._by_pressure(rows, closed)
+        self._add_matrix(-(rows.T @ by_pressure), blocks)
+        self._add_geometric(H, found, found.at_points(self._geometric_pressures(p)), blocks)
+        if self._friction is not None:
+            K, nodes, own = self._friction.tangent(H, found.weighted, p, by_pressure)
+            self._add_matrix(K, blocks)
+            self._add_blocks(nodes, nodes, own, blocks)
         return blocks
+
+    def _geometric_pressures(self, p: Array) -> Array:
+        """Pressures of the geometric stiffness."""
+        return p
+
+    def _by_pressure(self, rows: csr_array, closed: Flags) -> csr_array:
+        """Derivatives of the pressures in all twists, shape (n, 6 nodes)."""
+        factors = np.where(closed, -self._k / self._sides.lengths, 0.0)
+        return rows.multiply(factors[:, np.newaxis]).tocsr()
 
     def _rows(self, found: _Found) -> csr_array:
         """Derivatives of ``w_A g_A`` in the twists of all nodes, shape (n, 6 nodes)."""
-        of, n = found.of, len(self._types)
-        by_gap = of.at.weight * found.limited.slope
-        e, s = np.nonzero((by_gap[:, np.newaxis] != 0.0) & (found.nodes >= 0))
-        values = (of.shapes * by_gap[:, np.newaxis])[e, :, np.newaxis]
-        values = values * found.rows[e, s][:, np.newaxis]
-        columns = 6 * found.nodes[e, s][:, np.newaxis] + np.arange(6)
-        shape = values.shape
-        A = np.broadcast_to(of.pressures[e][:, :, np.newaxis], shape)
-        B = np.broadcast_to(columns[:, np.newaxis], shape)
-        where = A.ravel(), B.ravel()
-        return coo_array((values.ravel(), where), (len(self.multipliers), 6 * n)).tocsr()
+        by_gap = found.of.at.weight * found.limited.slope
+        rows = by_gap[:, np.newaxis, np.newaxis, np.newaxis] * found.rows[:, :, np.newaxis]
+        return summed(found.of, found.nodes, rows, (len(self.multipliers), len(self._types)))
 
-    def _add_material(self, rows: csr_array, lengths: Array, blocks: Array) -> None:
-        """Add ``Σ k b bᵀ/w``."""
-        scaled_rows = rows.multiply((self._k / lengths)[:, np.newaxis]).tocsr()
-        K = (rows.T @ scaled_rows).tocoo()
-        n = len(self._types)
-        at = np.searchsorted(self._keys, (K.row // 6).astype(np.int64) * n + K.col // 6)
-        np.add.at(blocks, (at, K.row % 6, K.col % 6), K.data)
+    def _add_matrix(self, K: csr_array, blocks: Array) -> None:
+        """Add a matrix (6 nodes, 6 nodes)."""
+        K = K.tocoo()
+        at, known = self._positions(K.row // 6, K.col // 6)
+        entries = at[known], K.row[known] % 6, K.col[known] % 6
+        np.add.at(blocks, entries, K.data[known])
+
+    def _add_blocks(self, rows: Indices, columns: Indices, own: Array, blocks: Array) -> None:
+        """Add blocks (k, 6, 6) of pairs of nodes."""
+        at, known = self._positions(rows, columns)
+        np.add.at(blocks, at[known], own[known])
+
+    def _positions(self, rows: Indices, columns: Indices) -> tuple[Indices, Flags]:
+        """Positions of pairs of nodes among :attr:`pairs`, and which of them are there.
+
+        Friction springs may be on nodes of elements that are not near any more.
+        """
+        if not len(self._keys):
+            return np.zeros(len(rows), dtype=np.int64), np.zeros(len(rows), dtype=np.bool_)
+        keys = rows.astype(np.int64) * len(self._types) + columns
+        at = np.minimum(np.searchsorted(self._keys, keys), len(self._keys) - 1)
+        return at, self._keys[at] == keys
 
     def _add_geometric(self, H: Array, found: _Found, f: Array, blocks: Array) -> None:
         """Add the derivatives of the forces at constant pressures, ``f`` (m,) at the points."""
@@ -284,8 +345,7 @@ class MortarForces(ContactTerm, PassageCheck, GroundForces):
         e, s, t = np.nonzero(both)
         acts = over.σ[e] != 0.0
         e, s, t = e[acts], s[acts], t[acts]
-        keys = found.nodes[e, s] * len(self._types) + found.nodes[e, t]
-        np.add.at(blocks, np.searchsorted(self._keys, keys), own[acts])
+        self._add_blocks(found.nodes[e, s], found.nodes[e, t], own[acts], blocks)
 
     # --- results ---
 
@@ -303,7 +363,48 @@ class MortarForces(ContactTerm, PassageCheck, GroundForces):
     # --- steps ---
 
     def accept(self, H: Array) -> None:
-        """Do nothing: a penalty does not depend on the path."""
+        """Accept the present tractions of friction."""
+        if self._friction is not None:
+            found = self._gaps(H)
+            self._friction.accept(H, found.weighted, self._pressures(found)[0])
+
+    @property
+    def dissipated(self) -> float:
+        """Energy dissipated by friction."""
+        return 0.0 if self._friction is None else self._friction.dissipated
+
+    def friction_forces(self, H: Array, v: Array) -> Array:
+        """Friction forces in the last accepted state, columns of the base class, shape (k, 9)."""
+        if self._friction is None:
+            return super().friction_forces(H, v)
+        found = self._gaps(H)
+        p = self._pressures(found)[0]
+        return _shown_rows(found, self._friction.at_points(H, found.weighted, p))
+
+    # --- state ---
+
+    @property
+    def linearised_values(self) -> Array:
+        """State of friction."""
+        return np.empty(0) if self._friction is None else self._friction.state
+
+    def restore(self, values: Array) -> None:
+        """Restore the state of friction."""
+        if self._friction is not None:
+            self._friction.restore(values)
+
+    def _renumbered(self, values: Array, numbers: Indices) -> Array:
+        """State of friction, whose slips are of nodes, with other numbers."""
+        return values if self._friction is None else self._friction.renumbered(values, numbers)
+
+    def update_stress(self, H: Array, h: Array) -> None:
+        """Do nothing: springs of a penalty change when frames are accepted."""
+
+    def reset_stress(self, H: Array) -> None:
+        """Do nothing: springs of a penalty change when frames are accepted."""
+
+    def clear_stress(self) -> None:
+        """Do nothing: springs of a penalty change when frames are accepted."""
 
     def check_passage(self, start: Array, end: Array) -> None:
         """Raise ``PassedThroughError`` if surfaces passed through each other in the step."""
@@ -322,7 +423,7 @@ class MortarForces(ContactTerm, PassageCheck, GroundForces):
         """Do nothing."""
 
 
-class MultiplierForces(MortarForces, LinearisedStress, PathDependence):
+class MultiplierForces(MortarForces):
     """Contact forces by multipliers, which are independent unknowns like an independent stress."""
 
     label = "mortar contacts with multipliers"
@@ -350,15 +451,16 @@ class MultiplierForces(MortarForces, LinearisedStress, PathDependence):
     def update_stress(self, H: Array, h: Array) -> None:
         """Update the multipliers to the pressures that are linear in the increment."""
         found = self._gaps(H)
-        p = self.multipliers - self._k * found.means
         closed = self._pressures(found)[1]
+        by_pressure = self._by_pressure(self._rows(found), closed)
         size = min(len(h), len(self._types))
-        change = self._rows(found)[:, : 6 * size] @ h[:size].ravel()
-        p -= self._k * change / self._sides.lengths
+        change = by_pressure[:, : 6 * size] @ h[:size].ravel()
+        p = self.multipliers - self._k * found.means + change
         self.multipliers = np.where(closed, np.maximum(p, 0.0), 0.0)
 
-    def reset_stress(self, H: Array) -> None:
-        """Do nothing: frames do not determine the multipliers."""
+    def _geometric_pressures(self, p: Array) -> Array:
+        """The multipliers: Newton's method on the saddle point, to which ``k g`` is no pressure."""
+        return self.multipliers
 
     def clear_stress(self) -> None:
         """Set the multipliers to zero."""
@@ -375,11 +477,15 @@ class MultiplierForces(MortarForces, LinearisedStress, PathDependence):
     def friction_forces(self, H: Array, v: Array) -> Array:
         """Contact forces in the last accepted state, columns of the base class, shape (k, 9)."""
         found = self._gaps(H)
-        f = found.forces(self.multipliers)
-        rows = np.empty((len(f), FRICTION_COLUMNS))
-        rows[:, :2], rows[:, 2] = found.of.at.pairs, found.gaps
-        rows[:, 3:6], rows[:, 6:] = found.positions, f[:, np.newaxis] * found.normals
-        return rows[f > 0.0]
+        return _shown_rows(found, found.forces(self.multipliers)[:, np.newaxis] * found.normals)
+
+
+def _shown_rows(found: _Found, F: Array) -> Array:
+    """Rows of points with forces ``F`` (m, 3) on the line, shape (k, 9)."""
+    rows = np.empty((len(F), FRICTION_COLUMNS))
+    rows[:, :2], rows[:, 2] = found.of.at.pairs, found.gaps
+    rows[:, 3:6], rows[:, 6:] = found.positions, F
+    return rows[F.any(axis=1)]
 
 
 def _no_pairs() -> Pairs:

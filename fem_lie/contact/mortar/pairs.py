@@ -6,7 +6,7 @@ from abc import abstractmethod
 
 import numpy as np
 
-from fem_lie.contact.laws.law import ContactLaw, Mortar, MortarPenalty
+from fem_lie.contact.laws.law import ContactLaw, Mortar, MortarLaw, MortarPenalty
 from fem_lie.contact.mortar.forces import MortarForces, MultiplierForces
 from fem_lie.contact.mortar.sides import (
     LinesOnLines,
@@ -37,7 +37,7 @@ class MortarPair(ContactPair):
     """A line with pressures at its nodes, and a second surface."""
 
     a: LineSurface
-    law: Mortar | MortarPenalty
+    law: MortarLaw
 
     power = 1
 
@@ -55,6 +55,8 @@ class MortarPair(ContactPair):
 
     def check(self) -> None:
         """Raise ``ValueError`` if the surfaces overlap at the start."""
+        if self.law.friction > 0.0:
+            self.check_friction()
         nodes, H = self.numbered()
         sides = self.meeting(nodes)
         term = MortarForces(sides, 1.0, self.node_types(nodes), self.label)
@@ -68,7 +70,10 @@ class MortarPair(ContactPair):
     def term(self, nodes: Nodes) -> MortarForces:
         """Contact forces of the law."""
         given = self.meeting(nodes), self.law.k, self.node_types(nodes), self.label
-        return _FORCES[type(self.law)](*given)
+        term = _FORCES[type(self.law)](*given, self.law.coulomb)
+        if self.law.friction > 0.0:
+            term.accept(self.initial_frames(nodes))
+        return term
 
 
 class MortarLines(MortarPair):
