@@ -140,6 +140,19 @@ def undivided(scene: Scene) -> ScenePart:
     )
 
 
+def scene_numbers(part: ScenePart, nodes: Mapping[Body, Indices]) -> Indices:
+    """Number in the scene of each node of a part, shape (n,).
+
+    Args:
+        part: The part.
+        nodes: Numbers of the nodes of its bodies in the part.
+    """
+    found: Indices = np.empty(sum(map(len, nodes.values())), dtype=np.int64)
+    for body, own in nodes.items():
+        found[own] = part.nodes[body]
+    return found
+
+
 def _length(scene: Scene) -> float:
     """Length of the model."""
     places: Array = np.concatenate([body.frames[:, 0] for body in scene.bodies])

@@ -297,7 +297,9 @@ class EnergyBalance(Stateful):
         )
         self._start = self._last.plain
         self._fixed = PackedArrays([*self._acting.arrays, *self._last, self.total])
-        self.empty, self.compiled = not self._acting, self._acting.plain
+        # events compare with the last state on all ranks
+        self.empty = not system.shared.any(bool(self._acting))
+        self.compiled = self._acting.plain
         self._idle = False
         self.compiled_but_held = self._acting.plain_but_held
         self.looks, self.addresses = self._acting.looks, self._fixed.addresses

@@ -29,7 +29,7 @@ from fem_lie.solve.impacts.step_end import refuse_impacts
 from fem_lie.solve.motion.integration import Driver
 from fem_lie.solve.motion.integrator import Integrator
 from fem_lie.solve.motion.variable_steps import Stepper
-from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan
+from fem_lie.solve.recording.plan import ChosenSteps, Plan
 from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
 
@@ -83,9 +83,9 @@ class GeneralisedAlpha(Options, Integrator):
         return equations
 
     def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
-        """Equations of the part of this rank, for equal steps without secants."""
+        """Equations of the part of this rank, for runs without secants and events."""
         refused = {
-            "steps of different sizes": not isinstance(plan, EqualSteps),
+            "events, sensors, controllers and limits": scene.happens,
             "secants": self.policy.secants > 0,
             "joints that are inactive or switched": bool(scene.switched),
         }

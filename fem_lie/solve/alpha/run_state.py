@@ -41,9 +41,6 @@ from fem_lie.solve.refactorisation import Refactorisation
 from fem_lie.solve.secants import Secants
 from fem_lie.system.equations import Equations, Plan, TimeState
 
-_COMMON = "decisions", "division", "progress"
-"""State that all ranks of a divided scene have in common."""
-
 _LARGE = 20_000
 """Number of nodes above which a matrix only for compilation costs more than the compilation."""
 
@@ -416,12 +413,20 @@ class RunState(DividedIntegration[Recorder]):
         """See the base class; motion is that of all nodes as in ``s.motion``."""
         s, n = self.s, self._moving
         moving = MovingState(s.H[:n], s.motion, self.multipliers[np.newaxis], self.balance.so_far)
-        return saved(self, _COMMON) | moving._asdict()
+        return saved(self, self._common) | moving._asdict()
+
+    _common: ClassVar[tuple[str, ...]] = ("decisions", "division", "progress")
+    """State that all ranks of a divided scene have in common."""
+
+    @property
+    def _now(self) -> float:
+        """Time of the accepted state."""
+        return self.index * self.h
 
     def restart(self, state: MovingState, common: Mapping[str, Array]) -> None:
         """Restart from the state of a scene that was divided, with a new matrix."""
-        put_back(self, _COMMON, common)
-        s, n, time = self.s, self._moving, self.index * self.h
+        put_back(self, self._common, common)
+        s, n, time = self.s, self._moving, self._now
         now = self.equations.prescribed(time)
         now.act()
         s.H[:n], s.H[n + 1 :], s.motion[:] = state.frames, now.frames, state.motion

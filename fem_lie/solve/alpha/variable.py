@@ -66,10 +66,11 @@ from fem_lie.solve.convergence import ROTATION
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.growing import GrowingRecorder
 from fem_lie.solve.motion.limits import PlainStops
-from fem_lie.solve.motion.step_log import StepError, add_inertia_forces, largest
+from fem_lie.solve.motion.step_log import LargestError, StepError, add_inertia_forces
 from fem_lie.solve.motion.variable_steps import MakeMany, side
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import ChosenSteps
+from fem_lie.solve.recording.whole_state import MovingState
 from fem_lie.solve.refactorisation import PlainRule
 from fem_lie.solve.step_control import SAME_SIZE, Control
 from fem_lie.system.equations import Equations
@@ -89,7 +90,7 @@ class TimeError:
         """Set up for equations whose matrix is factorised elsewhere."""
         n, held = equations.unknowns.moving, equations.unknowns.held
         self._equations, self._kinds = equations, equations.unknowns.kinds
-        self._q = np.zeros((n, 4, 3))
+        self._q, self._largest = np.zeros((n, 4, 3)), LargestError(equations)
         self._held = held if held.any() else None
         self.defect = np.zeros((n, 6))
 
@@ -119,8 +120,7 @@ class TimeError:
 
     def of(self, dx: Array) -> StepError:
         """The error, from the solution of these equations."""
-        parts = dx[: self.defect.size].reshape(-1, 6)
-        return StepError(*largest(parts, self._equations.unknowns.lengths))
+        return self._largest.of(dx[: self.defect.size].reshape(-1, 6))
 
 
 ITERATION = 0.01
@@ -201,7 +201,7 @@ class AlphaSteps(Run):
         s, r, levels = self.s, h / self.h, self.factors.levels
         if abs(r - 1.0) > SAME_SIZE:
             s.a[:] = s.vdot + r * (s.a - s.vdot)
-            if len(self.multipliers) and self.factors.usable:
+            if self.equations.unknowns.constraints and self.factors.usable:
                 s.v[:] -= self._across(time, 1.0 - r * r)
             self._set_size(h)
         levels.use(self.p.mass)
@@ -235,6 +235,7 @@ class AlphaSteps(Run):
         # with the size of the next step: the last one may be so small that what depends on its
         # square is round-off
         self._set_size(self.control.size)
+        self._end = time
         self._make_consistent(time, restitution)
         self.balance.jump(time, s.H, s.twist1, s.rate1, self.multipliers)
 
@@ -350,6 +351,18 @@ class AlphaSteps(Run):
         """Skip the energy balance."""
         self.balance.rest()
 
+    _common = (*Run._common, "_speed", "h", "_end", "_born", "solver", "_starter.factorisations")
+
+    @property
+    def _now(self) -> float:
+        """Time of the accepted state, on the later side of a discontinuity."""
+        return self._end
+
+    def restart(self, state: MovingState, common: Mapping[str, Array]) -> None:
+        """Restart from the state of a scene that was divided, without matrices."""
+        super().restart(state, common)
+        self._born = int(common["_born"])
+
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Restore the state that :meth:`saved_state` returned, without matrices."""
         super().restore(kept)
@@ -365,6 +378,8 @@ class AlphaSteps(Run):
         self.__dict__.pop("_packed", None)
         self._scales.clear()
         self.factors.levels.use(self.p.mass)
+        # convected axes have been rotated since
+        self.s.H1[: self._moving] = self.s.H[: self._moving]
         self._go_to_time(time)
         self._find(self._end_instant)
         # a step from a singular configuration factorises its own matrix

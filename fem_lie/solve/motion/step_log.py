@@ -14,6 +14,7 @@ from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.lie.node_types import floating, inertia, pull_all_back
 from fem_lie.lie.tuples import dot, load
+from fem_lie.parts.part_scene import scene_numbers, undivided
 from fem_lie.results.record import StepHistory
 from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
@@ -28,8 +29,8 @@ class StepError(NamedTuple):
     Attributes:
         translation: Error of positions, length.
         rotation: Error of rotations, rad, and of position gradients.
-        translation_node: Moving node with the largest translation error.
-        rotation_node: Moving node with the largest rotation error.
+        translation_node: Node with the largest translation error, as results number it.
+        rotation_node: Node with the largest rotation error, as results number it.
     """
 
     translation: float
@@ -58,13 +59,47 @@ def largest(e: Array, lengths: Flags | Indices) -> tuple[float, float, int, int]
     return np.sqrt(translation), np.sqrt(rotation), first, second
 
 
+def result_numbers(equations: Equations) -> Indices:
+    """Number in results of the scene of each moving node, shape (n,)."""
+    unknowns, part = equations.unknowns, equations.part
+    if part is None:
+        return unknowns.masters
+    return scene_numbers(part, unknowns.bodies)[unknowns.masters]
+
+
+class LargestError:
+    """Largest of the errors of all nodes, over all parts of a divided scene."""
+
+    def __init__(self, equations: Equations) -> None:
+        """Store the numbers of the nodes.
+
+        Args:
+            equations: Equations of the scene, or of the part of this rank.
+        """
+        self._shared, self._lengths = equations.shared, equations.unknowns.lengths
+        self._numbers = result_numbers(equations)
+
+    def of(self, e: Array) -> StepError:
+        """Largest error, the same on all ranks.
+
+        Args:
+            e: Errors of the moving nodes along their axes, shape (n, 6).
+        """
+        *own, first, second = largest(e, self._lengths)
+        found = [self._shared.largest(value) for value in own]
+        pairs = zip(own, found, self._numbers[[first, second]], strict=True)
+        here = np.array([number if value == most else -1 for value, most, number in pairs])
+        nodes = self._shared.highest(here)
+        return StepError(found[0], found[1], int(nodes[0]), int(nodes[1]))
+
+
 def add_inertia_forces(
     equations: Equations, H: Array, q: Array, factor: float, forces: Array
 ) -> None:
     """Add ``factor Lᵀ G q`` at frames ``H``: ``q`` (n, 4, 3), ``forces`` (n, 6).
 
-    Inertia of reduced-order bodies is included for nodal coordinates that accelerate by ``q`` from
-    rest.
+    The forces are those of all parts of a divided scene. Inertia of reduced-order bodies is
+    included for nodal coordinates that accelerate by ``q`` from rest.
     """
     work, kinds = np.empty_like(q), equations.unknowns.kinds
     indptr, indices, blocks = equations.arrays.inertia
@@ -73,6 +108,7 @@ def add_inertia_forces(
     if bodies[0]:
         _add_floating(kinds, H, q, bodies, numbers, work)
     pull_all_back(kinds, H, work, factor, forces.reshape(-1))
+    equations.shared.sum(forces)
 
 
 @compiled
@@ -124,7 +160,11 @@ class StepLog:
         """Add accepted steps whose errors are not measured, (k,), (k,) and (k, 4)."""
         self.times += map(float, times)
         self.sizes += map(float, sizes)
-        self.errors += [StepError(float(t), float(r), int(i), int(k)) for t, r, i, k in errors]
+        numbers = result_numbers(self.equations)
+        self.errors += [
+            StepError(float(t), float(r), int(numbers[int(i)]), int(numbers[int(k)]))
+            for t, r, i, k in errors
+        ]
         self.measured += [(np.nan, np.nan)] * len(times)
 
     def saved_state(self) -> dict[str, Array]:
@@ -154,13 +194,12 @@ class StepLog:
         """All steps as a record."""
         known = self.saved_state()
         errors, measured = known["errors"], known["measured"]
-        masters = self.equations.unknowns.masters
         return StepHistory(
             times=known["times"],
             sizes=known["sizes"],
             translation=errors[:, 0],
             rotation=errors[:, 1],
-            nodes=masters[errors[:, 2:].astype(np.int64)],
+            nodes=errors[:, 2:].astype(np.int64),
             measured_translation=measured[:, 0],
             measured_rotation=measured[:, 1],
             rejected=known["rejected"],
@@ -175,12 +214,10 @@ class StepLog:
         )
 
     def body(self, node: int) -> str:
-        """Label of the body of a moving node."""
-        master = self.equations.arrays.master
-        for body, nodes in self.equations.unknowns.bodies.items():
-            if node in master[nodes]:
-                return body.label
-        raise AssertionError("a node without a body")
+        """Label of the body of a node, as results number it."""
+        part = self.equations.part
+        known = self.equations.unknowns.bodies if part is None else undivided(part.whole).nodes
+        return next(body.label for body, nodes in known.items() if node in nodes)
 
     def underflow(
         self, control: Control, time: float, h: float, error: StepError | None, increment: float

@@ -12,8 +12,8 @@ from typing import Any, Protocol, TypeVar, cast
 
 import numpy as np
 
-from fem_lie._arrays import Array
-from fem_lie._state import attributes
+from fem_lie._arrays import Array, Indices
+from fem_lie._state import attributes, put_back, saved
 from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.joints.connection import LostBranchError
 from fem_lie.joints.histories import declared
@@ -28,6 +28,7 @@ from fem_lie.solve.motion.limits import PlainStops
 from fem_lie.solve.motion.step_log import StepError, StepLog, largest_gaps
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import ChosenSteps
+from fem_lie.solve.recording.whole_state import MovingState
 from fem_lie.solve.step_control import SAME, Control
 from fem_lie.system.equations import Equations
 
@@ -113,6 +114,16 @@ class Stepper(Protocol[HistoryT]):
     def make_many(self) -> MakeMany | None:
         """Makes several steps without Python, if possible."""
 
+    @property
+    def cell_pairs(self) -> Indices:
+        """See :attr:`.Driver.cell_pairs`."""
+
+    def divided_state(self) -> dict[str, Array]:
+        """See :meth:`.Driver.divided_state`."""
+
+    def restart(self, state: MovingState, common: Mapping[str, Array]) -> None:
+        """See :meth:`.Driver.restart`; matrices are made by :meth:`refactorise_at`."""
+
     @abstractmethod
     def estimate(self, before: Any, start: float, end: float) -> StepError:
         """Error of the step that was made from the state ``before``."""
@@ -180,6 +191,9 @@ def side(time: float, h: float) -> float:
     """Distance from a time at which the value after it is evaluated."""
     return float(max(SIDE * h, 8.0 * np.spacing(time)))
 
+
+_COMMON = "_index", "_time", "_rejections", "_control", "steps"
+"""State that all ranks of a divided scene have in common."""
 
 REJECTIONS = 2
 """Number of successive rejections after which unresolved fast oscillations are removed."""
@@ -397,6 +411,23 @@ class VariableSteps(Driver[Growing]):
         super().restore(kept)
         self._refactorise()
 
+    @property
+    def cell_pairs(self) -> Indices:
+        """See the base class."""
+        return self._stepper.cell_pairs
+
+    def divided_state(self) -> dict[str, Array]:
+        """See the base class."""
+        return saved(self, _COMMON) | self._stepper.divided_state()
+
+    def restart(self, state: MovingState, common: Mapping[str, Array]) -> None:
+        """Restart from the state of a scene that was divided, with new matrices."""
+        put_back(self, _COMMON, common)
+        self._stepper.restart(state, common)
+        if self._finer is not None:
+            self._finer.restore_from(self._stepper, self._stepper.saved())
+        self._refactorise()
+
     def _refactorise(self) -> None:
         for stepper in self._steppers():
             stepper.refactorise_at(self._time)
@@ -565,4 +596,6 @@ class VariableSteps(Driver[Growing]):
             if not finer.step_to(start, stop, index + 1, lands and last):
                 return np.nan, np.nan
             start = stop
-        return largest_gaps(self._stepper.frames, finer.frames)
+        gap, turned = largest_gaps(self._stepper.frames, finer.frames)
+        shared = self.equations.shared
+        return shared.largest(gap), shared.largest(turned)

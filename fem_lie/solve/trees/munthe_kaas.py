@@ -30,7 +30,7 @@ from fem_lie.solve.motion.growing import GrowingRecorder
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.integrator import Integrator, refuse
 from fem_lie.solve.motion.policies import FactoriseOnce
-from fem_lie.solve.motion.step_log import StepError, largest
+from fem_lie.solve.motion.step_log import LargestError, StepError
 from fem_lie.solve.motion.variable_steps import Stepper, side
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps
@@ -249,6 +249,7 @@ class MuntheKaasSteps(MuntheKaasRun):
         """Set up without computing anything."""
         super().__init__(equations, control.size, tree)
         self._error, self.increment, self.factorisations = np.zeros_like(self.v), np.nan, 0
+        self._largest = LargestError(equations)
         changed = "X", "w", "slopes", "rows", "H", "v", "balance.total"
         self._changed = ChangingArrays(self, changed)
 
@@ -279,7 +280,7 @@ class MuntheKaasSteps(MuntheKaasRun):
 
     def estimate(self, before: Any, start: float, end: float) -> StepError:
         """Difference of the last step from the embedded scheme."""
-        return StepError(*largest(self._error, self.equations.unknowns.lengths))
+        return self._largest.of(self._error)
 
     def saved(self) -> dict[str, Array]:
         """A copy of the state."""

@@ -15,7 +15,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._state import part_of
 from fem_lie.forms.abilities import ContactState
 from fem_lie.forms.term import Term
-from fem_lie.parts.part_scene import ScenePart
+from fem_lie.parts.part_scene import ScenePart, scene_numbers, undivided
 from fem_lie.scene import Scene
 from fem_lie.system.nodes.numbering import Numbering
 
@@ -43,11 +43,12 @@ class ContactStates:
         """
         pairs = ((term, term.of_contact) for term in terms)
         found = [(term, state) for term, state in pairs if state is not None]
-        known = range(len(found)) if part is None else map(int, part.contacts)
-        self._each: dict[int, tuple[Term, ContactState]] = dict(zip(known, found, strict=True))
+        self._each: dict[int, tuple[Term, ContactState]] = {}
         self._numbers: Indices = np.empty(0, dtype=np.int64)
-        if self._each:
-            self._numbers = _numbers(scene, numbering, part)
+        if found:
+            own = part or undivided(scene)
+            self._each = dict(zip(map(int, own.contacts), found, strict=True))
+            self._numbers = scene_numbers(own, numbering.nodes)
 
     def saved_state(self) -> dict[str, Array]:
         """State without the lists of pairs."""
@@ -78,14 +79,3 @@ class ContactStates:
         """Restore the state of :attr:`pairs`."""
         for number, (term, _) in self._each.items():
             term.restore_pairs(kept[f"{_named(number)}.{_PAIRS}"])
-
-
-def _numbers(scene: Scene, numbering: Numbering, part: ScenePart | None) -> Indices:
-    """Number in the scene of each node of the bodies, which are numbered body after body."""
-    found: Indices = np.empty(numbering.total, dtype=np.int64)
-    first = 0
-    for body in scene.bodies:
-        own = numbering.nodes[body]
-        found[own] = first + np.arange(len(own)) if part is None else part.nodes[body]
-        first += len(own)
-    return found

@@ -1,0 +1,39 @@
+"""Steps of chosen sizes of divided scenes are those of one rank, with their errors."""
+
+import divided_adaptive
+import numpy as np
+import pytest
+from ranks import on_ranks
+
+ALLOWED = {"joint forces": 1e-8, "impulses": 1e-8, "measured errors": 1e-8}
+"""What contains round-off of positions times a stiffness, and differences of two runs; of others
+1e-10 of the largest."""
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    return divided_adaptive.runs(tmp_path_factory.mktemp("alone"))
+
+
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
+def test_parts_choose_the_steps_of_one_rank_and_are_resumed(alone, tmp_path, ranks):
+    out = tmp_path / "found.npz"
+    on_ranks(divided_adaptive, ranks, out, str(tmp_path))
+    with np.load(out) as found:
+        assert found["divided"]
+        for name, expected in alone.items():
+            run, what = name.split(": ")
+            of = alone[f"{run}: energies"] if what == "balance" else expected
+            size = np.abs(of).max(initial=0.0)
+            allowed = ALLOWED.get(what, 1e-10) * size
+            given = {"rtol": 0, "atol": allowed, "err_msg": name}
+            np.testing.assert_allclose(found[name], expected, **given)
+
+
+def test_steps_grow_shrink_and_are_rejected(alone):
+    """What is compared has sizes of all kinds."""
+    sizes = alone["driven: sizes"]
+    assert len(np.unique(sizes)) > 3
+    assert len(alone["driven: rejected"])
+    assert np.isfinite(alone["driven: translation errors"]).all()
+    assert alone["driven: measured errors"].max() > 0.0
