@@ -820,7 +820,7 @@ ABILITIES = {
     abilities.LocalUnknowns: ("condense",),
     abilities.PathDependence: ("accept",),
     abilities.PassageCheck: ("check_passage", "watch", "watch_again", "watched"),
-    abilities.StepForces: ("add_over_step", "overlaps", "tangent_over_step"),
+    abilities.StepForces: ("add_over_step", "keep_gaps", "overlaps", "tangent_over_step"),
     abilities.LowRankTangent: ("stiff_rows",),
     abilities.GroundForces: ("add_of_ground",),
 }
@@ -851,3 +851,39 @@ HAVE = (
     *("low_rank", "ground"),
 )
 """What a term may have; by default it has none."""
+
+
+@pytest.mark.parametrize("evaluations", [(1.00105,), (0.99, 1.00105)])
+def test_forces_of_a_step_do_not_depend_on_what_was_evaluated_before(evaluations):
+    """The tangents of lines follow accepted states, in increments of the stretch."""
+    bar = fl.Section.circle(0.01, fl.Material(E=1e9, nu=0.3, density=1e3))
+    ends = ((0, 0, 0), (1, 0, 0)), ((0.43, -0.5, 0.03), (0.43, 0.5, 0.03))
+    scene = fl.Scene()
+    lines = [scene.add(fl.Beam.straight(*each, bar, cells=2)) for each in ends]
+    sides = (fl.contact.Line(each, 0.01) for each in lines)
+    scene.add(fl.contact.Contact(*sides, fl.contact.Penalty(1e6)))
+    equations = fl.EnergyMomentum().equations(scene)
+    (term,) = [each for each in equations.arrays.terms if each.over_step is not None]
+
+    def frames(stretch, fall):
+        H = equations.start.frames.copy()
+        H[: equations.unknowns.moving, 0] *= stretch
+        H[:, 0, 2] -= fall * (H[:, 0, 2] > 0.01)
+        return H
+
+    def forces(between):
+        """After an accepted state without stretch, evaluations, and one that is stretched."""
+        contact, out = term.over_step, np.zeros((equations.unknowns.moving, 6))
+        for stretch in (1.0, *between, 1.001):
+            term.add_forces(frames(stretch, 0.013), np.zeros_like(out))
+            if stretch not in between:
+                assert not contact.overlaps(frames(stretch, 0.0))
+                contact.keep_gaps()
+        start, end = frames(1.001, 0.011), frames(1.001, 0.013)
+        ends = abilities.Ends(start, end, 0.5 * (start + end), end - start)
+        contact.add_over_step(ends, out, np.zeros(6))
+        return out
+
+    expected = forces(())
+    assert np.abs(expected).max() > 1.0
+    np.testing.assert_array_equal(forces(evaluations), expected)

@@ -268,6 +268,10 @@ class StepForces(ABC):
     def overlaps(self, H: Array) -> bool:
         """Whether there are such forces at frames ``H``."""
 
+    @abstractmethod
+    def keep_gaps(self) -> None:
+        """Keep what the last :meth:`overlaps` found for later steps."""
+
 
 class LowRankTangent(ABC):
     """Tangent that a frozen matrix may omit, because a low-rank correction adds it."""

@@ -418,12 +418,14 @@ class PenaltyForces(
         return blocks
 
     def overlaps(self, H: Array) -> bool:
-        """Whether any pair overlaps."""
+        """Whether any pair overlaps; what else was evaluated since has no effect."""
+        self._sides.take_kept_stretches()
         _, found = self._measured(H, np.empty((0, 6)), viscous=False)
-        touches = bool((found.gaps < 0.0).any())
-        if not touches:
-            self._sides.keep_stretches()
-        return touches
+        return bool((found.gaps < 0.0).any())
+
+    def keep_gaps(self) -> None:
+        """Keep the stretches of lines at the frames of the last :meth:`overlaps`."""
+        self._sides.keep_stretches()
 
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
         """Add the contact forces on ground."""

@@ -106,6 +106,9 @@ class PointSides(Sides):
     def keep_stretches(self) -> None:
         """Do nothing."""
 
+    def take_kept_stretches(self) -> None:
+        """Do nothing."""
+
 
 class CurveSides(PointSides):
     """Points, and lines."""

@@ -199,6 +199,9 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         """True: a rope is always in its rings."""
         return True
 
+    def keep_gaps(self) -> None:
+        """Do nothing."""
+
     @property
     def contents(self) -> tuple[Array | Indices, ...]:
         """All that the contact forces depend on."""

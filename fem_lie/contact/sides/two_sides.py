@@ -108,6 +108,10 @@ class Sides(ABC):
     def keep_stretches(self) -> None:
         """Keep the stretches of the last contact points for the forces of steps."""
 
+    @abstractmethod
+    def take_kept_stretches(self) -> None:
+        """Take the stretches that were kept, from which others are updated."""
+
     @property
     def pair_positions(self) -> Array:
         """State of :meth:`meet`, for checkpoints, shape (n, 3)."""
@@ -185,6 +189,9 @@ class Balls(Sides):
         return Stations(at, at.pairs, self._fixed, at.b)
 
     def keep_stretches(self) -> None:
+        """Do nothing."""
+
+    def take_kept_stretches(self) -> None:
         """Do nothing."""
 
 
@@ -293,6 +300,10 @@ class Lines(Sides):
     def keep_stretches(self) -> None:
         """Keep the stretches of the last contact points for the forces of steps."""
         self._frozen = self._stretches
+
+    def take_kept_stretches(self) -> None:
+        """Take the stretches that were kept, from which others are updated."""
+        self._stretch(self._frozen)
 
     @property
     def _stretches(self) -> Array:

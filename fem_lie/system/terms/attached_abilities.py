@@ -161,6 +161,10 @@ class AttachedStepForces(StepForces):
         """Whether there are forces at frames ``H``."""
         return self._of.overlaps(self._nodes.frames(H))
 
+    def keep_gaps(self) -> None:
+        """Keep what the last :meth:`overlaps` found."""
+        self._of.keep_gaps()
+
 
 class AttachedLowRank(LowRankTangent):
     """Low-rank tangent of a term on master nodes."""

@@ -137,8 +137,12 @@ class EndForces(Stateful):
 
     def overlap(self, H: Array) -> bool:
         """Whether any of them acts at frames ``H``."""
-        own = any(forces.overlaps(H) for _, forces in (*self._acting, *self._steady))
-        return self._shared.any(own)
+        every = [forces for _, forces in (*self._acting, *self._steady)]
+        found = self._shared.any(any(forces.overlaps(H) for forces in every))
+        if not found:
+            for forces in every:
+                forces.keep_gaps()
+        return found
 
     def at_rest(self, H: Array) -> None:
         """Compute the stored energy at frames ``H``."""
