@@ -29,14 +29,21 @@ import fem_lie as fl
 
 STEEL = {"E": 2.1e11, "nu": 0.3, "density": 7800.0}
 START, LENGTH, WIDTH, THICKNESS = np.array([0.008, 0.04, 0.065]), 0.3, 0.03, 0.005
+END = START + LENGTH * np.eye(3)[0]
 FORCE = (0.0, 0.5, -1.0)  # small, as CalculiX is linear
 HOLES = {"rigid": (0.07, 0.02, 0.006), "mean": (0.07, 0.06, 0.006), "upper": (*START[1:], 0.008)}
 REFERENCE = Path(__file__).parent / "reference"
 MESH = {"ElementOrder": 2, "MeshSizeFromCurvature": 12, "RecombinationAlgorithm": 0}
 
 
+def around(hole: str, i: int, j: int) -> Any:
+    """Where the wall of a hole through the plane of two coordinates is."""
+    a, b, radius = HOLES[hole]
+    return lambda x: np.hypot(x[i] - a, x[j] - b) < 1.001 * radius
+
+
 def meshes(size: float) -> tuple[fl.mesh.VolumeMesh, fl.mesh.MixedSurfaceMesh]:
-    """Tetrahedra of the solid, with names for its holes; triangles, quadrilaterals of the arm."""
+    """Tetrahedra of the solid, triangles and quadrilaterals of the arm; names by place."""
     gmsh.initialize(["gmsh", "-v", "0"])
     gmsh.option.setNumber("Geometry.OCCScaling", 1e-3)
     for part in ("bracket", "arm"):
@@ -48,36 +55,28 @@ def meshes(size: float) -> tuple[fl.mesh.VolumeMesh, fl.mesh.MixedSurfaceMesh]:
     gmsh.model.mesh.generate(3)
     solid, sheet = fl.mesh.read_gmsh_volume(), fl.mesh.read_gmsh_surface()
     gmsh.finalize()
-
-    def wall(name: str, i: int, j: int) -> Any:
-        a, b, radius = HOLES[name]
-        return lambda x: np.hypot(x[i] - a, x[j] - b) < 1.001 * radius
-
-    axes = {"rigid": (0, 1), "mean": (0, 1), "upper": (1, 2)}
-    return solid.named(faces={name: wall(name, *across) for name, across in axes.items()}), sheet
+    holes = {"rigid": around("rigid", 0, 1), "mean": around("mean", 0, 1)}
+    ends = {"root": lambda x: x[0] < START[0] + 1e-9, "end": lambda x: x[0] > END[0] - 1e-9}
+    return solid.named(faces={**holes, "upper": around("upper", 1, 2)}), sheet.named(curves=ends)
 
 
 def main(size: float = 0.012, pictures: bool = True) -> dict[str, Any]:
     solid, sheet = meshes(size)
     bracket = fl.Solid(solid, fl.sections.SaintVenantKirchhoff(**STEEL), name="bracket")
     arm = fl.Shell(sheet, fl.ShellSection.layer(THICKNESS, fl.Material(**STEEL)), name="arm")
-    x, y, _ = sheet.points.T
-    ends = [np.flatnonzero(np.abs(x - START[0] - along) < 1e-9) for along in (0.0, LENGTH)]
-    ends = [end[np.argsort(np.abs(y[end] - START[1]))] for end in ends]
-    root, clamp = ([arm.point(int(node)) for node in end] for end in ends)
+    root, end = arm.point(START), arm.point(END)
     scene, ground, coupling = fl.Scene(), fl.ground(), fl.joints.KinematicCoupling
-    for item in (bracket, arm, fl.PointLoad(clamp[0], force=FORCE)):
+    for item in (bracket, arm, fl.PointLoad(end, force=FORCE)):
         scene.add(item)
     rigid = scene.add(coupling(ground, bracket.points("rigid")))
     mean = scene.add(fl.joints.Fixed(ground, bracket.point("mean")))
-    scene.add(coupling(root[0], [*root[1:], *bracket.points("upper")]))
-    scene.add(coupling(clamp[0], clamp[1:]))
+    scene.add(coupling(root, [*arm.points("root"), *bracket.points("upper")]))
+    scene.add(coupling(end, arm.points("end")))
     result = fl.statics(scene)
     if pictures:
         result.picture(in_results("bracket.png"), magnified=200.0)
     bolts = np.array([result.joint_force(bolt, axes="global")[-1] for bolt in (rigid, mean)])
-    found = {"forces": bolts[:, :3], "moments": bolts[:, 3:]}
-    found["tip"] = result.displacement(clamp[0])[-1]
+    found = {"forces": bolts[:, :3], "moments": bolts[:, 3:], "tip": result.displacement(end)[-1]}
     found["frequencies"] = fl.vibrations(scene, 6).frequencies
     exact = json.loads((REFERENCE / "bracket.json").read_text())
     gaps = {key: np.abs(value - exact[key]) for key, value in found.items()}

@@ -122,9 +122,11 @@ def find_name(groups: Mapping[str, Indices], name: str, what: str) -> Indices:
     return groups[name]
 
 
-def entities_where(
-    where: Callable[[Array], npt.ArrayLike], x: Array, entities: Indices, what: str
-) -> Indices:
+Where: TypeAlias = Callable[[Array], npt.ArrayLike]
+"""Function of positions, shape (3, n), that returns n truth values."""
+
+
+def entities_where(where: Where, x: Array, entities: Indices, what: str) -> Indices:
     """Rows of ``entities`` (e, k) whose nodes are all where a function of positions says.
 
     Args:

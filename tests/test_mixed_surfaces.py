@@ -373,3 +373,32 @@ def test_orders_are_not_mixed():
         MixedSurfaceMesh.from_cells(
             points, {"quadrilateral": coarse.cells, "triangle": [(coarse.cells[0, 1], 9, 8)]}
         )
+
+
+@pytest.mark.parametrize("kinds", [("quadrilateral",), ("triangle", "quadrilateral")])
+def test_curves_and_points_are_named_by_place(kinds):
+    """Curves of the rim alone; parts of the mesh and shells know the names, too."""
+    x = [(a, b, 0.0) for b in (0.0, 1.0) for a in (0.0, 1.0, 2.0)]
+    cells = {"triangle": [(0, 1, 3), (1, 4, 3)], "quadrilateral": [(1, 2, 4, 5)]}
+    if kinds == ("quadrilateral",):
+        both = [(0, 1, 3, 4), *cells["quadrilateral"]]
+        mesh = fl.mesh.SurfaceMesh.from_cells(x, both, "quadrilateral", curves={"old": [(0, 3)]})
+    else:
+        mesh = fl.mesh.MixedSurfaceMesh.from_cells(x, cells, curves={"old": [(0, 3)]})
+    named = mesh.named(
+        curves={"lower": lambda x: x[1] == 0, "rim": lambda x: x[0] >= 0},
+        points={"middle": lambda x: x[0] == 1},
+    )
+    assert sorted(map(tuple, np.sort(named.curve("lower"), axis=1))) == [(0, 1), (1, 2)]
+    assert len(named.curve("rim")) == 6, "not the edges between cells"
+    np.testing.assert_array_equal(named.nodes("middle"), [1, 4])
+    np.testing.assert_array_equal(named.curve("old"), [(0, 3)])
+    assert list(mesh.curves) == ["old"], "the mesh itself is as it was"
+    shell = fl.Shell(named, fl.ShellSection.layer(0.01, fl.Material(2e11, 0.3, 7e3)))
+    assert sorted(point.node for point in shell.points("lower")) == [0, 1, 2]
+    for part in shell.parts:
+        assert {"lower", "rim", "old"} <= set(part.shell.model.mesh.curves)
+    with pytest.raises(ValueError, match="curve 'none': nothing is there"):
+        mesh.named(curves={"none": lambda x: x[0] > 5})
+    with pytest.raises(ValueError, match="curve 'one': expected a function of positions"):
+        mesh.named(curves={"one": lambda x: True})

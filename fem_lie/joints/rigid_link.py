@@ -85,7 +85,8 @@ class KinematicCoupling(Connection):
 
     Attributes:
         a: A point of a body, or :func:`~fem_lie.bodies.points.ground`.
-        group: Nodes that move with it, such as ``solid.points("hole")``, of one or several bodies.
+        group: Nodes that move with it, such as ``solid.points("hole")``, of one or several bodies;
+            ``a`` itself may be among them.
         at: Reference position at the start, global components; default: the point ``a``, for ground
             the mean position of the group.
         name: Name in messages and results; default: class name and points.
@@ -118,9 +119,13 @@ class KinematicCoupling(Connection):
     def __post_init__(self) -> None:
         """Raise ``TypeError`` if an argument has a wrong type."""
         require_point(self.a, "KinematicCoupling: a")
-        object.__setattr__(self, "group", tuple(self.group))
-        for point in self.group:
+        group = tuple(self.group)
+        for point in group:
             require_point(point, "KinematicCoupling: group")
+        if self.a.attachment is None:
+            own = self.a.body, self.a.node
+            group = tuple(point for point in group if (point.body, point.node) != own)
+        object.__setattr__(self, "group", group)
         text(self.name, "KinematicCoupling: name")
         flag(self.active, "KinematicCoupling: active")
 
@@ -140,7 +145,9 @@ class KinematicCoupling(Connection):
     def check(self) -> None:
         """Raise ``ValueError`` if the group is empty, has a node twice, or other nodes."""
         if not self.group:
-            raise ValueError(f"{self.label}: expected nodes in the group, got none")
+            raise ValueError(
+                f"{self.label}: expected nodes beside {self.a.label} in the group, got none"
+            )
         nodes = set()
         for point in self.group:
             if point.body is None or point.attachment is not None:
@@ -155,8 +162,6 @@ class KinematicCoupling(Connection):
             nodes.add((point.body, point.node))
         if len(nodes) < len(self.group):
             raise ValueError(f"{self.label}: a node is in the group twice")
-        if self.a.attachment is None and (self.a.body, self.a.node) in nodes:
-            raise ValueError(f"{self.label} joins {self.a.label} to itself")
         self._reference()
 
     def definitions(self) -> list[ConstraintDefinition]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +13,9 @@ from fem_lie._arrays import Array, Indices, indices_of, instance, members_of, po
 from fem_lie.mesh.patches import CellsOfOneType
 from fem_lie.mesh.shapes import DEGREES
 from fem_lie.mesh.surfaces import Surface, SurfaceMesh, block_of, refuse_alone
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 class SurfacePart(NamedTuple):
@@ -107,13 +110,20 @@ class MixedSurfaceMesh(Surface):
             members_of(named_points or {}, len(x), "points"),
         )
         found._check_neighbours()
-        edges = found.edges
+        return found._pass_names_to_parts()
+
+    def _with_names(self, curves: Mapping[str, Indices], points: Mapping[str, Indices]) -> Self:
+        return replace(self, curves=curves, named_points=points)._pass_names_to_parts()
+
+    def _pass_names_to_parts(self) -> Self:
+        """The mesh itself, whose parts have its names from now on."""
+        edges = self.edges
         named = [
-            part._replace(mesh=part.mesh._with(found._part(block, part.cells, edges)))
-            for part, block in zip(found.parts, blocks, strict=True)
+            part._replace(mesh=part.mesh._with(self._part(block, part.cells, edges)))
+            for part, block in zip(self.parts, self.blocks, strict=True)
         ]
-        object.__setattr__(found, "parts", tuple(named))
-        return found
+        object.__setattr__(self, "parts", tuple(named))
+        return self
 
     @property
     def blocks(self) -> tuple[CellsOfOneType, ...]:

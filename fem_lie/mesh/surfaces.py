@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import degrees, pi, radians
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,8 @@ import numpy.typing as npt
 from fem_lie._arrays import (
     Array,
     Indices,
+    Where,
+    entities_where,
     find_name,
     indices_of,
     instance,
@@ -35,6 +37,7 @@ from fem_lie.mesh.shapes import DEGREES, cell_normals
 
 if TYPE_CHECKING:
     import dolfinx
+    from typing_extensions import Self
 
 # A circle of ten cells is still smooth, a corner of 45 degrees is not.
 KINK_ANGLE = radians(40.0)
@@ -124,6 +127,45 @@ class Surface(Summarised, ABC):
             return np.unique(np.concatenate(found))
         known = ", ".join(sorted({*self.named_points, *self.curves, *self.groups})) or "none"
         raise ValueError(f"the mesh has no points, curve or group {name!r}; it has: {known}")
+
+    def named(
+        self,
+        *,
+        curves: Mapping[str, Where] | None = None,
+        points: Mapping[str, Where] | None = None,
+    ) -> Self:
+        """Mesh with further names, given by place, as for CAD without names.
+
+        Args:
+            curves: For each name, where both ends of its edges are: a function of positions, shape
+                (3, n), that returns n truth values. Only edges of one cell, on the rim, are meant.
+            points: Likewise for points.
+
+        Raises:
+            ValueError: Nothing is there, or a function returns anything else.
+
+        Example:
+            >>> mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (2, 3))
+            >>> mesh = mesh.named(curves={"left": lambda x: x[0] < 1e-9})
+            >>> len(mesh.curve("left"))
+            3
+        """
+        x, edges = self.points, self.edges
+        rim = edges.points[edges.nodes[edges.count[edges.edge] == 1]]
+        every = np.arange(len(x))[:, np.newaxis]
+        found = {
+            name: rim[entities_where(where, x, rim[:, :2], f"curve {name!r}")]
+            for name, where in (curves or {}).items()
+        }
+        spots = {
+            name: entities_where(where, x, every, f"point {name!r}")
+            for name, where in (points or {}).items()
+        }
+        return self._with_names({**self.curves, **found}, {**self.named_points, **spots})
+
+    @abstractmethod
+    def _with_names(self, curves: Mapping[str, Indices], points: Mapping[str, Indices]) -> Self:
+        """Copy with other names of curves and points."""
 
     def patches(self, kink_angle: float = KINK_ANGLE) -> Patches:
         """Nodes that belong to one smooth patch each.
@@ -305,6 +347,9 @@ class SurfaceMesh(Surface):
         """
         block = CellsOfOneType(self.cells[cells], self.cell, self.normals[cells])
         return self._with(self._part(block, cells, self.edges))
+
+    def _with_names(self, curves: Mapping[str, Indices], points: Mapping[str, Indices]) -> Self:
+        return replace(self, curves=curves, named_points=points)
 
     def _with(self, data: Mapping[str, Any]) -> SurfaceMesh:
         """Copy with other data that are known to be valid."""

@@ -16,6 +16,7 @@ from fem_lie._arrays import (
     Array,
     Flags,
     Indices,
+    Where,
     entities_where,
     find_name,
     instance,
@@ -26,7 +27,6 @@ from fem_lie._arrays import (
 from fem_lie._summary import Summarised
 from fem_lie.mesh.shapes import nodes_of, rule, tabulated
 
-Where = Callable[[Array], npt.ArrayLike]
 """Function of positions, shape (3, n), that returns n truth values."""
 
 _GEOMETRY = {4: 1, 10: 2, 8: 1, 27: 2}
