@@ -11,11 +11,8 @@ from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.canonical import data_of_model
 from fem_lie.bodies.model import BodyModel, HeldRotation, RotationLimit
 from fem_lie.bodies.shells.model import ModelPart, ShellModel
-from fem_lie.bodies.shells.surface_nodes import SurfaceNodes
-from fem_lie.elements.shells.element import ShellFormulation
+from fem_lie.bodies.shells.surface_nodes import GivenShell, SurfaceNodes
 from fem_lie.mesh.mixed_surfaces import MixedSurfaceMesh
-from fem_lie.mesh.patches import Patches
-from fem_lie.sections.shell_section import ShellSection
 
 
 class MixedShellModel(SurfaceNodes):
@@ -32,58 +29,24 @@ class MixedShellModel(SurfaceNodes):
 
     mesh: MixedSurfaceMesh
 
-    def __init__(
-        self,
-        mesh: MixedSurfaceMesh,
-        patches: Patches,
-        directors: Array,
-        sections: Sequence[ShellSection],
-        axes: Array,
-        formulation: ShellFormulation,
-        *,
-        drilling: bool | None,
-        convected_axes: bool,
-        class_name: str,
-        name: str,
-    ) -> None:
+    def __init__(self, given: GivenShell[MixedSurfaceMesh]) -> None:
         """Create the nodes and the models of the cells of each type.
 
         Args:
-            mesh: Surface mesh.
-            patches: Smooth sides of the surface, and the nodes of each cell.
-            directors: Director of each node, shape (n, 3).
-            sections: Section of each cell.
-            axes: Vector in each cell whose projection onto the surface is e₁ of its strains, (m,
-                3).
-            formulation: Finite element.
-            drilling: Whether nodes have a drilling rotation; ``None``: only if something needs it.
-            convected_axes: Expected to be false.
-            class_name: Name of the class of the body.
-            name: Name in messages and results.
+            given: The surface and what is on it.
 
         Raises:
             ValueError: A surface with ``drilling=False`` has a kink or branch, or the axes are to
                 be convected.
         """
-        if convected_axes:
+        mesh, sections = given.mesh, given.sections
+        if given.convected_axes:
             raise ValueError(
-                f"{name or class_name}: convected_axes=True needs cells of one type, got "
-                + " and ".join(f"{part.mesh.cell}s" for part in mesh.parts)
+                f"{given.name or given.class_name}: convected_axes=True needs cells of one type, "
+                "got " + " and ".join(f"{part.mesh.cell}s" for part in mesh.parts)
             )
-        super().__init__(
-            mesh,
-            patches,
-            directors,
-            formulation,
-            drilling=drilling,
-            convected_axes=False,
-            class_name=class_name,
-            name=name,
-        )
-        self.parts = tuple(
-            self._part(number, patches, directors, sections, axes)
-            for number in range(len(mesh.parts))
-        )
+        super().__init__(given)
+        self.parts = tuple(self._part(given, number) for number in range(len(mesh.parts)))
         self.has_mass = all(part.model.has_mass for part in self.parts)
         self.thickness = np.array([s.thickness for s in sections], dtype=np.float64)
         # where types meet, faces have one node: edges between them are no rim
@@ -96,29 +59,22 @@ class MixedShellModel(SurfaceNodes):
             [np.pad(each, ((0, 0), (0, most - each.shape[1])), mode="edge") for each in corners]
         )
 
-    def _part(
-        self,
-        number: int,
-        patches: Patches,
-        directors: Array,
-        sections: Sequence[ShellSection],
-        axes: Array,
-    ) -> ModelPart:
+    def _part(self, given: GivenShell[MixedSurfaceMesh], number: int) -> ModelPart:
         mesh, points, cells = self.mesh.parts[number]
-        own, nodes = patches.of_block(number, points)
-        model = ShellModel(
+        patches, nodes = given.patches.of_block(number, points)
+        own = GivenShell(
             mesh,
-            own,
-            directors[nodes],
-            [sections[cell] for cell in cells],
-            axes[cells],
-            self.formulation,
+            patches,
+            given.directors[nodes],
+            [given.sections[cell] for cell in cells],
+            given.axes[cells],
+            given.formulation,
             drilling=None,
             convected_axes=False,
-            class_name=self.class_name,
-            name=f"{self.name or self.class_name}, {mesh.cell}s",
+            class_name=given.class_name,
+            name=f"{given.name or given.class_name}, {mesh.cell}s",
         )
-        return ModelPart(model, nodes, points, cells)
+        return ModelPart(ShellModel(own), nodes, points, cells)
 
     def present(self, holds: Sequence[HeldRotation] = ()) -> Iterator[ModelPart]:
         """Parts on the present nodes, with the drilling rotations of the whole.

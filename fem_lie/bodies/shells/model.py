@@ -16,7 +16,7 @@ from fem_lie.bodies.shells.assembly import (
     weighted_surface_cells,
 )
 from fem_lie.bodies.shells.placing import cut_mesh
-from fem_lie.bodies.shells.surface_nodes import SurfaceNodes
+from fem_lie.bodies.shells.surface_nodes import GivenShell, SurfaceNodes
 from fem_lie.bodies.surface_model import CellsOnSurface
 from fem_lie.elements.shells.drilling import (
     MEMBRANE_SHEAR,
@@ -24,10 +24,7 @@ from fem_lie.elements.shells.drilling import (
     drilling_inertia,
     drilling_stiffness,
 )
-from fem_lie.elements.shells.element import ShellFormulation
-from fem_lie.mesh.patches import Patches
 from fem_lie.mesh.surfaces import SurfaceMesh
-from fem_lie.sections.shell_section import ShellSection
 
 
 class ModelPart(NamedTuple):
@@ -65,53 +62,22 @@ class ShellModel(SurfaceNodes, CellsOnSurface):
     _drilling_of_whole: Array | None = None
     """Drilling stiffness of each cell, if these are some cells of a shell."""
 
-    def __init__(
-        self,
-        mesh: SurfaceMesh,
-        patches: Patches,
-        directors: Array,
-        sections: Sequence[ShellSection],
-        axes: Array,
-        formulation: ShellFormulation,
-        *,
-        drilling: bool | None,
-        convected_axes: bool,
-        class_name: str,
-        name: str,
-    ) -> None:
+    def __init__(self, given: GivenShell[SurfaceMesh]) -> None:
         """Create the nodes and the data of the cells.
 
         Args:
-            mesh: Surface mesh.
-            patches: Smooth sides of the surface, and the nodes of each cell.
-            directors: Director of each node, shape (n, 3).
-            sections: Section of each cell.
-            axes: See :attr:`axes`.
-            formulation: Finite element.
-            drilling: See :attr:`drilling`.
-            convected_axes: See :attr:`convected_axes`.
-            class_name: Name of the class of the body.
-            name: Name in messages and results.
+            given: The surface and what is on it.
 
         Raises:
             ValueError: A surface with ``drilling=False`` has a kink or branch.
         """
-        self.source = mesh.source
+        mesh, patches, sections = given.mesh, given.patches, given.sections
+        self.source, self.axes = mesh.source, given.axes
         self.stiffness = np.array([s.stiffness for s in sections])
         self.density = np.array([s.inertia for s in sections])
         self.has_mass = all(s.inertia[0, 0] > 0 for s in sections)
-        self.axes = axes
         (self.connectivity,) = patches.cells
-        super().__init__(
-            mesh,
-            patches,
-            directors,
-            formulation,
-            drilling=drilling,
-            convected_axes=convected_axes,
-            class_name=class_name,
-            name=name,
-        )
+        super().__init__(given)
         self.cut_mesh = cut_mesh(mesh, patches)
         self.faces = mesh.corners_of(self.connectivity)
         self.thickness = np.array([s.thickness for s in sections], dtype=np.float64)

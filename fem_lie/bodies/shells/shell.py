@@ -23,6 +23,7 @@ from fem_lie.bodies.shells.placing import (
     section_per_cell,
 )
 from fem_lie.bodies.shells.supports import SupportedSurface
+from fem_lie.bodies.shells.surface_nodes import GivenShell
 from fem_lie.elements.shells.element import DisplacementBased, HellingerReissner, ShellFormulation
 from fem_lie.mesh.mixed_surfaces import MixedSurfaceMesh
 from fem_lie.mesh.reading import surface_from_dolfinx
@@ -148,7 +149,7 @@ class Shell(SupportedSurface):
             else given_directors(mesh, director, patches, kink_angle)
         )
         kind: Any = MixedShellModel if isinstance(mesh, MixedSurfaceMesh) else ShellModel
-        model = kind(
+        given = GivenShell(
             mesh,
             patches,
             directors,
@@ -160,7 +161,7 @@ class Shell(SupportedSurface):
             class_name=type(self).__name__,
             name=name,
         )
-        super().__init__(model)
+        super().__init__(kind(given))
         for part in self.parts:
             _log_turns(part.shell.model, kink_angle)
 

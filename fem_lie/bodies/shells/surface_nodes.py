@@ -5,6 +5,8 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections import Counter
 from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -16,6 +18,38 @@ from fem_lie.elements.shells.element import ShellFormulation
 from fem_lie.lie.motions import Group
 from fem_lie.mesh.patches import Patches
 from fem_lie.mesh.surfaces import Surface
+from fem_lie.sections.shell_section import ShellSection
+
+Mesh = TypeVar("Mesh", bound=Surface)
+
+
+@dataclass(frozen=True)
+class GivenShell(Generic[Mesh]):
+    """A surface and what a shell has on it.
+
+    Attributes:
+        mesh: Surface mesh.
+        patches: Smooth sides of the surface, and the nodes of each cell.
+        directors: Director of each node, shape (n, 3).
+        sections: Section of each cell.
+        axes: Vector in each cell whose projection onto the surface is e₁ of its strains, (m, 3).
+        formulation: Finite element.
+        drilling: Whether nodes have a drilling rotation; ``None``: only if something needs it.
+        convected_axes: Whether frames rotate about their directors with the mid-surface.
+        class_name: Name of the class of the body.
+        name: Name in messages and results.
+    """
+
+    mesh: Mesh
+    patches: Patches
+    directors: Array
+    sections: Sequence[ShellSection]
+    axes: Array
+    formulation: ShellFormulation
+    drilling: bool | None
+    convected_axes: bool
+    class_name: str
+    name: str
 
 
 class SurfaceNodes(SurfaceModel):
@@ -29,42 +63,25 @@ class SurfaceNodes(SurfaceModel):
 
     group = Group.R3xSO3
 
-    def __init__(
-        self,
-        mesh: Surface,
-        patches: Patches,
-        directors: Array,
-        formulation: ShellFormulation,
-        *,
-        drilling: bool | None,
-        convected_axes: bool,
-        class_name: str,
-        name: str,
-    ) -> None:
+    def __init__(self, given: GivenShell[Any]) -> None:
         """Create the nodes.
 
         Args:
-            mesh: Surface mesh.
-            patches: Smooth sides of the surface, and the nodes of each cell.
-            directors: Director of each node, shape (n, 3).
-            formulation: Finite element.
-            drilling: See :attr:`drilling`.
-            convected_axes: See :attr:`convected_axes`.
-            class_name: Name of the class of the body.
-            name: Name in messages and results.
+            given: The surface and what is on it.
 
         Raises:
             ValueError: A surface with ``drilling=False`` has a kink or branch.
         """
+        mesh, patches, formulation = given.mesh, given.patches, given.formulation
         self.mesh, self.formulation = mesh, formulation
-        self.drilling, self.convected_axes = drilling, convected_axes
+        self.drilling, self.convected_axes = given.drilling, given.convected_axes
         super().__init__(
-            frames_with(mesh.points[patches.masters], directors),
-            class_name=class_name,
+            frames_with(mesh.points[patches.masters], given.directors),
+            class_name=given.class_name,
             size=float(np.linalg.norm(np.ptp(mesh.points, axis=0))),
             points={key: int(p[0]) for key, p in mesh.named_points.items() if len(p) == 1},
             masters=patches.masters,
-            name=name,
+            name=given.name,
         )
         log_coincident(self.label, mesh.points)
         self._has_kinks = bool(len(patches.split))
