@@ -104,7 +104,8 @@ def partition(scene: Scene, comm: MPI.Intracomm) -> Partition:
         # a node stands for all of a body in one piece
         nodes = [first[body] for body in need.bodies]
         nodes += [first[body] + node for body, node in need.nodes]
-        held.add([nodes] if nodes else [])
+        if nodes:
+            held.add(np.array([nodes], dtype=np.int64))
     free = np.concatenate([~(b.model.held | b.model.missing_unknowns) for b in scene.bodies])
     found = _of_first(comm, cells.links, held.links, attached.links, free.sum(axis=1))
     owners = np.full(len(needs), -1)
@@ -147,12 +148,10 @@ class _Collected:
         self._nodes: list[Indices] = [np.empty(0, np.int64)]
         self.count = 0
 
-    def add(self, cells: Indices | Sequence[Sequence[int]]) -> None:
+    def add(self, cells: Indices) -> None:
         """Add cells of equal size, shape (m, k)."""
-        for size in {len(cell) for cell in cells}:
-            nodes = np.asarray(cells, dtype=np.int64).reshape(-1, size)
-            self._which.append(np.repeat(self.count + np.arange(len(nodes)), size))
-            self._nodes.append(nodes.ravel())
+        self._which.append(np.repeat(self.count + np.arange(len(cells)), cells.shape[1]))
+        self._nodes.append(cells.ravel())
         self.count += len(cells)
 
     @property
