@@ -493,7 +493,7 @@ def test_a_restart_agrees_to_the_last_bit(tmp_path, every):
         scheme.resume(rolling_pile(0.5), file, progress=False)
 
 
-def test_spinning_balls_beside_a_large_body_do_not_lengthen_the_list_of_neighbours():
+def test_spinning_balls_near_a_large_body_do_not_lengthen_the_list_of_neighbours():
     """A point moves with the spin of its own body; a drum's radius is none of the balls'."""
     scene, law = fl.Scene(), fl.contact.Impact(0.3)
     bar = scene.add(fl.RigidBody.box(1.0, (20.0, 0.1, 0.1), (0, 5, 0)))

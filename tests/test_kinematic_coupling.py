@@ -154,8 +154,8 @@ def test_wrong_groups_have_a_message():
     thin = fl.ThinShell(fl.mesh.smooth_patch(lambda a, b: (a, b, 0.0), (2, 2)), SHEET)
     scene.add(thin)
     for wrong, message in (
-        ([], "expected nodes beside body.centre in the group, got none"),
-        ([centre], "expected nodes beside body.centre in the group, got none"),
+        ([], "expected nodes other than body.centre in the group, got none"),
+        ([centre], "expected nodes other than body.centre in the group, got none"),
         ([*group, group[0]], "a node is in the group twice"),
         ([part.point("a=0")], "expected nodes of bodies, got part.a=0"),
         ([thin.point(0)], "expected nodes with frames or positions"),

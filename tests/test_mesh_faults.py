@@ -271,7 +271,7 @@ def test_the_boundary_of_a_solid_is_a_shell_only_if_it_is_named(tmp_path, caplog
 
 
 @pytest.mark.parametrize("dim", [None, 3])
-def test_a_surface_beside_a_solid_is_meant_without_a_name(tmp_path, caplog, dim):
+def test_a_surface_next_to_a_solid_is_meant_without_a_name(tmp_path, caplog, dim):
     sheet = "Rectangle(99) = {5, 0, 0, 2, 1};"
     with caplog.at_level(logging.INFO, logger="fem_lie"):
         mesh = fl.mesh.read_gmsh_surface(written(tmp_path, BOX + sheet, dim))

@@ -325,7 +325,7 @@ def test_forces_and_displacements_are_drawn_along_global_axes(tmp_path):
         up = figure.axes[0].lines[2].get_ydata()
         np.testing.assert_allclose(np.abs(up), 25.0, rtol=1e-9)
         assert figure.axes[1].get_ylabel() == "hinge [N m]"
-        # moments of round-off look like zero beside the force times the size of the scene
+        # moments of round-off look like zero, relative to the force times the size of the scene
         assert figure.axes[1].get_ylim()[1] == pytest.approx(1e-6 * 25.0 * 0.5, rel=1e-6)
         figure = result.plot(clamp, quantity="reaction", path=tmp_path / "reaction.png")
         np.testing.assert_allclose(figure.axes[0].lines[2].get_ydata(), 10.0, rtol=1e-9)

@@ -146,7 +146,7 @@ class KinematicCoupling(Connection):
         """Raise ``ValueError`` if the group is empty, has a node twice, or other nodes."""
         if not self.group:
             raise ValueError(
-                f"{self.label}: expected nodes beside {self.a.label} in the group, got none"
+                f"{self.label}: expected nodes other than {self.a.label} in the group, got none"
             )
         nodes = set()
         for point in self.group:

@@ -100,7 +100,7 @@ def draw_values(
         if rim.n_points:
             plotter.add_mesh(rim, color=INK, line_width=size[0] / 800)
         both = np.stack([unloaded, points])[:, :, np.newaxis]
-        add_frame(plotter, both, (), canvas, beside=_SCALE)
+        add_frame(plotter, both, (), canvas, right_margin=_SCALE)
         plotter.screenshot(target)
 
 

@@ -169,7 +169,12 @@ def plotting(paths: Sequence[Array], canvas: Canvas) -> Iterator[Any]:
 
 
 def add_frame(
-    plotter: Any, frames: Array, paths: Sequence[Array], canvas: Canvas, *, beside: float = 0.0
+    plotter: Any,
+    frames: Array,
+    paths: Sequence[Array],
+    canvas: Canvas,
+    *,
+    right_margin: float = 0.0,
 ) -> None:
     """Axes with round numbers around all configurations, and the camera.
 
@@ -178,7 +183,7 @@ def add_frame(
         frames: Frames of all configurations, shape (..., N, 4, 3) or (..., N, 1, 3).
         paths: Lines, each of shape (k, 3).
         canvas: Title, units, size and view.
-        beside: Part of the width, on the right, that stays free.
+        right_margin: Part of the width, on the right, that stays free.
 
     Raises:
         ValueError: The view of the canvas is not a direction.
@@ -221,7 +226,7 @@ def add_frame(
     bodies = np.array(plotter.bounds).reshape(3, 2).T
     corners = np.array([low, high]), bodies
     margins = np.full(4, _MARGIN * size[0] + _LINES * font)
-    margins[1] += beside * size[0]
+    margins[1] += right_margin * size[0]
     _fit(plotter.camera, np.concatenate(corners), size, margins)
     plotter.reset_camera_clipping_range()
 
