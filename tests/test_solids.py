@@ -319,6 +319,11 @@ def test_pictures_and_files(cell, degree, tmp_path):
         assert (tmp_path / "states.png").stat().st_size > 5_000
 
 
+def different(picture, other):
+    """Part of the pixels that differ visibly; two drawings of one scene differ in few last bits."""
+    return (np.abs(picture.astype(float) - other).max(axis=-1) > 30).mean()
+
+
 def test_a_picture_has_the_edges_of_the_body_not_those_of_its_cells(tmp_path):
     """Facets of gmsh's tetrahedra turn either way; a uniform stress looks like that of a brick."""
     pictures = []
@@ -337,8 +342,8 @@ def test_a_picture_has_the_edges_of_the_body_not_those_of_its_cells(tmp_path):
         scene.add(fl.loads.FaceLoad(cube, "a=1", (2e3, 0, 0)))
         stresses = fl.post.solid_stresses(fl.statics(scene), cube)
         stresses.picture(tmp_path / "cube.png", "xx", title="cube", view=(2, -1, 1))
-        pictures.append(pyvista.read(tmp_path / "cube.png").point_data["PNGImage"].astype(float))
-    assert (np.abs(pictures[1] - pictures[0]).max(axis=-1) > 30).mean() < 1e-4
+        pictures.append(pyvista.read(tmp_path / "cube.png").point_data["PNGImage"])
+    assert different(*pictures) < 1e-4
 
 
 def test_a_view_from_the_front_is_that_of_a_plane_scene(tmp_path):
@@ -347,8 +352,8 @@ def test_a_view_from_the_front_is_that_of_a_plane_scene(tmp_path):
     for view in (None, (0, -2, 0), (0, 0, 1)):
         scene.picture(tmp_path / "beam.png", view=view)
         pictures[view] = pyvista.read(tmp_path / "beam.png").point_data["PNGImage"]
-    np.testing.assert_array_equal(pictures[None], pictures[0, -2, 0])
-    assert (pictures[None] != pictures[0, 0, 1]).any()
+    assert different(pictures[None], pictures[0, -2, 0]) < 1e-4
+    assert different(pictures[None], pictures[0, 0, 1]) > 1e-2
     with pytest.raises(ValueError, match="view must not be zero"):
         scene.picture(tmp_path / "beam.png", view=(0, 0, 0))
 
