@@ -231,9 +231,9 @@ def chosen_entities(gmsh: Any, dim: int, what: str) -> list[int]:
     grouped = {tag for entities in physical(gmsh, dim).values() for tag in entities}
     above = sum(len(gmsh.model.getEntities(d)) for d in range(dim + 1, 4))
     mine, others = _ENTITIES[dim]
-    taken = "of physical groups"
+    which = "of physical groups"
     if above and not grouped:
-        grouped, taken = _apart(gmsh, dim, every), "that bound none of higher dimension"
+        grouped, which = _no_boundaries(gmsh, dim, every), "that bound none of higher dimension"
     if above and not grouped:
         raise ValueError(
             f"{what} has {above} {others} and no physical group of {mine}: which of their edges or "
@@ -243,12 +243,12 @@ def chosen_entities(gmsh: Any, dim: int, what: str) -> list[int]:
     if above or left:
         _log.info(
             "%s: the %d %s %s are taken; %d other %s and %d %s are left out",
-            *(what, len(grouped), mine, taken, len(left), mine, above, others),
+            *(what, len(grouped), mine, which, len(left), mine, above, others),
         )
     return sorted(grouped or every)
 
 
-def _apart(gmsh: Any, dim: int, every: set[int]) -> set[int]:
+def _no_boundaries(gmsh: Any, dim: int, every: set[int]) -> set[int]:
     """Entities that bound no other, by topology and by the nodes of elements.
 
     Files of older formats have no topology, CAD that is not meshed yet no elements above.
