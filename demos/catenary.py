@@ -82,7 +82,7 @@ def hang(element: str, elements: int) -> tuple[dict[str, Any], fl.StaticResult, 
     """Both ends held; a record of numbers, and the equilibrium."""
     scene = fl.Scene(gravity=(0, -GRAVITY, 0))
     cable = scene.add(laid(element, elements))
-    s = np.concatenate([[0.0], np.cumsum(cable.model.consistent_lengths()[1].sum(axis=1))])
+    s = np.concatenate([[0.0], np.cumsum(cable.model.line_quadrature().lengths.sum(axis=1))])
     if isinstance(cable, fl.Rod):
         s *= LENGTH / s[-1]
         scene.add(fl.loads.Eigenstrain(cable, (1 / LONGER - 1, 0, 0, 0, 0, 0)))

@@ -109,6 +109,42 @@ def test_shapes_are_those_of_points_cells_and_nodes(found):
     assert smooth.ndim == (1 if raw.ndim == 2 else 3)
 
 
+def test_values_at_a_point_are_those_of_its_node(found):
+    ask, wanted, _ = found
+    fields = ask()
+    name = next(each for each in ("beam", "shell", "solid") if hasattr(fields, each))
+    end = getattr(fields, name).point((LENGTH, 0, 0))
+    for name, value in wanted.items():
+        np.testing.assert_allclose(
+            fields.at(end, name), value, rtol=1e-5, atol=1e-9 * max(map(abs, wanted.values()))
+        )
+    with pytest.raises(ValueError, match="has no quantity 'mises'"):
+        fields.at(end, "mises")
+    with pytest.raises(ValueError, match="is not a point of strip"):
+        fields.at(fl.RigidBody(1.0, (1, 1, 1)).point("centre"), next(iter(wanted)))
+
+
+def test_values_at_a_kink_have_several_sides_and_none_between_nodes():
+    points = [(0, 0, 0), (0, 1, 0), (1, 0, 0), (1, 1, 0), (1, 0, 1), (1, 1, 1)]
+    mesh = fl.mesh.SurfaceMesh.from_cells(points, [(0, 1, 2, 3), (2, 3, 4, 5)], "quadrilateral")
+    angle = fl.Shell(mesh, fl.ShellSection.layer(THICKNESS, STEEL), name="angle")
+    scene = fl.Scene()
+    scene.add(angle)
+    scene.add(fl.Clamp(angle.point(0)))
+    scene.add(fl.PointLoad(angle.point(5), force=(1.0, 0, 0)))
+    fields = fl.post.resultants(fl.statics(scene), angle, along=(0, 1, 0))
+    assert np.isfinite(fields.at(angle.point((0, 0, 0)), "N11"))
+    with pytest.raises(ValueError, match="'N11' has 2 values at angle"):
+        fields.at(angle.point((1, 0, 0)), "N11")
+    strip, items, _ = beam()
+    scene = fl.Scene()
+    for item in (strip, *items):
+        scene.add(item)
+    forces = fl.post.section_forces(fl.statics(scene), strip, scene)
+    with pytest.raises(ValueError, match="is no node of strip, and 'N' is known at nodes"):
+        forces.at(strip.point((0.1, 0, 0)), "N")
+
+
 def test_a_state_is_chosen_by_its_index(found):
     ask, wanted, argument = found
     first = [0] if argument == "states" else 0

@@ -211,6 +211,74 @@ def test_following_line_load_turns_with_its_nodes():
     assert np.abs(R[-1] - np.eye(3)).max() > 0.3
 
 
+SQUARE = fl.Section.rectangle(0.1, 0.1, fl.Material(E=1e6, nu=0.0, density=1e3))
+LINES = {
+    "beam": lambda: fl.Beam.straight((0, 0, 0), (LENGTH, 0, 0), SECTION, cells=3),
+    "of degree 2": lambda: fl.Beam.straight(
+        (0, 0, 0), (LENGTH, 0, 0), SECTION, cells=3, formulation=fl.elements.DirectorBeam(degree=2)
+    ),
+    "cable": lambda: fl.Cable.straight((0, 0, 0), (LENGTH, 0, 0), SQUARE, cells=3),
+    "ANCF": lambda: fl.AncfBeam.straight((0, 0, 0), (LENGTH, 0, 0), SQUARE, cells=3),
+    "shell": lambda: fl.Shell(
+        fl.mesh.parametric_surface(lambda a, b: np.array([LENGTH * a, b, 0.0]), (3, 2)),
+        fl.ShellSection.layer(0.1, fl.Material(1e6, 0.0, 1e3)),
+    ),
+    "shell of degree 2": lambda: fl.Shell(
+        fl.mesh.parametric_surface(lambda a, b: np.array([LENGTH * a, b, 0.0]), (3, 2), degree=2),
+        fl.ShellSection.layer(0.1, fl.Material(1e6, 0.0, 1e3)),
+        formulation=fl.elements.DisplacementBased(),
+    ),
+    "thin shell": lambda: fl.ThinShell(
+        fl.mesh.smooth_patch(lambda a, b: np.array([LENGTH * a, b, 0.0]), (3, 2)),
+        fl.ShellSection.layer(0.1, fl.Material(1e6, 0.0, 1e3)),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", LINES)
+def test_a_load_along_a_line_may_be_a_function_of_the_position(name):
+    """A parabola of force along x does the work of its integrals on rigid motions."""
+    body = LINES[name]()
+
+    def force(x):
+        return np.array([0.0, 0.0, 3.0 * x[0] ** 2 - x[0]])
+
+    load = fl.loads.EdgeLoad if "shell" in name else fl.LineLoad
+    where = ("b=0",) if "shell" in name else ()
+    nodal, on_rows = (
+        load(body, *where, force=force).nodal(),
+        load(body, *where, force=force).on_directors(),
+    )
+    x = body.frames[:, 0]
+    about_y = -np.einsum("n,n->", x[:, 0], nodal[:, 2]) + nodal[:, 4].sum()
+    # a rotation about y turns directors, or changes gradients: d₁ towards −z
+    about_y -= np.einsum("nd,nd->", body.frames[:, 1:, 0], on_rows[..., 2])
+    total, moment = LENGTH**3 - LENGTH**2 / 2, 0.75 * LENGTH**4 - LENGTH**3 / 3
+    assert nodal[:, 2].sum() == pytest.approx(total, rel=1e-12)
+    assert about_y == pytest.approx(-moment, rel=1e-12)
+    np.testing.assert_allclose(
+        load(body, *where, force=lambda x: (1.0, 2.0, 3.0)).nodal(),
+        load(body, *where, force=(1.0, 2.0, 3.0)).nodal(),
+        atol=1e-14,
+    )
+
+
+def test_a_triangular_load_bends_a_cantilever_by_its_closed_form():
+    """``q L⁴/30 EI`` for a load that falls from q at the root to zero at the tip."""
+    stiff = fl.Section.from_stiffness([1e8, 1e8, 1e8, GJ, EI2, EI3], MASS)
+    scene, beam, _ = cantilever(8, stiff)
+    scene.add(fl.LineLoad(beam, force=lambda x: (0, 0, 1e-3 * (1 - x[0] / LENGTH))))
+    tip = fl.statics(scene).displacement(beam.point("end"))[-1, 2]
+    assert tip == pytest.approx(1e-3 * LENGTH**4 / 30 / EI2, rel=2e-3)
+
+
+def test_a_load_that_is_no_function_of_the_position_is_named():
+    scene, beam, _ = cantilever(2)
+    with pytest.raises(ValueError, match="force of the LineLoad on"):
+        scene.add(fl.LineLoad(beam, force=lambda t: (0, 0, 10 * t)))
+        fl.statics(scene)
+
+
 # --- strains without stress -----------------------------------------------------------------------
 
 

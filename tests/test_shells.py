@@ -53,9 +53,10 @@ def test_areas_masses_and_edges_are_those_of_the_surface(cell, degree):
         ),
     )
     assert shell.model.areas().sum() == pytest.approx(2.0)
-    nodes, lengths = shell.model.edges("a=1")
-    assert lengths.sum() == pytest.approx(1.0)
-    np.testing.assert_allclose(shell.frames[nodes, 0, 0], 2.0)
+    edges = shell.model.edge_quadrature("a=1")
+    assert edges.lengths.sum() == pytest.approx(1.0)
+    np.testing.assert_allclose(shell.frames[edges.nodes, 0, 0], 2.0)
+    np.testing.assert_allclose(edges.positions[..., 0], 2.0)
     mass = shell.model.element_inertia()
     assert mass[:, :, 0, :, 0].sum() == pytest.approx(2.0 * 0.1 * 2.0)
     assert mass[:, :, 3, :, 3].sum() == pytest.approx(2.0 * 0.1**3 / 12 * 2.0)

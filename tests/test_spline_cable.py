@@ -50,8 +50,7 @@ def test_more_knots_leave_the_curve_as_it_is(cells):
     assert energy(fl.SplineCable.of(SPLINE, stretch, cells=cells)) < 1e-10
     u = np.linspace(0, 4, 200001)
     arc = np.linalg.norm(np.diff(SPLINE(u), axis=0), axis=1).sum()
-    _, shares = cable.model.consistent_lengths()
-    assert shares.sum() == pytest.approx(arc, rel=1e-3)
+    assert cable.model.line_quadrature().lengths.sum() == pytest.approx(arc, rel=1e-3)
 
 
 def test_doubled_knots_by_scipy_are_the_same_cable():
@@ -182,7 +181,7 @@ def test_a_rational_curve_from_a_file_is_followed_to_fourth_order(tmp_path, endi
         middle = 0.5 * (positions[:-1] + positions[1:]) + h * (slopes[:-1] - slopes[1:]) / 8
         gaps.append(np.abs(np.linalg.norm(middle, axis=1) - 1).max())
         cable = fl.SplineCable(u, positions, slopes, SECTION)
-        lengths.append(abs(cable.model.consistent_lengths()[1].sum() - np.pi))
+        lengths.append(abs(cable.model.line_quadrature().lengths.sum() - np.pi))
     assert (np.log2(np.array(gaps[:-1]) / gaps[1:]) > 3.6).all()
     assert lengths[-1] < 2e-6
 

@@ -204,8 +204,8 @@ def test_consistent_inertia_of_a_curved_beam(formulation):
     # and the shares of a line load are the row sums of the mass
     rows = np.repeat(np.arange(len(beam.frames)), np.diff(assembly.indptr))
     nodal = np.bincount(rows, mass[:, 0, 0])[assembly.order]
-    elements, shares = beam.model.consistent_lengths()
-    carried = np.bincount(elements.ravel(), shares.ravel())
+    at = beam.model.line_quadrature()
+    carried = np.bincount(at.nodes.ravel(), at.lengths.ravel())
     np.testing.assert_allclose(nodal, SECTION.inertia[0, 0] * carried, rtol=1e-12)
 
 

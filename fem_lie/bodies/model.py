@@ -21,6 +21,7 @@ from fem_lie.attachments.attachment import AttachmentFrame
 from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import TRAITS, NodeType, all_axes, rigid_motions
 from fem_lie.lie.node_types.floating import FloatingModes
+from fem_lie.mesh.shapes import LineQuadrature
 
 if TYPE_CHECKING:
     import dolfinx
@@ -433,19 +434,11 @@ class BodyModel:
         """
         raise ValueError(f"{self.label} has no cells for a load")
 
-    def consistent_lengths(self) -> tuple[Indices, Array]:
-        """Nodes of each element and their consistent weights in length, both of shape (m, k).
+    def line_quadrature(self) -> LineQuadrature:
+        """Integration along the elements of a line, for loads.
 
         Raises:
-            ValueError: The body has no elements.
-        """
-        raise ValueError(f"{self.label} has no cells to put a load on")
-
-    def director_weights(self) -> Array:
-        """Consistent weights on directors of a unit line force on each element, (m, k, 3).
-
-        Raises:
-            ValueError: The body has no elements.
+            ValueError: The body has no such elements.
         """
         raise ValueError(f"{self.label} has no cells to put a load on")
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.model import BodyModel
-from fem_lie.mesh.shapes import rule, tabulated
+from fem_lie.mesh.shapes import LineQuadrature, rule, tabulated
 from fem_lie.mesh.surfaces import Surface, SurfaceMesh
 
 
@@ -31,8 +31,8 @@ class SurfaceModel(BodyModel):
         """
         return self.mesh.nodes(where)
 
-    def edges(self, name: str) -> tuple[Indices, Array]:
-        """Nodes of a named curve's edges and their consistent lengths, both (e, 2 or 3), m.
+    def edge_quadrature(self, name: str) -> LineQuadrature:
+        """Integration along the edges of a named curve.
 
         Args:
             name: Name of the curve.
@@ -42,15 +42,16 @@ class SurfaceModel(BodyModel):
         """
         edges = self.mesh.curve(name)
         x = self.frames[edges, 0]
-        if edges.shape[1] == 2:
-            length = np.linalg.norm(x[:, 1] - x[:, 0], axis=1)
-            return edges, np.outer(length, [0.5, 0.5])
-        # the parabola through three points, integrated by three Gauss points
+        # straight edges, and parabolas through three points
         s, w = np.polynomial.legendre.leggauss(3)
-        N = np.array([0.5 * s * (s - 1), 0.5 * s * (s + 1), 1 - s * s])
-        dN = np.array([s - 0.5, s + 0.5, -2 * s])
+        N = np.array([0.5 * (1 - s), 0.5 * (1 + s)])
+        dN = np.array([-0.5 + 0 * s, 0.5 + 0 * s])
+        if edges.shape[1] == 3:
+            N = np.array([0.5 * s * (s - 1), 0.5 * s * (s + 1), 1 - s * s])
+            dN = np.array([s - 0.5, s + 0.5, -2 * s])
         speed = np.linalg.norm(np.einsum("kg,ekj->egj", dN, x), axis=2)
-        return edges, np.einsum("g,kg,eg->ek", w, N, speed)
+        positions = np.einsum("kg,ekj->egj", N, x)
+        return LineQuadrature(edges, positions, np.einsum("g,kg,eg->egk", w, N, speed))
 
     def cells_of(self, group: str | None = None) -> Indices:
         """Cells of a named group (default: all cells).

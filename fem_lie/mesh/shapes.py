@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import basix
 import numpy as np
@@ -10,6 +11,29 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from fem_lie._arrays import Array, Flags, Indices
+
+
+class LineQuadrature(NamedTuple):
+    """Integration along cells of lines or edges of surfaces, in the unloaded configuration.
+
+    Attributes:
+        nodes: Nodes of each cell, shape (m, k).
+        positions: Positions of the integration points, shape (m, g, 3).
+        shares: Weights, lengths, times the shape functions of the nodes, shape (m, g, k).
+        on_directors: The same for the three directors, or position gradients, of each node, shape
+            (m, g, k, 3); none: positions depend on those of the nodes alone.
+    """
+
+    nodes: Indices
+    positions: Array
+    shares: Array
+    on_directors: Array | None = None
+
+    @property
+    def lengths(self) -> Array:
+        """Length that each node of a cell carries, shape (m, k)."""
+        return np.asarray(self.shares.sum(axis=1))
+
 
 _CORNERS_AROUND = {
     "triangle": [(0, 1), (1, 2), (2, 0)],

@@ -16,7 +16,7 @@ from fem_lie.bodies.beams.line_body import LineBody
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.gradients.ancf_beam import AncfBeam
 from fem_lie.bodies.points import A_POINT
-from fem_lie.scene.load import Carrier, NodalLoad, Sum
+from fem_lie.scene.load import Carrier, Field, NodalLoad, Sum, at_points
 
 if TYPE_CHECKING:
     from fem_lie.scene.load import History
@@ -146,8 +146,9 @@ class LineLoad(NodalLoad):
 
     Attributes:
         beam: The loaded beam or cable.
-        force: Three components per length: global if fixed in space, local if following.
-        moment: Three components per length, in the same axes.
+        force: Three components per length, global if fixed in space, local if following; or a
+            function of the unloaded position.
+        moment: Three components per length in the same axes, or such a function.
         cells: Name of a group of cells; default: all.
         following: Whether the load rotates with the nodal frames.
         history: Factor as a function of time.
@@ -167,11 +168,10 @@ class LineLoad(NodalLoad):
     carrier = Carrier(
         "beam", LineBody | AncfBeam, "a Beam (on shells: EdgeLoad, on solids: FaceLoad)"
     )
-    components = MappingProxyType({"force": 3, "moment": 3})
 
     beam: Body
-    force: npt.ArrayLike = (0.0, 0.0, 0.0)
-    moment: npt.ArrayLike = (0.0, 0.0, 0.0)
+    force: Field = (0.0, 0.0, 0.0)
+    moment: Field = (0.0, 0.0, 0.0)
     cells: str | None = None
     following: bool = False
     history: History | None = None
@@ -179,26 +179,30 @@ class LineLoad(NodalLoad):
     def check(self) -> None:
         """Raise ``ValueError`` if the load is not finite or the beam has no such cells."""
         super().check()
-        if self.following or np.any(self.moment):
+        if self.following or callable(self.moment) or np.any(self.moment):
             self.body.model.require_frames("a moment, or a follower load,")
+        self.nodal()
 
     def nodal(self) -> Array:
         """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""
-        values = np.zeros((len(self.body.frames), 6))
-        nodes, shares = self.body.model.consistent_lengths()
-        chosen = self.body.model.cells_of(self.cells)
-        density = np.concatenate([self.force, self.moment]).astype(np.float64)
-        np.add.at(values, nodes[chosen], shares[chosen, :, np.newaxis] * density)
+        values, at = np.zeros((len(self.body.frames), 6)), self.body.model.line_quadrature()
+        chosen, density = self.body.model.cells_of(self.cells), np.empty((*at.positions.shape, 2))
+        density[..., 0] = self._density("force", at.positions)
+        density[..., 1] = self._density("moment", at.positions)
+        shares = np.einsum("mgk,mgjh->mkhj", at.shares[chosen], density[chosen])
+        np.add.at(values, at.nodes[chosen], shares.reshape(*shares.shape[:2], 6))
         return values
 
     def on_directors(self) -> Array:
         """Consistent forces on directors, from the curved interpolation of the axis, (n, 3, 3)."""
-        values = np.zeros((len(self.body.frames), 3, 3))
-        nodes, _ = self.body.model.consistent_lengths()
-        chosen, director_weights = (
-            self.body.model.cells_of(self.cells),
-            self.body.model.director_weights(),
-        )
-        force = np.asarray(self.force, dtype=np.float64)
-        np.add.at(values, nodes[chosen], director_weights[chosen, :, :, np.newaxis] * force)
+        values, at = np.zeros((len(self.body.frames), 3, 3)), self.body.model.line_quadrature()
+        if at.on_directors is not None:
+            chosen = self.body.model.cells_of(self.cells)
+            force = self._density("force", at.positions[chosen])
+            shares = np.einsum("mgkd,mgj->mkdj", at.on_directors[chosen], force)
+            np.add.at(values, at.nodes[chosen], shares)
         return values
+
+    def _density(self, name: str, positions: Array) -> Array:
+        what = f"{name} of the LineLoad on {self.body.label}"
+        return at_points(getattr(self, name), positions, what)

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Any, TypeVar, cast
 
 import numpy as np
-import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.membranes.membrane import Membrane
@@ -32,9 +30,10 @@ class EdgeLoad(NodalLoad):
         curve: Name of the curve.
         force: Three components per length: global if fixed in space; if following, along the edge
             with the shell on its left, seen against the directors, outward across the edge, and
-            along the director, all in the unloaded configuration.
-        moment: About these axes; about the director it does no work on nodes without drilling
-            rotation.
+            along the director, all in the unloaded configuration; or a function of the unloaded
+            position.
+        moment: About these axes, or such a function; about the director it does no work on nodes
+            without drilling rotation.
         history: Factor as a function of time.
         following: Whether the load rotates with the nodal frames. Frames without drilling rotation
             rotate with the directors and not about them.
@@ -47,12 +46,11 @@ class EdgeLoad(NodalLoad):
 
     divisible = True
     carrier = SHELL.elsewhere("on beams: LineLoad or PointLoad, on solids: FaceLoad")
-    components = MappingProxyType({"force": 3, "moment": 3})
 
     shell: Shell | Membrane | SmoothSurface
     curve: str
-    force: npt.ArrayLike = (0.0, 0.0, 0.0)
-    moment: npt.ArrayLike = (0.0, 0.0, 0.0)
+    force: Field = (0.0, 0.0, 0.0)
+    moment: Field = (0.0, 0.0, 0.0)
     history: History | None = None
     following: bool = False
 
@@ -61,8 +59,9 @@ class EdgeLoad(NodalLoad):
         super().check()
         if isinstance(self.shell, SmoothSurface):
             self.shell.model.edge_quadrature(self.curve)
-        if self.following or np.any(self.moment):
+        if self.following or callable(self.moment) or np.any(self.moment):
             self.shell.model.require_frames("a moment, or a follower load,")
+        self.nodal()
         if isinstance(self.shell, SmoothSurface):
             return
         edges = self.shell.model.mesh.curve(self.curve)
@@ -76,18 +75,23 @@ class EdgeLoad(NodalLoad):
         """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""
         if isinstance(self.shell, SmoothSurface):
             return on_positions(self._on_rows(self.shell))
-        nodes, lengths = self.shell.model.edges(self.curve)
-        density = np.concatenate([self.force, self.moment]).astype(np.float64).reshape(2, 3)
-        at_nodes = np.broadcast_to(density, (*nodes.shape, 2, 3))
+        at = self.shell.model.edge_quadrature(self.curve)
+        density = np.stack(
+            [self._density("force", at.positions), self._density("moment", at.positions)], axis=2
+        )
+        shares = np.einsum("egk,eghj->ekhj", at.shares, density)
         if self.following:
             # components in the nodal frames, with which the axes of the edge rotate
-            axes = self._axes(self.shell, nodes)
-            local = np.einsum("eaij,ekaj->eaik", self.shell.frames[nodes, 1:], axes)
-            at_nodes = np.einsum("eaik,hk->eahi", local, density)
+            axes = self._axes(self.shell, at.nodes)
+            local = np.einsum("eaij,ekaj->eaik", self.shell.frames[at.nodes, 1:], axes)
+            shares = np.einsum("eaik,eahk->eahi", local, shares)
         values = np.zeros((len(self.shell.frames), 6))
-        shares = lengths[..., np.newaxis] * at_nodes.reshape(*nodes.shape, 6)
-        np.add.at(values, nodes, shares)
+        np.add.at(values, at.nodes, shares.reshape(*at.nodes.shape, 6))
         return values
+
+    def _density(self, name: str, positions: Array) -> Array:
+        what = f"{name} of the EdgeLoad on {self.shell.label}"
+        return at_points(getattr(self, name), positions, what)
 
     def on_directors(self) -> Array:
         """Consistent forces on position gradients of a thin shell, shape (n, 3, 3)."""
@@ -97,8 +101,7 @@ class EdgeLoad(NodalLoad):
 
     def _on_rows(self, shell: SmoothSurface) -> Array:
         at = shell.model.edge_quadrature(self.curve)
-        force = np.asarray(self.force, dtype=np.float64)
-        return shell.model.consistent_forces(at, np.broadcast_to(force, at.positions.shape))
+        return shell.model.consistent_forces(at, self._density("force", at.positions))
 
     def _axes(self, shell: Shell | Membrane, edges: Indices) -> Array:
         """Tangent, outward normal and director at the nodes of each edge, (e, 3, 2 or 3, 3)."""

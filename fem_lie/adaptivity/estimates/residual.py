@@ -230,8 +230,7 @@ def along_the_line(found: SectionForces, k: int, degree: int) -> Array:
     beam = found.beam
     # what is viscous is no elastic stress
     ends = found.elements.at_ends(found.frames[k])
-    rows = beam.frames[beam.model.elements[:, :2]]
-    shares = beam.model.formulation.consistent_lengths(rows, beam.model.lengths)
+    shares = beam.model.line_quadrature().lengths
     before, behind = neighbours(beam.model.elements, found.single)
     carried = shares[before, 1] + shares[behind, 0]
     density = (ends[before, 1] - ends[behind, 0]) / carried[:, np.newaxis]

@@ -18,6 +18,7 @@ from fem_lie.elements.beams.element import BeamFormulation
 from fem_lie.forms.assembly import Assembly
 from fem_lie.lie.node_types import NodeType
 from fem_lie.mesh.lines import LineMesh
+from fem_lie.mesh.shapes import LineQuadrature
 from fem_lie.sections.material import Damping
 from fem_lie.sections.section import Section
 
@@ -166,17 +167,16 @@ class LineModel(SectionedModel):
         """
         return self.formulation.attachment(node)
 
-    def consistent_lengths(self) -> tuple[Indices, Array]:
-        """Nodes of each element and integrals of their shape functions over its length, (m, k)."""
-        ends = self.frames[self.elements[:, :2]]
-        return self.elements, self.formulation.consistent_lengths(ends, self.lengths)
-
-    def director_weights(self) -> Array:
-        """Consistent weights on directors of a unit line force on each element, (m, k, 3)."""
-        weights = np.zeros((*self.elements.shape, 3))
-        ends = self.frames[self.elements[:, :2]]
-        weights[:, :2] = self.formulation.director_weights(ends, self.lengths)
-        return weights
+    def line_quadrature(self) -> LineQuadrature:
+        """Integration along the elements, for loads."""
+        nodes, ends = self.elements, self.frames[self.elements[:, :2]]
+        weights, shapes, directors = self.formulation.line_shapes(ends, self.lengths)
+        positions = np.einsum("mgk,mkj->mgj", shapes, self.frames[nodes, 0])
+        positions += np.einsum("mgad,madj->mgj", directors, ends[:, :, 1:])
+        on_directors = np.zeros((*shapes.shape, 3))
+        on_directors[:, :, :2] = weights[..., np.newaxis, np.newaxis] * directors
+        shares = weights[..., np.newaxis] * shapes
+        return LineQuadrature(nodes, positions, shares, on_directors)
 
 
 class LineBody(Body):

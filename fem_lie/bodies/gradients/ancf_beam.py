@@ -20,10 +20,12 @@ from fem_lie.bodies.model import NO_HOLDS, Holds, MaterialPoint
 from fem_lie.elements.gradients import ancf
 from fem_lie.elements.gradients.ancf import AncfElement, check_poisson
 from fem_lie.elements.gradients.warping import Warping, WarpingSprings
+from fem_lie.elements.rods.cable import hermite_shapes
 from fem_lie.forms.assembly import BodyTerm
 from fem_lie.mesh.curves import curve, straight_line
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.reading import line_of
+from fem_lie.mesh.shapes import LineQuadrature
 from fem_lie.sections.material import Damping
 from fem_lie.sections.orientation import Chains, Twisted, Up, cell_frames, shared_nodes
 from fem_lie.sections.section import Section
@@ -158,18 +160,17 @@ class AncfBeamModel(SectionPointsModel):
         )
         return MaterialPoint(nodes[0], f"element {element} at {part:g}", attachment)
 
-    def consistent_lengths(self) -> tuple[Indices, Array]:
-        """Nodes of each element and integrals of their shape functions over its length, (m, 4)."""
-        shares = np.zeros(self.elements.shape)
-        shares[:, :2] = 0.5 * self.lengths[:, np.newaxis]
-        return self.elements, shares
-
-    def director_weights(self) -> Array:
-        """Consistent weights on ``r_x`` of a unit line force: ``±ℓ²/12``, shape (m, 4, 3)."""
-        weights = np.zeros((*self.elements.shape, 3))
-        weights[:, 0, 0] = self.lengths**2 / 12
-        weights[:, 1, 0] = -weights[:, 0, 0]
-        return weights
+    def line_quadrature(self) -> LineQuadrature:
+        """Integration along the elements, for loads: the cubic of positions and ``r_x``."""
+        ends = self.frames[self.elements[:, :2]]
+        weights, shapes, gradients = hermite_shapes(self.lengths)
+        positions = np.einsum("mgk,mkj->mgj", shapes, ends[:, :, 0])
+        positions += np.einsum("mga,maj->mgj", gradients[..., 0], ends[:, :, 1])
+        shares = np.zeros((*weights.shape, self.elements.shape[1]))
+        on_directors = np.zeros((*shares.shape, 3))
+        shares[..., :2] = weights[..., np.newaxis] * shapes
+        on_directors[:, :, :2] = weights[..., np.newaxis, np.newaxis] * gradients
+        return LineQuadrature(self.elements, positions, shares, on_directors)
 
 
 class AncfBeam(SectionPoints):

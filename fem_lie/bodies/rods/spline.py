@@ -68,7 +68,7 @@ class SplineCable(CableBody):
         ends[:, 0, :2], ends[:, 1, :2] = (
             np.stack([x[k], rates[k]], axis=1) for k in (slice(None, -1), slice(1, None))
         )
-        arc = element.consistent_lengths(ends, np.diff(u)).sum()
+        arc = element.line_shapes(ends, np.diff(u)).weights.sum()
         scale = arc / (u[-1] - u[0])
         frames[:, 1] = rates[: len(mesh.points)] / scale
         placed = Placed(frames, elements, np.diff(u) * scale, masters, elements)

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import pi
-from typing import ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import basix.ufl
 import dolfinx
@@ -45,6 +45,25 @@ class CellData(Summarised):
     eigenstrain: fem.Function
     viscosity: Array | None
     slopes: Array
+
+
+_TWICE, _DOUBLED = np.polynomial.legendre.leggauss(6)
+POINTS, WEIGHTS = 0.5 + 0.5 * _TWICE, 0.5 * _DOUBLED
+"""Integration points on a cell of unit length and their weights, both of shape (g,)."""
+
+
+class LineShapes(NamedTuple):
+    """Shape functions of the axis at :data:`POINTS` of m cells.
+
+    Attributes:
+        weights: Unloaded lengths, shape (m, g).
+        positions: Factors of the positions of the nodes, shape (m, g, k).
+        directors: Factors of the directors, or position gradients, of both ends, (m, g, 2, 3).
+    """
+
+    weights: Array
+    positions: Array
+    directors: Array
 
 
 class BeamFormulation(ABC):
@@ -126,30 +145,27 @@ class BeamFormulation(ABC):
         """
         return None
 
-    def consistent_lengths(self, ends: Array, lengths: Array) -> Array:
-        """Consistent length of each node: integrals of shape functions, (m, degree + 1).
+    def line_shapes(self, ends: Array, lengths: Array) -> LineShapes:
+        """Shape functions at integration points of cells, for loads and inertia.
+
+        The default is the interpolation of the positions, with the parabola
+        ``½ (ξ − ξ²) ℓ (t_A − t_B)`` across it where the element :attr:`bows`; ℓt has the components
+        of the chord in the axes of A.
 
         Args:
             ends: Coordinates of both ends, shape (m, 2, 4, 3).
             lengths: Lengths of the cells, shape (m,).
         """
-        return np.asarray(lengths[:, np.newaxis] * _INTEGRALS[self.degree])
-
-    def director_weights(self, ends: Array, lengths: Array) -> Array:
-        """Consistent weights of a unit line force on the first directors of both ends, (m, 2, 3).
-
-        The default is ``∫ ½ (s − s²) (t_A − t_B) ℓ ds`` of a parabolic axis, along the axes of A.
-
-        Args:
-            ends: Coordinates of both ends, shape (m, 2, 4, 3).
-            lengths: Lengths of the cells, shape (m,).
-        """
-        on_directors = np.zeros((len(lengths), 2, 3))
+        m, g, k = len(lengths), len(POINTS), self.degree + 1
+        positions = np.stack(np.broadcast_arrays(*_SHAPES[self.degree](POINTS)), axis=1)
+        on_directors = np.zeros((m, g, 2, 3))
         if self.bows:
-            moved = lie.se3_relative(ends[:, 0], ends[:, 1])[:, :3]  # ℓ times the slope
-            along = lengths[:, np.newaxis] * moved / 12
-            on_directors[:, 0], on_directors[:, 1] = along, -along
-        return on_directors
+            chord = lie.se3_relative(ends[:, 0], ends[:, 1])[:, np.newaxis, :3]
+            bow = 0.5 * (POINTS - POINTS**2)[:, np.newaxis] * chord
+            on_directors[:, :, 0], on_directors[:, :, 1] = bow, -bow
+        return LineShapes(
+            lengths[:, np.newaxis] * WEIGHTS, np.broadcast_to(positions, (m, g, k)), on_directors
+        )
 
     def attachment_frame(self, nodes: Sequence[int], ξ: float) -> AttachmentFrame:
         """Attachment frame at ``0 ≤ ξ ≤ 1`` along an element, as the element interpolates it.
@@ -198,14 +214,11 @@ class BeamFormulation(ABC):
         return np.einsum("ij,eab->eiajb", _LAGRANGE[self.degree], weighted)
 
 
-_SHAPES: dict[int, Callable[[float], Sequence[float]]] = {
+_SHAPES: dict[int, Callable[[Any], Sequence[Any]]] = {
     1: lambda ξ: (1.0 - ξ, ξ),
     2: lambda ξ: ((1.0 - ξ) * (1.0 - 2.0 * ξ), ξ * (2.0 * ξ - 1.0), 4.0 * ξ * (1.0 - ξ)),
 }
 """Shape functions on a cell of unit length, ends first."""
-
-_INTEGRALS = {1: np.array([1 / 2, 1 / 2]), 2: np.array([1 / 6, 1 / 6, 2 / 3])}
-"""Integrals of the shape functions on a cell of unit length, ends first."""
 
 _LAGRANGE = {
     1: np.array([[2.0, 1], [1, 2]]) / 6,

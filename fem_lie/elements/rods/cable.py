@@ -47,7 +47,14 @@ from fem_lie._arrays import Array, Indices, positive
 from fem_lie._jit import callback, inlined
 from fem_lie.attachments.at_nodes import along_tangent
 from fem_lie.attachments.attachment import AttachmentFrame
-from fem_lie.elements.beams.element import BeamFormulation, CellData, cellwise
+from fem_lie.elements.beams.element import (
+    POINTS,
+    WEIGHTS,
+    BeamFormulation,
+    CellData,
+    LineShapes,
+    cellwise,
+)
 from fem_lie.elements.rods.cable_law import check_section, stretch_energy
 from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.frames import NodalFrames
@@ -256,12 +263,15 @@ class HermiteCable(BeamFormulation):
         """
         return along_tangent(node)
 
-    def director_weights(self, ends: Array, lengths: Array) -> Array:
-        """Consistent weights of a unit line force on the gradients, ``±ℓ²/12``, (m, 2, 3)."""
-        on_directors = np.zeros((len(lengths), 2, 3))
-        on_directors[:, 0, 0] = lengths**2 / 12
-        on_directors[:, 1, 0] = -on_directors[:, 0, 0]
-        return on_directors
+    def line_shapes(self, ends: Array, lengths: Array) -> LineShapes:
+        """Cubics of positions and gradients at integration points.
+
+        Args:
+            ends: Coordinates of both ends, shape (m, 2, 4, 3).
+            lengths: Parameter lengths of the cells, shape (m,).
+        """
+        speeds = self.speeds(ends, lengths, POINTS)
+        return hermite_shapes(lengths, signs(ends), 1.0 if speeds is None else speeds)
 
     def speeds(self, ends: Array, lengths: Array, along: Array) -> Array | None:
         """Unstretched arc length per parameter, shape (m, p), or ``None`` if it is one.
@@ -389,6 +399,25 @@ _SQUARES = (
 def _nodes(nodal: NodalFrames) -> Indices:
     """Both end nodes of each cell, shape (m, 2)."""
     return np.asarray(nodal.function.function_space.dofmap.list, dtype=np.int64)
+
+
+def hermite_shapes(
+    lengths: Array, sides: Array | float = 1.0, speeds: Array | float = 1.0
+) -> LineShapes:
+    """Cubics of positions and first gradients at integration points of m cells.
+
+    Args:
+        lengths: Parameter lengths, shape (m,).
+        sides: Sign of each cell, see :func:`signs`, shape (m,).
+        speeds: Unloaded length per parameter, shape (m, g).
+    """
+    ξ, slope = POINTS, (sides * lengths)[:, np.newaxis]
+    positions = np.stack([(1 - ξ) ** 2 * (1 + 2 * ξ), ξ**2 * (3 - 2 * ξ)], axis=1)
+    on_gradients = np.zeros((len(lengths), len(ξ), 2, 3))
+    on_gradients[:, :, 0, 0] = slope * ξ * (1 - ξ) ** 2
+    on_gradients[:, :, 1, 0] = slope * ξ**2 * (ξ - 1)
+    weights = speeds * (lengths[:, np.newaxis] * WEIGHTS)
+    return LineShapes(weights, np.broadcast_to(positions, on_gradients.shape[:3]), on_gradients)
 
 
 def signs(ends: Array) -> Array:

@@ -23,9 +23,6 @@ from fem_lie.elements.beams.element import CellData
 from fem_lie.elements.rods.cable import HermiteCable, signs
 from fem_lie.forms.frames import NodalFrames
 
-_TWICE, _DOUBLED = np.polynomial.legendre.leggauss(6)
-_POINTS, _WEIGHTS = 0.5 + 0.5 * _TWICE, 0.5 * _DOUBLED
-
 
 @dataclass(frozen=True)
 class IsogeometricCable(HermiteCable):
@@ -42,29 +39,9 @@ class IsogeometricCable(HermiteCable):
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
         """Mass matrix ``∫ ρA Nᵢ Nⱼ J du``."""
         ends = nodal.frames[np.asarray(nodal.function.function_space.dofmap.list)]
-        shapes, weights = self._shapes(ends, cells.lengths)
+        weights, positions, directors = self.line_shapes(ends, cells.lengths)
+        shapes = np.stack([positions, directors[..., 0]], axis=-1)
         found = np.zeros((len(ends), 2, 4, 2, 4))
         mass = cells.density[:, 0, 0, np.newaxis] * weights
         found[:, :, :2, :, :2] = np.einsum("mp,mpia,mpjb->miajb", mass, shapes, shapes)
         return found
-
-    def consistent_lengths(self, ends: Array, lengths: Array) -> Array:
-        """Consistent weights ``∫ Nᵢ J du`` on positions."""
-        shapes, weights = self._shapes(ends, lengths)
-        return np.asarray(np.einsum("mp,mpi->mi", weights, shapes[..., 0]))
-
-    def director_weights(self, ends: Array, lengths: Array) -> Array:
-        """Consistent weights ``∫ Nᵢ J du`` of a unit line force on the derivatives, (m, 2, 3)."""
-        shapes, weights = self._shapes(ends, lengths)
-        on_directors = np.zeros((len(lengths), 2, 3))
-        on_directors[:, :, 0] = np.einsum("mp,mpi->mi", weights, shapes[..., 1])
-        return on_directors
-
-    def _shapes(self, ends: Array, lengths: Array) -> tuple[Array, Array]:
-        """Cubics of position and derivative of both ends, (m, p, 2, 2), and arc weights, (m, p)."""
-        ξ, slope = _POINTS, (signs(ends) * lengths)[:, np.newaxis]
-        found = np.empty((len(ends), len(ξ), 2, 2))
-        found[:, :, 0, 0], found[:, :, 1, 0] = (1 - ξ) ** 2 * (1 + 2 * ξ), ξ**2 * (3 - 2 * ξ)
-        found[:, :, 0, 1], found[:, :, 1, 1] = slope * ξ * (1 - ξ) ** 2, slope * ξ**2 * (ξ - 1)
-        arc = self.speeds(ends, lengths, ξ) * _WEIGHTS * lengths[:, np.newaxis]
-        return found, arc

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from fem_lie._arrays import Array
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
 from fem_lie._summary import Summarised
+
+if TYPE_CHECKING:
+    from fem_lie.bodies.body import Body, Point
 
 
 class Fields(Summarised, ABC):
@@ -16,6 +22,11 @@ class Fields(Summarised, ABC):
     bodies: "von Mises" (followed by "top" or "bottom" where it is that of an outer side),
     "pressure", and a symbol followed by "max" or "min" for extreme values.
     """
+
+    @property
+    @abstractmethod
+    def _body(self) -> Body:
+        """The body."""
 
     @property
     @abstractmethod
@@ -48,6 +59,41 @@ class Fields(Summarised, ABC):
         Args:
             name: One of :attr:`names`.
         """
+
+    def at(self, point: Point, name: str) -> Any:
+        """A quantity at a node of the body, from :meth:`smooth`: a number, or an array over time.
+
+        Args:
+            point: A point of the body at a node, such as ``body.point((x, y, z))``.
+            name: One of :attr:`names`.
+
+        Raises:
+            ValueError: There is no such quantity, the point is not a node of the body, or values
+                differ from side to side there, as at a kink.
+        """
+        values = self.smooth(name)
+        if point.body is not self._body:
+            raise ValueError(f"{point.label} is not a point of {self._body.label}")
+        if point.attachment is not None and not point.attachment.kind.rigid:
+            raise ValueError(
+                f"{point.label} is no node of {self._body.label}, and {name!r} is known at nodes: "
+                f"expected a point such as {self._body.label}.point({point.node})"
+            )
+        masters = self._body.model.masters
+        found = self._values_at(np.flatnonzero(masters == masters[point.node]))
+        if len(found) != 1:
+            raise ValueError(
+                f"{name!r} has {len(found)} values at {point.label}, one for each side: take them "
+                "from raw(), smooth() or mean()"
+            )
+        return values.reshape(*values.shape[: -self._axes], -1)[..., found[0]]
+
+    _axes: ClassVar[int] = 1
+    """Number of the last axes of :meth:`smooth` that belong to places on the body."""
+
+    def _values_at(self, nodes: Indices) -> Indices:
+        """Places in these axes, flattened, of the values at nodes that are one point."""
+        return nodes
 
 
 def check_name(name: str, names: Iterable[str], body: str) -> None:

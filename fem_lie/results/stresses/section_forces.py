@@ -26,7 +26,6 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices, instance
 from fem_lie.bodies.beams.beam import Beam
-from fem_lie.bodies.body import Point
 from fem_lie.pictures.diagrams import COLOURS, figure_of_rows, saved
 from fem_lie.pictures.page.colours import NodalColours, at_nodes
 from fem_lie.pictures.stage import SI, Units
@@ -311,26 +310,17 @@ class SectionForces(Fields):
         """
         return of_forces(name, self.smooth_ends, self.beam)
 
-    def at(self, point: Point, name: str) -> Array:
-        """A quantity at a node of the beam over time, shape (T,): that of the only element there.
+    _axes = 2
 
-        Args:
-            point: An end of a line, or a node where values do not jump.
-            name: As for :meth:`raw`; values are those of :meth:`smooth`.
+    @property
+    def _body(self) -> Beam:
+        return self.beam
 
-        Raises:
-            ValueError: The point is not a node of the beam, or values jump there.
-        """
-        if point.body is not self.beam:
-            raise ValueError(f"{point.label} is not a point of {self.beam.label}")
-        elements, ends = np.nonzero(self.beam.model.elements[:, :2] == point.node)
-        joined = len(elements) == 2 and point.node not in self.single
-        if len(elements) != 1 and not joined:
-            raise ValueError(
-                f"values at {point.label} belong to {len(elements)} ends of elements: take them "
-                "from raw(), smooth() or mean()"
-            )
-        return self.smooth(name)[:, elements[0], ends[0]]
+    def _values_at(self, nodes: Indices) -> Indices:
+        """Ends of elements there; one of two if no concentrated force can act between them."""
+        found = np.flatnonzero(np.isin(self.beam.model.elements[:, :2], nodes))
+        joined = len(nodes) == 1 and len(found) == 2 and nodes[0] not in self.single
+        return found[:1] if joined else found
 
     # --- pictures and files ---
 

@@ -21,7 +21,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.mesh.surfaces import KINK_ANGLE
 from fem_lie.results.stresses.fields import Fields
@@ -218,6 +218,13 @@ class ResultantValues(Fields):
         """Derivatives of a nodal vector along e₁ and e₂, shape (m, g, 2, 3)."""
         unloaded = self._tangents(self.shell.model.cut_mesh.points)
         return slopes_along(self.stress_points.asked, unloaded, self._tangents(nodal))
+
+    @property
+    def _body(self) -> Shell:
+        return self.shell
+
+    def _values_at(self, nodes: Indices) -> Indices:
+        return np.flatnonzero(np.isin(self.stress_points.patches.node, nodes))
 
     @cached_property
     def names(self) -> tuple[str, ...]:

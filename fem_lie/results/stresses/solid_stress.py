@@ -41,6 +41,10 @@ class SolidStresses(Fields):
     nodal: Array
 
     @property
+    def _body(self) -> Solid:
+        return self.solid
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Names of all quantities."""
         return tuple(_QUANTITIES)

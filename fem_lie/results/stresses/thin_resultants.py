@@ -44,6 +44,10 @@ class ThinResultants(Fields):
     strains: Array
     at_points: Array
 
+    @property
+    def _body(self) -> ThinShell:
+        return self.shell
+
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of all quantities that the sections have; transverse shear is none of them."""
