@@ -193,8 +193,9 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress, LocalUnknowns):
         self._unknowns = forms.increment.function_space.dofmap.bs
         if forms.viscous is not None:
             assert forms.viscous_tangent is not None
-            self._viscous = sum_of(forms.viscous, kernels.viscous_kernel)
-            self._viscous_tangent = sum_of(forms.viscous_tangent, kernels.tangent_kernel)
+            of_forces, of_tangent = forms.viscous_kernels
+            self._viscous = sum_of(forms.viscous, of_forces)
+            self._viscous_tangent = sum_of(forms.viscous_tangent, of_tangent)
             # coefficients of the state, which come first, are stored separately
             self._velocity_at = forms.velocity_at - 12 * cells.shape[1]
 

@@ -155,7 +155,7 @@ class Cells:
             )
         if forms.viscous is not None:
             packed[VISCOUS] = _Form(
-                forms.viscous, kernels.viscous_kernel, forms.entities, forms.velocity
+                forms.viscous, forms.viscous_kernels[0], forms.entities, forms.velocity
             )
         self._forms.append(tuple(form for form in packed if form is not None))
         mesh = forms.increment.function_space.mesh
@@ -344,7 +344,7 @@ def evaluate(cells: CellArrays, H: Array, more: Array, F: Array, W: Array) -> No
 @compiled
 def viscous_forces(cells: CellArrays, H: Array, v: Array, F: Array) -> None:
     """Viscous forces ``F`` (p, 6) at frames ``H`` and twists ``v`` (N, 6)."""
-    kernel, w, c, at, x, _, _, _, first, nodes = cells
+    kernel, w, c, at, x, _, unknowns, _, first, nodes = cells
     size = 1
     for e in range(x.shape[0]):
         size = max(size, 6 * (first[e + 1] - first[e]))
@@ -352,16 +352,16 @@ def viscous_forces(cells: CellArrays, H: Array, v: Array, F: Array) -> None:
     out, zero = numba.carray(buffer, (size,)), np.zeros_like(H)
     for e in range(x.shape[0]):
         mine = nodes[first[e] : first[e + 1]]
-        count = mine.shape[0]
+        count, b = mine.shape[0], unknowns[e]
         F[first[e] : first[e + 1]] = 0.0
         if kernel[e, VISCOUS] == 0:
             continue
         _frames_into(H, zero, mine, numba.carray(pointer(w[e, VISCOUS]), (12 * count,)))
-        twists = numba.carray(pointer(w[e, VISCOUS] + 8 * at[e, VISCOUS]), (count, 6))
+        twists = numba.carray(pointer(w[e, VISCOUS] + 8 * at[e, VISCOUS]), (count, b))
         for i in range(count):
-            for k in range(6):
+            for k in range(b):
                 twists[i, k] = v[mine[i], k]
-        out[: 6 * count] = 0.0
+        out[: b * count] = 0.0
         call_kernel(
             kernel[e, VISCOUS],
             buffer,
@@ -370,5 +370,5 @@ def viscous_forces(cells: CellArrays, H: Array, v: Array, F: Array) -> None:
             pointer(x[e]),
         )
         for i in range(count):
-            for k in range(6):
-                F[first[e] + i, k] = out[6 * i + k]
+            for k in range(b):
+                F[first[e] + i, k] = out[b * i + k]

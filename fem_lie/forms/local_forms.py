@@ -25,12 +25,14 @@ integration points.)
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import ufl
 from dolfinx import fem
 from ufl.algorithms import expand_derivatives
+from ufl.core.expr import Expr
 
 from fem_lie._arrays import Array
 from fem_lie._form_cache import compile_form
@@ -61,6 +63,7 @@ class LocalFrameForms:
         stress: Independent stress at the quadrature points, or ``None`` for a plain energy.
         viscous: Viscous forces at the twists ``velocity``, rank 1, or ``None``.
         viscous_tangent: Derivative of the viscous forces in the twists, rank 2, or ``None``.
+        viscous_kernels: Kernels of both.
         velocity: Function that ``viscous`` reads: twists of the nodes along their frames.
         local_change: Change of the local fields that :meth:`update_stress` adds, rank 1, if there
             are any.
@@ -79,6 +82,7 @@ class LocalFrameForms:
     tangent: fem.Form
     viscous: fem.Form | None = None
     viscous_tangent: fem.Form | None = None
+    viscous_kernels: tuple[Any, Any] = kernels.viscous_kernel, kernels.tangent_kernel
     velocity: fem.Function
     velocity_at: int
     local_is_linear: bool = True
@@ -92,6 +96,7 @@ class LocalFrameForms:
         *,
         coordinates: fem.Function | None = None,
         local: fem.Function | None = None,
+        relaxation: float = 0.0,
     ) -> None:
         """Differentiate, compile and wrap the energy.
 
@@ -106,12 +111,17 @@ class LocalFrameForms:
                 ``y``.
             local: Element-local fields ``s`` (a discontinuous function), condensed and updated
                 linearly. The second derivative of ``W`` in ``s`` must be regular.
+            relaxation: Relaxation time ``τ`` of Kelvin-Voigt damping, 0: none. The viscosity is τ
+                times the moduli of the unloaded law; with local fields, viscous forces are ``−τ
+                Lᵀ W_ys W_ss⁻¹ W_sy L v``, the tangent stiffness without that of the stress. Of a
+                plain energy it is not known.
 
         Raises:
             ValueError: The local fields are continuous between cells, the measure has no quadrature
                 degree, the energy has no or several integrals or does not depend on ``y``, a
-                :class:`StrainEnergy` or a virtual work is given with local fields, the virtual work
-                is in another space than ``y``, or the function spaces do not match the map.
+                :class:`StrainEnergy` or a virtual work is given with local fields, a plain energy
+                or a virtual work with a relaxation time, the virtual work is in another space than
+                ``y``, or the function spaces do not match the map.
         """
         _check_spaces(state, increment, frame_map, coordinates)
         if local is not None:
@@ -119,6 +129,12 @@ class LocalFrameForms:
         self.increment, self.local = increment, local
         self.stress: fem.Function | None = None
         y = state if coordinates is None else coordinates
+        if relaxation and local is None and isinstance(energy, ufl.Form):
+            raise ValueError(
+                "viscous forces need strains: give the energy as a StrainEnergy, or with local "
+                "fields"
+            )
+        self._relaxation = fem.Constant(state.function_space.mesh, float(relaxation))
         self.local_size = 0 if local is None else packed_size(local.function_space)
         self._wrapping = Wrapping(frame_map, state, y, increment, self.local_size)
         if isinstance(energy, ufl.Form) and energy.arguments():
@@ -158,6 +174,11 @@ class LocalFrameForms:
         )
         extra = [self.increment, dy]
         self._update_stress = self._wrapping.form(kernels.local_kernel, [S], [changed, own], extra)
+        if self._relaxation.value:
+            slower = CompiledForm((1.0 / self._relaxation) * second)
+            of_rate = CompiledForm(ufl.derivative(rows, y, dy))
+            back = CompiledForm(-ufl.derivative(gradient, s, z))
+            self._build_condensed_viscous([of_rate, slower, back], [coupling, slower], [dy, z])
 
     def _build_virtual_work(self, work: ufl.Form, y: fem.Function) -> None:
         if self.local is not None:
@@ -189,6 +210,8 @@ class LocalFrameForms:
             [CompiledForm(weight * stiffness * dx), of_stress],
             energy.forces,
         )
+        if self._relaxation.value:
+            energy = replace(energy, viscosity=self._relaxation * _unloaded_moduli(energy))
         if energy.viscosity is not None:
             self._build_viscous(energy, y)
         dy, tau = fem.Function(space), ufl.TestFunction(self.stress.function_space)
@@ -221,6 +244,22 @@ class LocalFrameForms:
         matrix = CompiledForm(work(ufl.TrialFunction(space)))
         self._stored.append(matrix)
         self.viscous_tangent = self._wrapping.form(kernels.tangent_kernel, [V, V], [matrix])
+
+    def _build_condensed_viscous(
+        self,
+        forces: Sequence[CompiledForm],
+        tangent: Sequence[CompiledForm],
+        extra: Sequence[fem.Function],
+    ) -> None:
+        """Build the forces ``−τ Lᵀ W_ys W_ss⁻¹ W_sy L v`` and their derivative in ``v``."""
+        V = self.increment.function_space
+        kinds = kernels.condensed_viscous_kernel, kernels.condensed_viscous_tangent_kernel
+        self.viscous_kernels = kinds
+        self.velocity = fem.Function(V, name="velocity")
+        self.velocity_at = self._wrapping.extra_at
+        self.viscous = self._wrapping.form(kinds[0], [V], forces, extra=[self.velocity, *extra])
+        self.viscous_tangent = self._wrapping.form(kinds[1], [V, V], tangent)
+        self._stored.append(tangent[1])
 
     def _wrap(
         self,
@@ -274,6 +313,13 @@ class LocalFrameForms:
         elif self.local is not None:
             fem.assemble_vector(self.local.x.array, self._update_stress)
             self.local.x.scatter_forward()
+
+
+def _unloaded_moduli(energy: StrainEnergy) -> Expr:
+    """Second derivative of the law at zero strain."""
+    mesh = ufl.domain.extract_unique_domain(energy.strain)
+    zero = ufl.variable(fem.Constant(mesh, np.zeros(energy.strain.ufl_shape)))
+    return ufl.diff(ufl.diff(energy.law(zero), zero), zero)
 
 
 def _check_local(local: fem.Function) -> None:

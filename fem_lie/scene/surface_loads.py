@@ -61,15 +61,14 @@ class EdgeLoad(NodalLoad):
             self.shell.model.edge_quadrature(self.curve)
         if self.following or callable(self.moment) or np.any(self.moment):
             self.shell.model.require_frames("a moment, or a follower load,")
+        if not isinstance(self.shell, SmoothSurface):
+            edges = self.shell.model.mesh.curve(self.curve)
+            if self.following and not _senses(self.shell, edges).all():
+                raise ValueError(
+                    f"a follower load needs edges of one cell each; those of {self.curve!r} of "
+                    f"{self.shell.label} are between cells and have no outer side"
+                )
         self.nodal()
-        if isinstance(self.shell, SmoothSurface):
-            return
-        edges = self.shell.model.mesh.curve(self.curve)
-        if self.following and not _senses(self.shell, edges).all():
-            raise ValueError(
-                f"a follower load needs edges of one cell each; those of {self.curve!r} of "
-                f"{self.shell.label} are between cells and have no outer side"
-            )
 
     def nodal(self) -> Array:
         """Consistent nodal forces and moments of the interpolation, shape (n, 6)."""

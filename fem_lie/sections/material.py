@@ -52,8 +52,8 @@ class Damping:
 
     Attributes:
         mass: Damping force per momentum, 1/time: it opposes motion in space, mainly of low modes.
-        stiffness: Kelvin-Voigt relaxation time: viscosity over stiffness; one for all strains, or
-            six for (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃). Rigid motion is not damped.
+        stiffness: Kelvin-Voigt relaxation time: viscosity over stiffness; one for all strains or,
+            for beams, six for (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃). Rigid motion is not damped.
 
     Raises:
         ValueError: A number is negative or not finite.
@@ -76,6 +76,50 @@ class Damping:
         """Relaxation time of each strain, shape (6,)."""
         given = numbers(self.stiffness, "stiffness damping")
         return np.full(6, given) if given.ndim == 0 else given
+
+    @classmethod
+    def of_mass(cls, given: Damping | None, what: str) -> Damping:
+        """Damping of a body that has none of strain.
+
+        Args:
+            given: Damping; ``None``: none.
+            what: Name of the body, for messages.
+
+        Raises:
+            ValueError: It damps strain.
+            TypeError: It is not a :class:`Damping`.
+        """
+        instance(given, cls | None, f"{what}: damping", "a Damping or None")
+        found = cls() if given is None else given
+        if found.relaxation_time:
+            raise ValueError(f"{what} has damping with mass only, got Damping(stiffness=…)")
+        return found
+
+    @classmethod
+    def of_body(cls, given: Damping | None, what: str) -> Damping:
+        """Damping of a body that has one relaxation time for all strains.
+
+        Args:
+            given: Damping; ``None``: none.
+            what: Name of the body, for messages.
+
+        Raises:
+            ValueError: It has several.
+            TypeError: It is not a :class:`Damping`.
+        """
+        instance(given, cls | None, f"{what}: damping", "a Damping or None")
+        found = cls() if given is None else given
+        if np.ptp(found.factors()):
+            raise ValueError(
+                f"{what} has one relaxation time for all strains, got Damping(stiffness="
+                f"{found.stiffness!r})"
+            )
+        return found
+
+    @property
+    def relaxation_time(self) -> float:
+        """The relaxation time of all strains, or the largest of six."""
+        return float(self.factors().max())
 
     def viscosity(self, stiffness: Array) -> Array:
         """Viscosity ``√(τᵢ τⱼ) D_ij`` of each cell, shape (m, 6, 6).

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from fem_lie import _compat
-from fem_lie._arrays import Array, Indices, instance
+from fem_lie._arrays import Array, Indices
 from fem_lie.elements.beams.element import BeamFormulation, CellData, cellwise
 from fem_lie.forms.assembly import Assembly, NodalInertia
 from fem_lie.forms.frames import NodalFrames
@@ -18,20 +18,6 @@ from fem_lie.sections.material import Damping
 
 if TYPE_CHECKING:
     import dolfinx
-
-
-def mass_only(damping: Damping | None, what: str) -> Damping:
-    """``damping``, or no damping if it is ``None``.
-
-    Raises:
-        ValueError: It damps strain.
-        TypeError: It is not a :class:`Damping`.
-    """
-    instance(damping, Damping | None, f"{what}: damping", "a Damping or None")
-    given = Damping() if damping is None else damping
-    if given.factors().any():
-        raise ValueError(f"{what} has damping with mass only, got Damping(stiffness=…)")
-    return given
 
 
 class BeamData(Protocol):

@@ -12,7 +12,6 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, Indices, instance, numbers
 from fem_lie.attachments.at_nodes import along_tangent
 from fem_lie.attachments.attachment import AttachmentFrame
-from fem_lie.bodies.beams.assembly import mass_only
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.cells.assembly import assemble_cells
 from fem_lie.bodies.model import NO_HOLDS, BodyModel, Holds
@@ -197,7 +196,7 @@ class ElementBody(Body):
             raise ValueError(f"ElementBody: inertia must have shape {shape}, got {inertia.shape}")
         if len(data) != len(nodes):
             raise ValueError(f"ElementBody: {len(nodes)} cells need as many data, got {len(data)}")
-        damping = mass_only(damping, "ElementBody")
+        damping = Damping.of_mass(damping, "ElementBody")
         super().__init__(
             ElementModel(
                 frames,

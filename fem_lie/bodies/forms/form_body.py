@@ -13,7 +13,6 @@ from dolfinx import fem
 
 from fem_lie import lie
 from fem_lie._arrays import Flags, Indices, diameter, instance
-from fem_lie.bodies.beams.assembly import mass_only
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.model import NO_HOLDS, BodyModel, Holds, LagrangeNodes
 from fem_lie.forms.assembly import Assembly, NodalInertia
@@ -173,7 +172,7 @@ class FormBody(Body):
         instance(problem, FrameProblem, "FormBody: problem", "a FrameProblem")
         expected = "a kinetic energy as a UFL form, such as fl.extend.kinetic_energy, or None"
         instance(inertia, ufl.Form | None, "FormBody: inertia", expected)
-        damping = mass_only(damping, "FormBody")
+        damping = Damping.of_mass(damping, "FormBody")
         if damping.mass and inertia is None:
             raise ValueError("FormBody: expected inertia with mass-proportional damping, got none")
         comm = problem.q.function.function_space.mesh.comm

@@ -10,7 +10,6 @@ import numpy.typing as npt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices, instance, positive
-from fem_lie.bodies.beams.assembly import mass_only
 from fem_lie.bodies.beams.sectioned import Sections, outline_of, section_per_cell
 from fem_lie.bodies.body import Point
 from fem_lie.bodies.cells.assembly import assemble_cells
@@ -230,7 +229,7 @@ class AncfBeam(SectionPoints):
         instance(formulation, AncfElement | None, "AncfBeam: formulation", "an element or None")
         instance(damping, Damping | None, "AncfBeam: damping", "a Damping or None")
         element = AncfElement() if formulation is None else formulation
-        damping = mass_only(damping, "AncfBeam")
+        damping = Damping.of_mass(damping, "AncfBeam")
         chains = Chains(mesh)
         twisted = up if isinstance(up, Twisted) else Twisted(None, up)
         frames, corners, _ = shared_nodes(

@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, Flags, Indices, instance, text
-from fem_lie.bodies.beams.assembly import mass_only
 from fem_lie.bodies.cells.assembly import assemble_cells
 from fem_lie.bodies.model import NO_HOLDS, Holds
 from fem_lie.bodies.thin_shells.given_sections import ThinSections
@@ -168,5 +167,5 @@ class AncfShell(SmoothSurface):
         element = AncfPlate() if formulation is None else formulation
         text(name, "AncfShell: name")
         surface = surface_of(patches, joined, (), name or "AncfShell")
-        damping, names = mass_only(damping, "AncfShell"), (type(self).__name__, name)
+        damping, names = Damping.of_mass(damping, "AncfShell"), (type(self).__name__, name)
         super().__init__(AncfShellModel(surface, section, along, element, damping, *names))

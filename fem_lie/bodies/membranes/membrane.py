@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices, instance, log_coincident, numbers
-from fem_lie.bodies.beams.assembly import mass_only
 from fem_lie.bodies.model import NO_HOLDS, HeldRotation, Holds
 from fem_lie.bodies.position_model import PositionBody, PositionModel
 from fem_lie.bodies.shells.assembly import merged_surface
@@ -229,7 +228,7 @@ class Membrane(PositionBody):
                 axes_along(mesh, centres, along),
                 np.broadcast_to(tension, (len(mesh.cells), 3)).copy(),
                 law,
-                mass_only(damping, "Membrane"),
+                Damping.of_mass(damping, "Membrane"),
                 type(self).__name__,
                 name,
             )

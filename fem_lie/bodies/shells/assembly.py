@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
@@ -18,6 +18,7 @@ from fem_lie.forms.assembly import Assembly, NodalInertia
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.lie.motions import add_turnings
 from fem_lie.mesh.surfaces import SurfaceMesh
+from fem_lie.sections.material import Damping
 
 if TYPE_CHECKING:
     import dolfinx
@@ -84,6 +85,7 @@ class ShellData(OnSurface, Protocol):
     stiffness: Array
     axes: Array
     formulation: ShellFormulation
+    damping: Damping
     has_mass: bool
 
     def element_inertia(self) -> Array:
@@ -106,7 +108,7 @@ class SurfaceAssembly(Assembly):
         """Merge the meshes of the bodies and build the forms; coincident nodes stay separate.
 
         Args:
-            bodies: Shells of one formulation and cell type.
+            bodies: Shells of one formulation, damping and cell type.
             drilling: Drilling stiffness γ of all cells, shape (m,); default: no drilling rotation.
         """
         first = bodies[0]
@@ -115,7 +117,8 @@ class SurfaceAssembly(Assembly):
         stiffness = np.concatenate([body.stiffness for body in bodies])[permutation]
         axes = np.concatenate([body.axes for body in bodies])[permutation]
         measures = first.formulation.measures_for(cell, degree)
-        shell_cells = ShellCells(nodal, measures, directions=axes)
+        relaxation = first.damping.relaxation_time
+        shell_cells = ShellCells(nodal, measures, directions=axes, relaxation=relaxation)
         forms = first.formulation.forms(shell_cells, stiffness)
         self.mesh, self.stress = mesh, first.formulation.stress(shell_cells, forms, stiffness)
         cell_order = np.argsort(permutation)
@@ -149,7 +152,8 @@ class SurfaceAssembly(Assembly):
                 given = zip(bodies, each, strict=True)
                 rotary = np.concatenate([body.element_drilling_inertia(γ) for body, γ in given])
                 further = self.summed(rotary[permutation])
-            self.inertia = NodalInertia(self.summed(elements[permutation]), drilling=further)
+            mass, rate = self.summed(elements[permutation]), first.damping.mass
+            self.inertia = NodalInertia(mass, rate * mass if rate else None, further)
 
 
 class ShellAssembly(SurfaceAssembly):
@@ -170,6 +174,20 @@ class ShellAssembly(SurfaceAssembly):
         out.reshape(-1, 6)[:, :_FIVE] += forces
         if kept is not None:
             kept[:, :_FIVE] = forces
+
+    def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
+        """Add the viscous forces at twists ``v``, of which five components move directors."""
+        assert self._forms.viscous is not None
+        self._frames.frames[:] = H
+        self._forms.velocity.x.array[:] = v[: self.count, :_FIVE].ravel()
+        forces = fem.assemble_vector(self._forms.viscous).array.reshape(-1, _FIVE)
+        out.reshape(-1, 6)[:, :_FIVE] += forces
+
+    def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
+        """Derivative in the twists (nnz, 6, 6); that in frames is neglected."""
+        blocks = np.zeros((len(self.indices), 6, 6))
+        blocks[:, :_FIVE, :_FIVE] = super().viscous_tangent(H, v)[0]
+        return blocks, None
 
     def energy(self, H: Array) -> float:
         """Strain energy; independent fields are first solved for these frames."""
@@ -201,6 +219,7 @@ class WeightedSurfaceCells:
     stiffness: Array
     axes: Array
     formulation: ShellFormulation
+    damping: Damping = field(default_factory=Damping)
     has_mass: bool = False
     source: dolfinx.mesh.Mesh | None = None
 

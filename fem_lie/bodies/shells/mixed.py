@@ -71,6 +71,7 @@ class MixedShellModel(SurfaceNodes):
             given.formulation,
             drilling=None,
             convected_axes=False,
+            damping=given.damping,
             class_name=given.class_name,
             name=f"{given.name or given.class_name}, {mesh.cell}s",
         )

@@ -84,8 +84,8 @@ class ShellModel(SurfaceNodes, CellsOnSurface):
 
     @property
     def assembly_key(self) -> Hashable:
-        """Key of shells that are assembled together: same formulation and cell type."""
-        return type(self), self.formulation, self.mesh.cell, self.mesh.degree
+        """Key of shells that are assembled together: same formulation, damping and cell type."""
+        return type(self), self.formulation, self.damping, self.mesh.cell, self.mesh.degree
 
     def restricted(self, cells: Indices, holds: Sequence[HeldRotation]) -> tuple[Any, Indices]:
         """Model of some of its cells, with the drilling rotations and their stiffness of all.

@@ -28,6 +28,7 @@ from fem_lie.elements.shells.element import DisplacementBased, HellingerReissner
 from fem_lie.mesh.mixed_surfaces import MixedSurfaceMesh
 from fem_lie.mesh.reading import surface_from_dolfinx
 from fem_lie.mesh.surfaces import KINK_ANGLE, Surface
+from fem_lie.sections.material import Damping
 from fem_lie.sections.shell_section import ShellSection
 
 _log = logging.getLogger(__name__)
@@ -91,6 +92,7 @@ class Shell(SupportedSurface):
         kink_angle: float = KINK_ANGLE,
         drilling: bool | None = None,
         convected_axes: bool = False,
+        damping: Damping | None = None,
         name: str = "",
     ) -> None:
         """Create the nodes, with one director on each smooth side.
@@ -115,13 +117,14 @@ class Shell(SupportedSurface):
             convected_axes: Rotate the frames about their directors with the mid-surface after each
                 step. The motion does not depend on it, but the iteration matrix of a rotating shell
                 stays valid longer. Only without drilling rotation.
+            damping: Damping of motion, and of strain with one relaxation time; default: none.
             name: Name in messages and results.
 
         Raises:
             ValueError: A cell has no section, the element does not support the cells, a surface
                 with ``drilling=False`` has a kink or branch, ``drilling`` and ``convected_axes``
-                are both true, or a director is not finite, lies in the surface or points to the
-                other side.
+                are both true, strains have several relaxation times, or a director is not finite,
+                lies in the surface or points to the other side.
         """
         if isinstance(mesh, dolfinx.mesh.Mesh):
             mesh = surface_from_dolfinx(mesh)
@@ -136,6 +139,7 @@ class Shell(SupportedSurface):
         instance(convected_axes, bool, "Shell: convected_axes", "True or False")
         if drilling and convected_axes:
             raise ValueError("expected convected_axes=True without drilling=True, got both")
+        damping = Damping.of_body(damping, "Shell")
         formulation = _DEFAULTS[mesh.degree] if formulation is None else formulation
         for block in mesh.blocks:
             formulation.measures_for(block.cell, mesh.degree)
@@ -158,6 +162,7 @@ class Shell(SupportedSurface):
             formulation,
             drilling=False if convected_axes else drilling,
             convected_axes=convected_axes,
+            damping=damping,
             class_name=type(self).__name__,
             name=name,
         )

@@ -18,6 +18,7 @@ from fem_lie.elements.shells.element import ShellFormulation
 from fem_lie.lie.motions import Group
 from fem_lie.mesh.patches import Patches
 from fem_lie.mesh.surfaces import Surface
+from fem_lie.sections.material import Damping
 from fem_lie.sections.shell_section import ShellSection
 
 Mesh = TypeVar("Mesh", bound=Surface)
@@ -36,6 +37,7 @@ class GivenShell(Generic[Mesh]):
         formulation: Finite element.
         drilling: Whether nodes have a drilling rotation; ``None``: only if something needs it.
         convected_axes: Whether frames rotate about their directors with the mid-surface.
+        damping: Damping of motion and of strain.
         class_name: Name of the class of the body.
         name: Name in messages and results.
     """
@@ -48,6 +50,7 @@ class GivenShell(Generic[Mesh]):
     formulation: ShellFormulation
     drilling: bool | None
     convected_axes: bool
+    damping: Damping
     class_name: str
     name: str
 
@@ -59,6 +62,7 @@ class SurfaceNodes(SurfaceModel):
         formulation: Finite element of the cells.
         drilling: Whether nodes have a drilling rotation; ``None``: only if something needs it.
         convected_axes: Whether frames rotate about their directors with the mid-surface.
+        damping: Damping of motion and of strain.
     """
 
     group = Group.R3xSO3
@@ -75,6 +79,7 @@ class SurfaceNodes(SurfaceModel):
         mesh, patches, formulation = given.mesh, given.patches, given.formulation
         self.mesh, self.formulation = mesh, formulation
         self.drilling, self.convected_axes = given.drilling, given.convected_axes
+        self.damping = given.damping
         super().__init__(
             frames_with(mesh.points[patches.masters], given.directors),
             class_name=given.class_name,

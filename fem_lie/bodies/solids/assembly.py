@@ -44,7 +44,8 @@ class SolidAssembly(Assembly):
         cells = nodal.function.function_space.dofmap.list
         order = np.empty(len(body.frames), dtype=np.int64)
         order[body.connectivity] = cells
-        forms = body.formulation.forms(nodal, body.degree, body.material, body.parameters)
+        material, relaxation = (body.material, body.parameters), body.damping.relaxation_time
+        forms = body.formulation.forms(nodal, body.degree, *material, relaxation)
         super().__init__(nodal, forms, order, np.arange(len(cells)), None)
         self.require_no_stress(body.formulation, body.material.law)
         slopes = body.rule.mean_slopes

@@ -42,7 +42,7 @@ class SolidModel(PositionModel):
         density: Mass density of each cell, shape (m,).
         has_mass: Whether all cells have a density.
         formulation: Finite element.
-        damping: Mass-proportional damping.
+        damping: Damping of motion and of strain.
         space: Lagrange space on the unloaded mesh whose nodes are those of the body.
         rule: Quadrature rule of the cells.
     """
@@ -66,7 +66,7 @@ class SolidModel(PositionModel):
             degree: Degree of the interpolation, 1 or 2.
             material: Material of all cells, or one for each named group, all of one law.
             formulation: Finite element; default: that of the cells and materials.
-            damping: Mass-proportional damping.
+            damping: Damping of motion and of strain.
             class_name: Name of the class of the body.
             name: Name in messages and results.
 

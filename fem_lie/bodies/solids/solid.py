@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import instance, whole
-from fem_lie.bodies.beams.assembly import mass_only
 from fem_lie.bodies.body import Point, Where
 from fem_lie.bodies.position_model import PositionBody
 from fem_lie.bodies.solids.model import SolidMaterials, SolidModel
@@ -57,13 +56,13 @@ class Solid(PositionBody):
             degree: Degree of the interpolation, 1 or 2; default: that of the mesh.
             formulation: Finite element; default: :class:`~fem_lie.elements.MeanDilatation` for
                 hexahedra of degree 1, else :class:`~fem_lie.elements.Isoparametric`.
-            damping: Mass-proportional damping.
+            damping: Damping of motion, and of strain with one relaxation time; default: none.
             name: Name in messages and results.
 
         Raises:
             ValueError: The mesh has no volume cells or inverted cells, a cell has no material or
                 another law, the element does not support the cells, tetrahedra of degree 1 would
-                lock, or there is damping of strain.
+                lock, or strains have several relaxation times.
             TypeError: An argument has an unexpected type.
         """
         if isinstance(mesh, dolfinx.mesh.Mesh):
@@ -74,7 +73,7 @@ class Solid(PositionBody):
         if degree > 2:
             raise ValueError(f"Solid: degree must be 1 or 2, got {degree!r}")
         names = type(self).__name__, name
-        damping = mass_only(damping, "Solid")
+        damping = Damping.of_body(damping, "Solid")
         super().__init__(SolidModel(mesh, degree, material, formulation, damping, *names))
         if (mesh.cell, degree) == ("tetrahedron", 1):
             _log.warning(
@@ -110,7 +109,7 @@ class Solid(PositionBody):
             cell: ``"hexahedron"`` or ``"tetrahedron"``.
             degree: Degree of the interpolation.
             formulation: Finite element.
-            damping: Mass-proportional damping.
+            damping: Damping of motion, and of strain with one relaxation time; default: none.
             name: Name in messages and results.
         """
         mesh = brick(lengths, cells, origin=origin, cell=cell)

@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, instance, text
-from fem_lie.bodies.beams.assembly import mass_only
 from fem_lie.bodies.model import NO_HOLDS, Holds
 from fem_lie.bodies.thin_shells.assembly import ThinShellAssembly, mass_matrices
 from fem_lie.bodies.thin_shells.given_sections import ThinSections
@@ -170,7 +169,7 @@ class ThinShell(SmoothSurface):
         element = BicubicHermite() if formulation is None else formulation
         text(name, "ThinShell: name")
         surface = surface_of(patches, joined, couplings, name or "ThinShell")
-        damping, names = mass_only(damping, "ThinShell"), (type(self).__name__, name)
+        damping, names = Damping.of_mass(damping, "ThinShell"), (type(self).__name__, name)
         super().__init__(
             ThinShellModel(surface, section, along, element, damping, couplings, *names)
         )

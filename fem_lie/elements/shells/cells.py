@@ -68,6 +68,7 @@ class ShellCells:
         *,
         drilling_stiffness: float | Array | None = None,
         directions: Array | None = None,
+        relaxation: float = 0.0,
     ) -> None:
         """Evaluate the unloaded geometry.
 
@@ -78,12 +79,13 @@ class ShellCells:
                 or one for each cell, shape (cells,), for nodes with drilling rotations.
             directions: Vector of each cell, shape (cells, 3), whose projection onto the surface is
                 e₁ of strains and stresses; default: the first edge direction.
+            relaxation: Relaxation time of Kelvin-Voigt damping; 0: none.
 
         Raises:
             ValueError: The strain measures are not for the cells or the degree of the frames.
         """
         V = frames.function.function_space
-        self.frames = frames
+        self.frames, self.relaxation = frames, relaxation
         self.drilling_stiffness: Any = None
         self._map = FIVE if drilling_stiffness is None else SIX
         self._mesh: dolfinx_mesh.Mesh = V.mesh
@@ -211,9 +213,8 @@ class ShellCells:
             local: Element-local unknowns in it.
         """
         state = self.frames.function
-        return LocalFrameForms(
-            energy, state, self.increment, self._map, coordinates=self.y, local=local
-        )
+        given = energy, state, self.increment, self._map
+        return LocalFrameForms(*given, coordinates=self.y, local=local, relaxation=self.relaxation)
 
     def at_points(self, value: Expr) -> fem.Function:
         """Value that does not depend on the state, evaluated once at the quadrature points."""

@@ -203,7 +203,8 @@ class GeodesicShell(ShellFormulation):
             dx=ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": 0}),
             weight=1.0 / ufl.det(cells.jacobian),  # one point, at the centre of the unit square
         )
-        return LocalFrameForms(energy, nodal.function, nodal.increment, EDGE_MOTIONS, coordinates=y)
+        state = nodal.function, nodal.increment, EDGE_MOTIONS
+        return LocalFrameForms(energy, *state, coordinates=y, relaxation=cells.relaxation)
 
     def stress(self, cells: ShellCells, forms: LocalFrameForms, stiffness: Array) -> Expr:
         """Stress resultants ``(N, M, Q)`` of the stress field of a cell, shape (8,)."""

@@ -279,7 +279,12 @@ class SolidFormulation(ABC):
         """
 
     def forms(
-        self, nodal: NodalFrames, degree: int, material: SolidMaterial, parameters: Array
+        self,
+        nodal: NodalFrames,
+        degree: int,
+        material: SolidMaterial,
+        parameters: Array,
+        relaxation: float = 0.0,
     ) -> LocalFrameForms:
         """Energy, forces and tangent.
 
@@ -288,6 +293,7 @@ class SolidFormulation(ABC):
             degree: Degree of the interpolation.
             material: Constitutive law.
             parameters: Parameters of the law in each cell, shape (m, p).
+            relaxation: Relaxation time of Kelvin-Voigt damping; 0: none.
         """
         mesh, strains = nodal.function.function_space.mesh, self.strains(nodal, degree)
         given = [cellwise(mesh, column) for column in parameters.T]
@@ -302,6 +308,7 @@ class SolidFormulation(ABC):
             nodal.increment,
             strains.frame_map,
             coordinates=strains.coordinates,
+            relaxation=relaxation,
         )
 
 

@@ -161,6 +161,17 @@ def _pull_back_columns(
             out[i, j] += pulled_values[i]
 
 
+@compiled
+def _add_in_frames(head: Indices, state: Pointer, y: Pointer, K: Pointer, A: Pointer) -> None:
+    """Add ``Lᵀ K L``, with ``K`` of (n_y, n_y), to ``A`` of (n_h, n_h)."""
+    n_y, n_h = head[N_Y], head[N_H]
+    KL = stack(n_y * n_h)
+    _clear(KL, n_y * n_h)
+    for i in range(n_y):
+        apply(head[PULL_BACK], state, y, shift(K, i * n_y), shift(KL, i * n_h), head[NODES])
+    _pull_back_columns(head, state, y, KL, n_h, A)
+
+
 @callback(UFCX_SIGNATURE)
 def energy_kernel(
     A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
@@ -212,7 +223,7 @@ def tangent_kernel(
     derivative of the map, third: K_sy, fourth: K_ss.
     """
     head, state, y = _prepare(w, c)
-    n_y, n_s, n_h, nodes = head[N_Y], head[N_S], head[N_H], head[NODES]
+    n_y, n_s, nodes = head[N_Y], head[N_S], head[NODES]
     K, f = stack(n_y * n_y), stack(n_y)
     _clear(K, n_y * n_y)
     _clear(f, n_y)
@@ -228,11 +239,7 @@ def tangent_kernel(
         _inner(head, head[THIRD], R, w, c, x, entity, permutation)
         _inner(head, head[FOURTH], M, w, c, x, entity, permutation)
         _condense(K, R, M, n_y, n_s)
-    KL = stack(n_y * n_h)
-    _clear(KL, n_y * n_h)
-    for i in range(n_y):
-        apply(head[PULL_BACK], state, y, shift(K, i * n_y), shift(KL, i * n_h), nodes)
-    _pull_back_columns(head, state, y, KL, n_h, A)
+    _add_in_frames(head, state, y, K, A)
 
 
 @callback(UFCX_SIGNATURE)
@@ -246,6 +253,45 @@ def viscous_kernel(
     apply(head[PUSH_FORWARD], state, y, shift(w, head[AT_H]), shift(w, head[AT_DY]), head[NODES])
     _inner(head, head[FIRST], f, w, c, x, entity, permutation)
     apply(head[PULL_BACK], state, y, f, A, head[NODES])
+
+
+@callback(UFCX_SIGNATURE)
+def condensed_viscous_kernel(
+    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
+) -> None:
+    """Rank 1: ``−Lᵀ K_ys z`` with ``z = τ K_ss⁻¹ K_sy L v``, which follows ``L v`` in ``w``.
+
+    First FFCx function: K_sy L v, second: K_ss/τ, third: −K_ys z.
+    """
+    head, state, y = _prepare(w, c)
+    n_y, n_s = head[N_Y], head[N_S]
+    z, M, f = shift(w, head[AT_DY] + n_y), stack(n_s * n_s), stack(n_y)
+    _clear(z, n_s)
+    _clear(M, n_s * n_s)
+    _clear(f, n_y)
+    apply(head[PUSH_FORWARD], state, y, shift(w, head[AT_H]), shift(w, head[AT_DY]), head[NODES])
+    _inner(head, head[FIRST], z, w, c, x, entity, permutation)
+    _inner(head, head[SECOND], M, w, c, x, entity, permutation)
+    _solve(numba.carray(M, (n_s, n_s)), numba.carray(z, (n_s, 1)))
+    _inner(head, head[THIRD], f, w, c, x, entity, permutation)
+    apply(head[PULL_BACK], state, y, f, A, head[NODES])
+
+
+@callback(UFCX_SIGNATURE)
+def condensed_viscous_tangent_kernel(
+    A: Pointer, w: Pointer, c: Pointer, x: Pointer, entity: Pointer, permutation: Pointer
+) -> None:
+    """Rank 2: ``−τ Lᵀ K_syᵀ K_ss⁻¹ K_sy L``. First FFCx function: K_sy, second: K_ss/τ."""
+    head, state, y = _prepare(w, c)
+    n_y, n_s = head[N_Y], head[N_S]
+    K, R, M = stack(n_y * n_y), stack(n_s * n_y), stack(n_s * n_s)
+    _clear(K, n_y * n_y)
+    _clear(R, n_s * n_y)
+    _clear(M, n_s * n_s)
+    _inner(head, head[FIRST], R, w, c, x, entity, permutation)
+    _inner(head, head[SECOND], M, w, c, x, entity, permutation)
+    _condense(K, R, M, n_y, n_s)
+    _add_in_frames(head, state, y, K, A)
 
 
 @callback(UFCX_SIGNATURE)
