@@ -92,7 +92,8 @@ def hinged():
 def block():
     """A solid under pressure and traction."""
     rubber = fl.sections.NeoHooke(E=1e6, nu=0.3, density=1e3)
-    brick = fl.Solid.brick((1, 1, 2), rubber, cells=(2, 2, 3), degree=2)
+    damping = fl.sections.Damping(stiffness=1e-4)
+    brick = fl.Solid.brick((1, 1, 2), rubber, cells=(2, 2, 3), degree=2, damping=damping)
     brick.clamp("c=0")
     scene = fl.Scene()
     scene.add(brick)
@@ -234,10 +235,11 @@ def tumbling(body):
 
 
 def tumbling_plate():
-    """A soft plate that spins and stretches, thrown at one corner."""
+    """A soft, damped plate that spins and stretches, thrown at one corner."""
     mesh = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (4, 3))
     layer = fl.ShellSection.layer(0.05, fl.Material(E=1e7, nu=0.3, density=1e3))
-    plate = fl.Shell(mesh, layer, convected_axes=True)
+    damping = fl.sections.Damping(mass=0.2, stiffness=1e-3)
+    plate = fl.Shell(mesh, layer, convected_axes=True, damping=damping)
     scene = tumbling(plate)
     scene.add(fl.PointLoad(plate.point("11"), force=(300.0, -300.0, 0)))
     return scene, [plate.point("11"), plate.point("00")]
