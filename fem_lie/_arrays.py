@@ -93,6 +93,11 @@ def points_of(value: npt.ArrayLike | Sequence[npt.ArrayLike]) -> Array:
 
 def indices_of(value: npt.ArrayLike, size: int, what: str) -> Indices:
     """Validate integers from 0 to ``size − 1``, or ``ValueError``."""
+    if callable(value):
+        raise ValueError(
+            f"{what} must be whole numbers, got a function: parts of a mesh by their positions are "
+            "named by mesh.named(…)"
+        )
     index = np.asarray(value)
     if index.size and index.dtype.kind not in "iu":
         raise ValueError(f"{what} must be whole numbers, got {index.dtype}")

@@ -195,6 +195,16 @@ MISTAKES = {
     ),
     "no modes": (lambda: fl.vibrations(SCENE, 0), "count must be at least 1, got 0"),
     "a negative stiffness": (lambda: fl.contact.Penalty(-1.0), "stiffness must be a positive"),
+    "a curve by a function": (
+        lambda: fl.mesh.SurfaceMesh.from_cells(
+            MESH.points, MESH.cells, "quadrilateral", curves={"root": lambda x: x[0] < 1e-9}
+        ),
+        r"points of curve 'root' must be whole numbers, got a function: .* mesh.named\(",
+    ),
+    "six relaxation times of a shell": (
+        lambda: fl.Shell(MESH, LAYER, damping=fl.sections.Damping(stiffness=range(6))),
+        "Shell has one relaxation time for all strains",
+    ),
     "a missing file": (
         lambda: fl.mesh.read_gmsh_surface("nothing.msh"),
         "no mesh file 'nothing.msh'",

@@ -15,7 +15,7 @@ from fem_lie.bodies.beams.beam import Beam, BeamModel
 from fem_lie.bodies.beams.sectioned import Sections
 from fem_lie.bodies.model import NO_HOLDS, AxesUpdate, Holds
 from fem_lie.elements.beams.centres import torsion_about_centres
-from fem_lie.elements.beams.element import BeamFormulation
+from fem_lie.elements.beams.element import POINTS, WEIGHTS, BeamFormulation
 from fem_lie.elements.rods.corners import Corners, CornerSprings
 from fem_lie.elements.rods.discrete_rod import DiscreteRod, corners, edge_axes
 from fem_lie.elements.rods.kirchhoff import KirchhoffRod, speeds_of_cubics
@@ -27,8 +27,6 @@ from fem_lie.sections.orientation import Twisted, Up
 _log = logging.getLogger(__name__)
 _STIFFER = 0.01  # in torsion, which is worth a warning
 _UNEVEN = 1.8  # at 2 the speed of the cubic at the middle is zero
-_TWICE, _DOUBLED = np.polynomial.legendre.leggauss(6)
-_POINTS, _WEIGHTS = 0.5 + 0.5 * _TWICE, 0.5 * _DOUBLED
 
 
 def _log_stiff_torsion(label: str, stiffness: Array) -> None:
@@ -119,7 +117,7 @@ class RodModel(BeamModel):
                 f"at its ends as in the middle, expected less than {_UNEVEN}: insert more knots"
             )
         self.slopes = slopes
-        self.lengths = speeds_of_cubics(ends, slopes, _POINTS) @ _WEIGHTS
+        self.lengths = speeds_of_cubics(ends, slopes, POINTS) @ WEIGHTS
 
     def made_of_edges(self, formulation: DiscreteRod) -> Corners:
         """Hold unknowns that nodes of a discrete rod do not have, and return its springs."""

@@ -343,11 +343,10 @@ def flexible_cells(cells: CellData, relative: Array) -> CellData:
 
 def _of_the_mean(compliance: Array, relative: Array) -> Array:
     """``S⁻¹ ∫ A(s) C A(s)ᵀ ds S⁻ᵀ``, see :func:`with_bending_flexibility`."""
-    along, twice = np.polynomial.legendre.leggauss(6)
-    weights = 0.5 * twice
-    A = lie.se3_adjoint(lie.se3_exp(0.5 * along[:, np.newaxis, np.newaxis] * relative))
-    mean = np.linalg.inv(np.einsum("p,pmij->mij", weights, A))
-    total = np.einsum("p,pmij->mij", weights, A @ compliance @ _transposed(A))
+    along = (POINTS - 0.5)[:, np.newaxis, np.newaxis]
+    A = lie.se3_adjoint(lie.se3_exp(along * relative))
+    mean = np.linalg.inv(np.einsum("p,pmij->mij", WEIGHTS, A))
+    total = np.einsum("p,pmij->mij", WEIGHTS, A @ compliance @ _transposed(A))
     return np.asarray(mean @ total @ _transposed(mean))
 
 
