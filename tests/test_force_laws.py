@@ -223,6 +223,54 @@ def test_slack_cable_stay():
     assert result.elastic.max() == 0.0
 
 
+def guyed_mast(rest):
+    """A rigid mast of 3 m on a hinge, with two stays of 10 kN/m to 2 m beside its foot."""
+    scene = fl.Scene()
+    mast = scene.add(fl.RigidBody(5.0, (4.0, 4.0, 0.1), position=(0, 0, 1.5), name="mast"))
+    foot = {"at": (0, 0, 0), "axis": (0, 1, 0), "name": "foot"}
+    scene.add(fl.joints.Revolute(fl.ground(), mast.point("centre"), **foot))
+    top = mast.point((0, 0, 3))
+    for name, x in (("stay", -2), ("lee", 2)):
+        ends = fl.ground((x, 0, 0)), top
+        scene.add(fl.loads.ForceLaw(ends, fl.loads.TensionOnly(1e4, rest), name=name))
+    return scene, top
+
+
+@pytest.mark.parametrize("force", [500.0, 3000.0, -3000.0])
+def test_a_mast_leans_on_one_stay(force):
+    """The moment about the foot at any angle: P = k (l − l₀) a/l, hence l = l₀/(1 − P/(k a))."""
+    rest = 0.999 * np.hypot(3.0, 2.0)
+    scene, top = guyed_mast(rest)
+    scene.add(fl.PointLoad(top, force=(force, 0, 0)))
+    result = fl.statics(scene, newton=fl.schemes.Newton(tolerance=1e-13))
+    length = rest / (1.0 - abs(force) / 2e4)
+    leaning = np.sign(force) * (length**2 - 13.0) / 4.0
+    assert abs(result.position(top)[-1, 0] - leaning) < 1e-11
+    tensions = [np.linalg.norm(result.joint_force(name)[-1, :3]) for name in ("stay", "lee")]
+    expected = [1e4 * (length - rest), 0.0][:: int(np.sign(force))]
+    np.testing.assert_allclose(tensions, expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("scheme", [fl.GeneralisedAlpha(radius=1.0), fl.EnergyMomentum()])
+def test_a_mass_between_pretensioned_stays_swings_beyond_their_pretension(scheme):
+    """Both stays pull up to the elongation e of the pretension, one beyond it: closed period."""
+    k, m, e, v = 450.0, 2.0, 0.02, 1.0
+    ω, alone = np.sqrt(2.0 * k / m), np.sqrt(k / m)
+    left = np.sqrt(v**2 - (ω * e) ** 2)
+    period = 4.0 * (np.arcsin(ω * e / v) / ω + np.arctan(left / (alone * 2.0 * e)) / alone)
+    laws = fl.loads.TensionOnly(k, -e), fl.loads.CompressionOnly(k, e)
+    errors = []
+    for steps in (200, 400):
+
+        def add(scene, q):
+            for law in laws:
+                scene.add(fl.loads.ForceLaw(q, law))
+
+        result = scheme.run(slider(add, m, v), duration=period, step=period / steps)
+        errors.append(abs(result.frames[-1, 0, 0, 0] - 1.0) / (v * period))
+    assert errors[1] < 2e-5 and errors[1] < 0.3 * errors[0]
+
+
 def test_vibrations_take_the_derivative_of_a_law():
     scene = slider(law_of(lambda t, q, rate: 32.0 * np.sin(q)))
     frequency = fl.vibrations(scene, 1).frequencies[0]

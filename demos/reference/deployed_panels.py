@@ -20,6 +20,20 @@ def inertia(angle: float) -> np.ndarray:
     return np.array([[2 * own + M + 2 * arm, own + arm], [own + arm, own]])
 
 
+def latched(angle: float, v: np.ndarray, free: np.ndarray) -> tuple[np.ndarray, float]:
+    """Rates after a latching that leaves some angles free, by hand, and the energy that it takes.
+
+    Args:
+        angle: Second angle.
+        v: Rates before, (2,).
+        free: Which angles stay free, (2,).
+    """
+    matrix, after = inertia(angle), np.zeros(2)
+    if free.any():
+        after[free] = np.linalg.solve(matrix[np.ix_(free, free)], (matrix @ v)[free])
+    return after, 0.5 * float(v @ matrix @ v - after @ matrix @ after)
+
+
 def latchings() -> list[tuple[float, int, float]]:
     """Time, panel and lost energy of each latching."""
     free, found, time, state = np.array([True, True]), [], 0.0, np.zeros(4)
@@ -38,10 +52,7 @@ def latchings() -> list[tuple[float, int, float]]:
         end = solve_ivp(rate, (time, 99.0), state, "DOP853", events=latch, rtol=1e-12, atol=1e-13)
         k = int(np.flatnonzero(free)[int(np.argmax([len(t) for t in end.t_events]))])
         time, state = float(end.t[-1]), end.y[:, -1]
-        matrix = inertia(state[1])
-        v, free[k] = state[2:].copy(), False
-        state[2:] = 0.0
-        if free.any():
-            state[2:][free] = np.linalg.solve(matrix[np.ix_(free, free)], (matrix @ v)[free])
-        found.append((time, k, 0.5 * (v @ matrix @ v - state[2:] @ matrix @ state[2:])))
+        free[k] = False
+        state[2:], lost = latched(state[1], state[2:], free)
+        found.append((time, k, lost))
     return found

@@ -37,7 +37,12 @@ class Toy:
         return np.array([0.0, (self.r_0 - self.r_M) / self.h_M, -0.2788, -0.3411, 0.0, -7.4583])
 
     def moreau(self, duration: float, step: float) -> np.ndarray:
-        """Time, tilt and rate of the bird, speed of the sleeve: (t, angle, speed, rate), (n, 4)."""
+        """Time, angle of the bird, speed of the sleeve, rate of the bird, shape (n, 4)."""
+        out = self.steps(duration, step, self.start)
+        return np.stack([step * np.arange(len(out)), out[:, 2], out[:, 3], out[:, 5]], axis=1)
+
+    def steps(self, duration: float, step: float, start: np.ndarray) -> np.ndarray:
+        """Coordinates and rates at all steps, shape (n, 6), from ``start`` (6,)."""
         m, M, G, K = self.m_S, self.l_M, self.l_G, self.c
         mass = np.array([(self.m_M + m, m * M, m * G), (0, 0, 0), (0, 0, 0)])
         mass[1] = m * M, self.J_M + m * M**2, m * M * G
@@ -49,11 +54,11 @@ class Toy:
         play = self.r_M - self.r_0
         gaps = np.array([M + G - self.l_S - self.r_0, play, play])
         out = np.empty((round(duration / step) + 1, 6))
-        out[0] = self.start
+        out[0] = start
         law = self.friction, np.array([0.5, 0.0, 0.0])
         ways = normal.astype(float), tangent.astype(float)
         _steps(out, step, np.linalg.inv(mass), stiffness.astype(float), weight, ways, gaps, law)
-        return np.stack([step * np.arange(len(out)), out[:, 2], out[:, 3], out[:, 5]], axis=1)
+        return out
 
 
 @numba.njit

@@ -91,7 +91,9 @@ class Newton(RunState, Iterated):
         if self._projects:
             end = StepEnd(self.s.H1, self.s.twist1, self._end)
             change = partial(change_velocities, self.s.plain)
-            project(equations, self.solver, end, self.scale, self.p.h, change)
+            # the rows of the frozen matrix keep the scale of its factorisation
+            scale = self.scale * self._factor
+            project(equations, self.solver, end, scale, self.p.h, change)
         accept(*self._plain)
 
     def _tolerance(self) -> float:
