@@ -1,9 +1,9 @@
 """A bracket from STEP files, bolted to the ground, carries a flexible arm with a load at its end.
 
 STEP files are as those from elsewhere: in millimetres and without names. One has the bracket, a
-solid with three holes, one the middle surface of the arm, a plate of 5 mm. gmsh meshes the solid
-with tetrahedra, and the surface with quadrilaterals and triangles, all of second order; walls of
-holes and ends of the arm are found by place. One bolt in the base is rigid and stiffens its hole
+solid with three holes, one the middle surface of the arm, a plate of 5 mm. Scripts of gmsh mesh the
+solid with tetrahedra, and the surface with quadrilaterals and triangles, all of second order; walls
+of holes and ends of the arm are found by place. One bolt in the base is rigid and stiffens its hole
 (RBE2: all nodes move with one frame); the other one takes force and moment but lets its hole deform
 (RBE3: the mean motion of the nodes is held). The root of the arm is bolted rigidly to the hole in
 the upright plate, and a clamp at its other end carries the load.
@@ -21,7 +21,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-import gmsh
 import numpy as np
 from command_line import in_results, run
 
@@ -33,7 +32,7 @@ END = START + LENGTH * np.eye(3)[0]
 FORCE = (0.0, 0.5, -1.0)  # small, as CalculiX is linear
 HOLES = {"rigid": (0.07, 0.02, 0.006), "mean": (0.07, 0.06, 0.006), "upper": (*START[1:], 0.008)}
 REFERENCE = Path(__file__).parent / "reference"
-MESH = {"ElementOrder": 2, "MeshSizeFromCurvature": 12, "RecombinationAlgorithm": 0}
+SCRIPTS = "bracket.geo", "arm.geo"
 
 
 def around(hole: str, i: int, j: int) -> Any:
@@ -44,17 +43,8 @@ def around(hole: str, i: int, j: int) -> Any:
 
 def meshes(size: float) -> tuple[fl.mesh.VolumeMesh, fl.mesh.MixedSurfaceMesh]:
     """Tetrahedra of the solid, triangles and quadrilaterals of the arm; names by place."""
-    gmsh.initialize(["gmsh", "-v", "0"])
-    gmsh.option.setNumber("Geometry.OCCScaling", 1e-3)
-    for part in ("bracket", "arm"):
-        shapes = gmsh.model.occ.importShapes(str(REFERENCE / f"{part}.step"))
-    gmsh.model.occ.synchronize()
-    for option, value in {"MeshSizeMax": size, **MESH}.items():
-        gmsh.option.setNumber(f"Mesh.{option}", value)
-    gmsh.model.mesh.setRecombine(*shapes[0])
-    gmsh.model.mesh.generate(3)
-    solid, sheet = fl.mesh.read_gmsh_volume(), fl.mesh.read_gmsh_surface()
-    gmsh.finalize()
+    scripts = [fl.mesh.run_gmsh_script(REFERENCE / f, {"size": size}) for f in SCRIPTS]
+    solid, sheet = fl.mesh.read_gmsh_volume(scripts[0]), fl.mesh.read_gmsh_surface(scripts[1])
     holes = {"rigid": around("rigid", 0, 1), "mean": around("mean", 0, 1)}
     ends = {"root": lambda x: x[0] < START[0] + 1e-9, "end": lambda x: x[0] > END[0] - 1e-9}
     return solid.named(faces={**holes, "upper": around("upper", 1, 2)}), sheet.named(curves=ends)
