@@ -25,9 +25,14 @@ import numpy as np
 from fem_lie._arrays import Array, Indices, instance, number, positive
 from fem_lie._summary import Summarised
 from fem_lie.adaptivity.estimates.estimate import ErrorEstimate, Estimated
+from fem_lie.adaptivity.estimates.lines import successive
 from fem_lie.adaptivity.estimates.recovery import RecoveryEstimate
 from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.gradients.ancf_beam import AncfBeam
+from fem_lie.bodies.gradients.ancf_shell import AncfShell
+from fem_lie.bodies.rods.cable_body import CableBody
 from fem_lie.bodies.shells.shell import Shell
+from fem_lie.bodies.solids.solid import Solid
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.mesh.bicubic import hermite
 from fem_lie.pictures.bodies import DrawnSurface, draw_values
@@ -42,18 +47,18 @@ from fem_lie.scene import Scene
 
 @dataclass(frozen=True)
 class _Quadrilateral:
-    """Quadrilateral pieces of cells of thin shells."""
+    """Quadrilateral pieces of cells on smooth patches."""
 
     cell: str = "quadrilateral"
     degree: int = 1
 
 
 _LEAST = 1e-6  # relative to the largest density
-_PIECES = 8  # pieces of a cell of a thin shell in either direction
+_PIECES = 8  # pieces of a cell on a smooth patch in either direction
 
 
 def draw_error(
-    body: Beam | Shell | ThinShell,
+    body: Estimated,
     frames: Array,
     squares: Array,
     path: str | os.PathLike[str],
@@ -66,28 +71,64 @@ def draw_error(
         ValueError: The name does not end in ``.png``.
     """
     target_of(path, ".png")
-    if isinstance(body, Beam):
-        _over_arc(body, np.sqrt(squares / body.model.lengths), path, title, units)
-    else:
-        _in_colours(body, frames, squares, path, title, units)
+    match body:
+        case Beam() | AncfBeam() | CableBody():
+            _over_arc(body, np.sqrt(squares / body.model.lengths), path, title, units)
+        case Solid():
+            _on_boundary(body, frames, squares, path, title, units)
+        case _:
+            _in_colours(body, frames, squares, path, title, units)
 
 
 def _over_arc(
-    beam: Beam, density: Array, path: str | os.PathLike[str], title: str, units: Units
+    body: Beam | AncfBeam | CableBody,
+    density: Array,
+    path: str | os.PathLike[str],
+    title: str,
+    units: Units,
 ) -> None:
     figure, (axes,) = figure_of_rows(1, title, units)
-    chains, start = beam.model.chains, 0.0
-    for k, cells in enumerate(np.split(chains.order, chains.first[1:])):
-        arc = start + chains.arc[cells]
-        axes.plot(arc.ravel(), np.repeat(density[cells], 2), color=COLOURS[k % len(COLOURS)])
-        start = float(arc.max())
+    start = 0.0
+    for k, (_, cells) in enumerate(successive(body)):
+        ends = start + np.cumsum([0.0, *body.model.lengths[cells]])
+        arc = np.repeat(ends, 2)[1:-1]
+        axes.plot(arc, np.repeat(density[cells], 2), color=COLOURS[k % len(COLOURS)])
+        start = float(ends[-1])
     axes.set_ylabel(f"error [√({units.energy}/{units.length})]")
     axes.set_xlabel(f"arc length [{units.length}]")
     saved(figure, path)
 
 
+def _on_boundary(
+    solid: Solid,
+    frames: Array,
+    squares: Array,
+    path: str | os.PathLike[str],
+    title: str,
+    units: Units,
+) -> None:
+    """Means of the density over the cells at each node, on the boundary."""
+    model, count = solid.model, len(frames)
+    volumes = model.rule.volumes.sum(axis=1)
+    each = np.ones(model.connectivity.shape[1])
+    total, volume = (
+        np.bincount(model.connectivity.ravel(), np.outer(of, each).ravel(), count)
+        for of in (squares, volumes)
+    )
+    values, label = _colours(np.sqrt(total / volume), f"√({units.energy}/{units.length}³)")
+    skin = model.boundary
+    surface = DrawnSurface(skin, skin.nodes, model.positions)
+    draw_values(path, surface, frames[:, 0], values, label, Canvas(title, units))
+
+
+def _colours(density: Array, unit: str) -> tuple[Array, str]:
+    """Logarithmic colours, in which zero is drawn as the least value; and their label."""
+    least = _LEAST * float(density.max()) or 1.0
+    return np.log10(np.maximum(density, least)), f"log₁₀ error [{unit}]"
+
+
 def _in_colours(
-    shell: Shell | ThinShell,
+    shell: Shell | ThinShell | AncfShell,
     frames: Array,
     squares: Array,
     path: str | os.PathLike[str],
@@ -95,7 +136,7 @@ def _in_colours(
     units: Units,
 ) -> None:
     # disconnected, so that each cell has one colour and visible edges
-    if isinstance(shell, ThinShell):
+    if not isinstance(shell, Shell):
         kind: CellKind = _Quadrilateral()
         areas = shell.model.cell_quadrature().weights.sum(axis=1)
         positions, pieces = _curved(shell, frames)
@@ -108,17 +149,14 @@ def _in_colours(
     points = positions.reshape(m * k, 3)
     cells = k * np.arange(m)[:, np.newaxis, np.newaxis] + pieces
     surface = DrawnSurface(kind, cells.reshape(-1, cells.shape[2]), points)
-    # logarithmic colours; zero is drawn as the least value
-    least = _LEAST * float(density.max()) or 1.0
-    values = np.repeat(np.log10(np.maximum(density, least)), k)
-    label = f"log₁₀ error [√{units.energy}/{units.length}]"
+    values, label = _colours(np.repeat(density, k), f"√{units.energy}/{units.length}")
     draw_values(path, surface, points, values, label, Canvas(title, units))
 
 
-def _curved(shell: ThinShell, frames: Array) -> tuple[Array, Indices]:
+def _curved(shell: ThinShell | AncfShell, frames: Array) -> tuple[Array, Indices]:
     """Positions in each cell (m, p, 3), so that edges of cells of several sizes match; pieces."""
     x: Array = np.arange(_PIECES + 1.0) / _PIECES
-    table = hermite.table(hermite.products(x, x))[:, hermite.VALUE]
+    table = type(shell.model).table(hermite.products(x, x))[:, hermite.VALUE]
     positions = np.einsum("ga,maj->mgj", table, shell.model.hermite_vectors(frames))
     number = np.arange(len(table)).reshape(len(x), len(x))
     corners = number[:-1, :-1], number[1:, :-1], number[:-1, 1:], number[1:, 1:]
@@ -133,19 +171,19 @@ def space_error(
     *,
     estimate: ErrorEstimate | None = None,
 ) -> SpaceError:
-    """Estimate the discretisation error in space of one state of a beam or a shell.
+    """Estimate the discretisation error in space of one state of a body.
 
     Args:
         result: Result of dynamics, of statics or of a path, of a scene with the body.
-        body: The beam or the shell.
+        body: A beam, shell, cable or solid; cables have elements of cubics.
         scene: The scene that was solved.
         state: Index of the state; default: the last.
         estimate: Error estimate; default:
             :class:`~fem_lie.adaptivity.estimates.recovery.RecoveryEstimate`.
 
     Raises:
-        ValueError: The body is not in that scene or result, is not a beam or shell, has elements
-            without stress or others than the estimate supports, or there is no such state.
+        ValueError: The body is not in that scene or result, it or its elements are not supported by
+            the estimate, or there is no such state.
     """
     instance(estimate, ErrorEstimate | None, "estimate", "a Recovery, a Residual or None")
     (found,) = (estimate or RecoveryEstimate()).errors(result, body, scene, [state])
@@ -158,7 +196,7 @@ class SpaceError(Summarised):
     """Estimated error of a body in one state; made by :func:`space_error`.
 
     Attributes:
-        body: Beam or shell, of m elements.
+        body: The body, of m elements.
         frames: Frames of its nodes in that state, shape (n, 4, 3).
         squares: Squared error of each element, an energy, shape (m,).
         energy: Squared norm of the stress, ``∫ σ·D⁻¹σ``: twice the elastic energy.
@@ -209,10 +247,10 @@ class SpaceError(Summarised):
         return worst(self.squares, part)
 
     def picture(self, path: str | os.PathLike[str], *, title: str = "", units: Units = SI) -> None:
-        """Draw the error: of beams over arc length, of shells in colours.
+        """Draw the error: along lines over arc length, else in colours.
 
-        The density of the error is drawn, the square root of energy per length or area, so that it
-        does not depend on the sizes of elements.
+        The density of the error is drawn, the square root of energy per length, area or volume, so
+        that it does not depend on the sizes of elements.
 
         Args:
             path: Name of the ``.png`` file.

@@ -18,8 +18,10 @@ from fem_lie._arrays import Array, Indices, instance
 from fem_lie._summary import Summarised
 from fem_lie.adaptivity.discretisation_error import draw_error, worst
 from fem_lie.adaptivity.estimates.estimate import Estimated
-from fem_lie.adaptivity.estimates.recovery import StressFields, fields_of
-from fem_lie.bodies.thin_shells.thin_shell import ThinShell
+from fem_lie.adaptivity.estimates.recovery import fields_of
+from fem_lie.adaptivity.estimates.stress_fields import StressFields
+from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.shells.shell import Shell
 from fem_lie.pictures.stage import SI, Units
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.states import nodes_in
@@ -63,15 +65,15 @@ def goal_error(
 
     Raises:
         ValueError: See :func:`~fem_lie.adaptivity.space_error` and the goal; or a body
-            is a thin shell, or a beam with bending flexibility, whose displacements are more
+            is no Beam or Shell, or a beam with bending flexibility, whose displacements are more
             accurate than its stress.
     """
     instance(goal, Goal, "goal", "a PointDisplacement, a Frequency or a CriticalLoad")
     for body in bodies:
-        if isinstance(body, ThinShell):
+        if not isinstance(body, Beam | Shell):
             raise ValueError(
-                f"goals are estimated for beams and shells, not for thin shells such as "
-                f"{body.label}: omit the goal, for the error in the energy norm"
+                f"goals are estimated for Beams and Shells, {body.label} is a "
+                f"{type(body).__name__}: omit the goal, for the error in the energy norm"
             )
         if getattr(getattr(body.model, "formulation", None), "bending_flexibility", False):
             raise ValueError(

@@ -29,7 +29,7 @@ import numpy as np
 from fem_lie._arrays import Array, instance, positive, whole
 from fem_lie._summary import Summarised
 from fem_lie.adaptivity.discretisation_error import SpaceError, space_error
-from fem_lie.adaptivity.estimates.estimate import ErrorEstimate, Estimated
+from fem_lie.adaptivity.estimates.estimate import ErrorEstimate, Refined
 from fem_lie.adaptivity.goals import Goal, GoalError, goal_error
 from fem_lie.adaptivity.refinement import Onto, Refinable, Sizes, check_refinable, order_of, refine
 from fem_lie.bodies.beams.beam import Beam
@@ -285,14 +285,14 @@ def _check_fall(fall: object, mesh: LineMesh | SurfaceMesh | SplineMesh) -> None
 
 def named_body(
     scene: Scene, name: str | None, mesh: LineMesh | SurfaceMesh | SplineMesh
-) -> Estimated:
+) -> Refined:
     """The beam or shell that is refined.
 
     Raises:
         ValueError: There is none, or there are several and no name is given, or it has other
             elements than the mesh.
     """
-    bodies = [body for body in scene.bodies if isinstance(body, Estimated)]
+    bodies = [body for body in scene.bodies if isinstance(body, Refined)]
     known = ", ".join(repr(body.name) for body in bodies) or "none"
     chosen = [body for body in bodies if name in (None, body.name)]
     if len(chosen) != 1:
@@ -308,7 +308,7 @@ def named_body(
     return body
 
 
-def _elements(body: Estimated) -> int:
+def _elements(body: Refined) -> int:
     if isinstance(body, Beam):
         return len(body.model.elements)
     return len(body.model.connectivity if isinstance(body, ThinShell) else body.model.mesh.cells)

@@ -14,6 +14,10 @@ from fem_lie._arrays import Array, Indices, indices_of, instance, vectors_at
 from fem_lie.adaptivity.estimates.estimate import Estimated
 from fem_lie.adaptivity.quadrilaterals import cut_quadrilaterals
 from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.gradients.ancf_beam import AncfBeam
+from fem_lie.bodies.gradients.ancf_shell import AncfShell
+from fem_lie.bodies.rods.cable_body import CableBody
+from fem_lie.bodies.solids.solid import Solid
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.mesh.bicubic.spline_mesh import SplineMesh
 from fem_lie.mesh.lines import LineMesh
@@ -239,7 +243,8 @@ _FINER, _COARSER = (
     8.0,
 )  # bounds of the change of size in one step, beyond which an estimate is unreliable
 _LEVELS = 40
-_OF_BICUBICS = 2  # order of curvatures
+_OF_CUBICS = 2  # order of curvatures
+_OF_ANCF = 1  # order of their means
 
 
 class Sizes(NamedTuple):
@@ -315,9 +320,16 @@ class Sizes(NamedTuple):
 
 def order_of(body: Estimated) -> int:
     """Order of convergence of the error in the energy norm in the size of elements."""
-    if isinstance(body, ThinShell):
-        return _OF_BICUBICS
-    return body.model.elements.shape[1] - 1 if isinstance(body, Beam) else body.model.mesh.degree
+    match body:
+        case ThinShell() | CableBody():
+            return _OF_CUBICS
+        case AncfBeam() | AncfShell():
+            return _OF_ANCF
+        case Beam():
+            return body.model.elements.shape[1] - 1
+        case Solid():
+            return body.model.degree
+    return body.model.mesh.degree
 
 
 def _middles(mesh: LineMesh | SurfaceMesh | SplineMesh) -> tuple[Array, Array]:

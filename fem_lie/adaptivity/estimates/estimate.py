@@ -10,7 +10,11 @@ from typing import Any, Protocol
 from fem_lie._arrays import Array
 from fem_lie._summary import Summarised
 from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.gradients.ancf_beam import AncfBeam
+from fem_lie.bodies.gradients.ancf_shell import AncfShell
+from fem_lie.bodies.rods.cable_body import CableBody
 from fem_lie.bodies.shells.shell import Shell, require_one_type
+from fem_lie.bodies.solids.solid import Solid
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
@@ -18,8 +22,11 @@ from fem_lie.results.states import require_states, state_number
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
 
-Estimated = Beam | Shell | ThinShell
+Estimated = Beam | Shell | ThinShell | AncfShell | AncfBeam | CableBody | Solid
 """Bodies whose error can be estimated."""
+
+Refined = Beam | Shell | ThinShell
+"""Those of them that adaptive loops refine."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -274,6 +274,7 @@ def shell_residual(
             result, or there is no such state.
     """
     edges, stress = ShellEdges.of(shell), ShellStress.of(shell)
+    edges.require_neighbours(shell.label)
     nodes = nodes_in(result.info, shell)
     return [edges.errors(stress(result.frames[step][nodes])) for step in steps]
 
@@ -325,11 +326,6 @@ class ShellEdges:
         m, c = len(mesh.cells), len(ends)
         known = np.isin(np.arange(m * c), [a, b])
         shares = _shares(mesh.cell, known.reshape(m, c))
-        if not shares.any(axis=1).all():
-            raise ValueError(
-                f"residual errors need cells with smooth neighbours, cell "
-                f"{np.flatnonzero(~shares.any(axis=1))[0]} of {shell.label} has none"
-            )
         turns = _turns(shell, ends)
         plain = np.linalg.inv(shell.model.stiffness)
         inverse = np.linalg.inv(turns)
@@ -339,17 +335,35 @@ class ShellEdges:
         layers = EdgeLayers.of(shell, positions, ends, np.flatnonzero(~known), turns)
         return cls(to_edges, turns, compliance, a, b, positions.areas, shares, plain, layers)
 
-    def errors(self, stress: Array) -> ElementErrors:
-        """Errors from stress at the integration points, in the axes of the sections, (m, g, 8)."""
+    def require_neighbours(self, label: str) -> None:
+        """Raise ``ValueError`` if a cell of a shell, named in the message, has no neighbour."""
+        none = np.flatnonzero(~self.shares.any(axis=1))
+        if len(none):
+            raise ValueError(
+                f"residual errors need cells with smooth neighbours, cell {none[0]} of {label} has "
+                "none"
+            )
+
+    def _at_edges(self, stress: Array) -> tuple[Array, Array]:
+        """Stress at the midpoints of the edges, in their axes, and its jumps, (m, c, 8)."""
         m, c = self.shares.shape
         at_edges = np.matmul(self.turns, (self.to_edges @ stress)[..., np.newaxis])[..., 0]
         flat, jumps = at_edges.reshape(m * c, 8), np.zeros((m * c, 8))
         jumps[self.a] = flat[self.b] - flat[self.a]
         jumps[self.b] = jumps[self.a]
-        rows = jumps.reshape(m, c, 1, 8)
+        return at_edges, jumps.reshape(m, c, 8)
+
+    def layer_squares(self, stress: Array) -> Array:
+        """Squared errors of boundary layers, shape (m,), for stress as in :meth:`errors`."""
+        return self.layers.squares(stress, *self._at_edges(stress))
+
+    def errors(self, stress: Array) -> ElementErrors:
+        """Errors from stress at the integration points, in the axes of the sections, (m, g, 8)."""
+        at_edges, jumps = self._at_edges(stress)
+        rows = jumps[:, :, np.newaxis]
         squares = ((rows @ self.compliance) * rows).sum(axis=(2, 3))
         energy = ((stress @ self.plain) * stress).sum(axis=2)
-        layers = self.layers.squares(stress, at_edges, jumps.reshape(m, c, 8))
+        layers = self.layers.squares(stress, at_edges, jumps)
         return ElementErrors(
             self.areas.sum(axis=1) * (squares * self.shares).sum(axis=1) + layers,
             float((energy * self.areas).sum()),

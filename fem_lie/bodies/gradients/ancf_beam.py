@@ -20,7 +20,7 @@ from fem_lie.elements.gradients import ancf
 from fem_lie.elements.gradients.ancf import AncfElement, check_poisson
 from fem_lie.elements.gradients.warping import Warping, WarpingSprings
 from fem_lie.elements.rods.cable import hermite_shapes
-from fem_lie.forms.assembly import BodyTerm
+from fem_lie.forms.small_energy.assembly import ElementAssembly
 from fem_lie.mesh.curves import curve, straight_line
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.reading import line_of
@@ -106,7 +106,7 @@ class AncfBeamModel(SectionPointsModel):
         return type(self), self.formulation
 
     @classmethod
-    def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
+    def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> ElementAssembly:
         """Assembly of all beams of one :attr:`assembly_key`, with their warping springs."""
         assembly = assemble_cells(ancf.ELEMENT, ancf.FUNCTIONS, models)
         starts = np.cumsum([0, *(len(model.frames) for model in models)])

@@ -15,7 +15,7 @@ from fem_lie.bodies.thin_shells.given_sections import ThinSections
 from fem_lie.bodies.thin_shells.smooth_surface import Direction, SmoothSurface, SmoothSurfaceModel
 from fem_lie.elements.gradients import plate
 from fem_lie.elements.gradients.plate import AncfPlate
-from fem_lie.forms.assembly import BodyTerm
+from fem_lie.forms.small_energy.assembly import ElementAssembly
 from fem_lie.mesh.bicubic.patch_coupling import Joined
 from fem_lie.mesh.bicubic.smooth_patch import SmoothPatch
 from fem_lie.mesh.bicubic.spline_mesh import surface_of
@@ -93,7 +93,7 @@ class AncfShellModel(SmoothSurfaceModel):
         return type(self), self.formulation
 
     @classmethod
-    def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
+    def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> ElementAssembly:
         """Assembly of all bodies of one :attr:`assembly_key`."""
         return assemble_cells(plate.ELEMENT, plate.FUNCTIONS, models)
 

@@ -57,6 +57,7 @@ from fem_lie.forms.small_energy.cell import (
 )
 from fem_lie.forms.small_energy.element import CELL_SIGNATURE, data_at_rest, element
 from fem_lie.lie.node_types.node_type import NodeType
+from fem_lie.mesh.bicubic.hermite import lagrange
 
 NODES, VECTORS = 4, 8
 """Nodes of a cell: the SURFACE_GRADIENT nodes of both ends, with position and ``r_x``, then their
@@ -150,6 +151,8 @@ def stress_of_cell(A: Pointer, w: Pointer, h: Pointer) -> None:
 FUNCTIONS = CellFunctions(energy_of_cell, forces_of_cell, tangent_of_cell, stress_of_cell)
 
 _SIMPSON = np.array([1.0, 4.0, 1.0]) / 6
+_SAMPLES = np.array([0.0, 0.5, 1.0])
+"""Points of the strains of the axis."""
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 _NODE = np.array([0, 0, 2, 2, 1, 1, 3, 3])
 _ROW = np.array([0, 1, 1, 2, 0, 1, 1, 2])
@@ -186,10 +189,7 @@ class AncfElement:
             ends: Unloaded frames of both ends, shape (m, 2, 4, 3).
             lengths: Lengths of the cells, shape (m,).
         """
-        mean = D
-        if self.bending_flexibility:
-            mean = with_bending_flexibility(D, lie.se3_relative(ends[:, 0], ends[:, 1]))
-        b = _axis_strains()
+        mean, b = self._mean_stiffness(D, ends), _axis_strains()
         average = np.einsum("p,pik->ik", _SIMPSON, b)
         rest = b - average
         C = np.einsum("ia,mij,jb->mab", average, mean, average, optimize=True)
@@ -198,6 +198,43 @@ class AncfElement:
             a = _section_strains(end, poisson)
             C += 0.5 * np.einsum("mia,mij,mjb->mab", a, _across(D[:, 0, 0], poisson), a)
         return np.asarray(lengths[:, np.newaxis, np.newaxis] * C)
+
+    def _mean_stiffness(self, D: Array, ends: Array) -> Array:
+        """Stiffness ``D*`` of the mean strains, shape (m, 6, 6)."""
+        if not self.bending_flexibility:
+            return D
+        return with_bending_flexibility(D, lie.se3_relative(ends[:, 0], ends[:, 1]))
+
+    def stress(
+        self, D: Array, poisson: Array, ends: Array, lengths: Array, at: Array
+    ) -> tuple[Array, Array]:
+        """Stress at points of cells as a function of their strains, and its compliance.
+
+        The nine components are ``D (b − b̄) + D* b̄`` and ``M a``; ``b`` is the parabola through
+        its three values, ``a`` linear.
+
+        Args:
+            D: Section stiffness on (Γ, κ), shape (m, 6, 6).
+            poisson: Poisson's ratio of the sections, shape (m,).
+            ends: Unloaded frames of both ends, shape (m, 2, 4, 3).
+            lengths: Lengths of the cells, shape (m,).
+            at: Points from 0 to 1, shape (q,).
+
+        Returns:
+            Matrices, shape (m, q, 9, 18), and compliance, shape (m, 9, 9).
+        """
+        b, across = _axis_strains(), _across(D[:, 0, 0], poisson)
+        own = np.einsum("qp,pik->qik", lagrange(_SAMPLES, at), b)
+        mean = np.einsum(
+            "mij,jk->mik", self._mean_stiffness(D, ends) - D, _SIMPSON @ b.swapaxes(0, 1)
+        )
+        section = [np.einsum("mij,mjk->mik", across, _section_strains(k, poisson)) for k in (0, 1)]
+        found = np.empty((len(D), len(at), 9, STRAINS))
+        found[:, :, :6] = np.einsum("mij,qjk->mqik", D, own) + mean[:, np.newaxis]
+        found[:, :, 6:] = np.einsum("kq,kmij->mqij", np.stack([1 - at, at]), np.stack(section))
+        compliance = np.zeros((len(D), 9, 9))
+        compliance[:, :6, :6], compliance[:, 6:, 6:] = np.linalg.inv(D), np.linalg.inv(across)
+        return found, compliance
 
     def attachment_frame(self, nodes: Sequence[int], part: float, length: float) -> AttachmentFrame:
         """Attachment frame of the section at a point within a cell.

@@ -238,18 +238,10 @@ class AncfPlate:
         at, weights = hermite.products(x, x), np.outer(w, w).ravel()
         fields, mean = _fields(at, float(np.sqrt(self.share))), _mean_shear(at)
         T, areas = _to_axes(np.einsum("gka,maj->mgkj", table(at)[:, 1:], q), along)
-        across = 0.5 * (D[:, 0, 0] + D[:, 1, 1])
-        local = np.einsum("mgia,mij,mgjb->mgab", T, D, T)
-        local *= (areas * weights)[..., np.newaxis, np.newaxis]
-        thick = (areas * weights) * across[:, np.newaxis]
-        G = local[..., _SHEAR, _SHEAR].copy()
-        softer = G
-        if self.bending_flexibility:
-            bending = np.einsum("mgii->mgi", local[..., _BENDING, _BENDING])[..., :2]
-            flexible = np.linalg.inv(G)
-            flexible[..., [0, 1], [0, 1]] += 1.0 / (12.0 * bending)
-            softer = np.linalg.inv(flexible)
-        local[..., _SHEAR, _SHEAR] = 0.0
+        local, G, softer = (
+            moduli * (areas * weights)[..., np.newaxis, np.newaxis] for moduli in self._moduli(T, D)
+        )
+        thick = (areas * weights) * _across(D)[:, np.newaxis]
         C = np.einsum("gs,mg,gt->mst", fields[:, 8], thick, fields[:, 8], optimize=True)
         for field, moduli in (
             (fields[:, :8], local),
@@ -258,6 +250,45 @@ class AncfPlate:
         ):
             C += np.einsum("gas,mgab,gbt->mst", field, moduli, field, optimize=True)
         return np.asarray(0.5 * (C + C.swapaxes(1, 2)))
+
+    def _moduli(self, T: Array, D: Array) -> tuple[Array, Array, Array]:
+        """Moduli of covariant strains without shear, of shear, and of mean shear, per area."""
+        local = np.einsum("mgia,mij,mgjb->mgab", T, D, T)
+        G = local[..., _SHEAR, _SHEAR].copy()
+        local[..., _SHEAR, _SHEAR] = 0.0
+        if not self.bending_flexibility:
+            return local, G, G
+        bending = np.einsum("mgii->mgi", local[..., _BENDING, _BENDING])[..., :2]
+        flexible = np.linalg.inv(G)
+        flexible[..., [0, 1], [0, 1]] += 1.0 / (12.0 * bending)
+        return local, G, np.linalg.inv(flexible)
+
+    def stress(self, q: Array, along: Array, D: Array, at: Array) -> tuple[Array, Array]:
+        """Stress at points of cells as a function of their strains, and its compliance.
+
+        The nine components are the resultants along the section axes, and the force across the
+        thickness; the strains at the centres do not contribute.
+
+        Args:
+            q: Unloaded vectors of the interpolation, shape (m, 16, 3).
+            along: Vector of each cell whose projection onto the surface is e₁, shape (m, 3).
+            D: Section stiffness, shape (m, 8, 8).
+            at: Reference points, shape (g, 2).
+
+        Returns:
+            Matrices, shape (m, g, 9, 44), and compliance, shape (m, 9, 9).
+        """
+        fields, mean, across = _fields(at, 0.0), _mean_shear(at), _across(D)
+        T, _ = _to_axes(np.einsum("gka,maj->mgkj", table(at)[:, 1:], q), along)
+        local, G, softer = self._moduli(T, D)
+        covariant = np.einsum("mgab,gbs->mgas", local, fields[:, :8])
+        covariant[..., _SHEAR, :] = G @ (fields[:, _SHEAR] - mean) + softer @ mean
+        found = np.empty((*covariant.shape[:2], 9, STRAINS))
+        found[..., :8, :] = np.linalg.solve(T.swapaxes(-1, -2), covariant)
+        found[..., 8, :] = across[:, np.newaxis, np.newaxis] * fields[:, 8]
+        compliance = np.zeros((len(D), 9, 9))
+        compliance[:, :8, :8], compliance[:, 8, 8] = np.linalg.inv(D), 1 / across
+        return found, compliance
 
     def surface_rule(self) -> tuple[Array, Array, Array]:
         """Values (g, 16), slopes (g, 2, 16) and weights (g,) of a quadrature rule over a cell."""
@@ -279,6 +310,11 @@ class AncfPlate:
         areas = np.linalg.norm(np.cross(r1, r2), axis=-1) * np.outer(w, w).ravel()
         both = np.stack([shapes[:, 0], directors(at)[:, 0]])
         return np.einsum("mg,iga,mij,jgb->mab", areas, both, density, both, optimize=True)
+
+
+def _across(D: Array) -> Array:
+    """Stiffness across the thickness, shape (m,)."""
+    return np.asarray(0.5 * (D[:, 0, 0] + D[:, 1, 1]))
 
 
 def _fields(at: Array, share: float) -> Array:

@@ -283,6 +283,32 @@ class HermiteCable(BeamFormulation):
         """
         return None
 
+    def strains(
+        self, unloaded: Array, ends: Array, lengths: Array, along: Array
+    ) -> tuple[Array, Array]:
+        """Axial force over ``EA``, shape (m, p), and curvature, global components, (m, p, 3).
+
+        The axial strain is the parabola through its values at the Lobatto points.
+
+        Args:
+            unloaded: Unloaded coordinates of both ends of the cells, shape (m, 2, 4, 3).
+            ends: Coordinates of the ends, shape (m, 2, 4, 3).
+            lengths: Parameter lengths of the cells, shape (m,).
+            along: Parameters in a cell from 0 to 1, shape (p,).
+        """
+        signed, sampled = signs(unloaded) * lengths, np.array([0.0, 0.5, 1.0])
+        sizes, at = (self.speeds(unloaded, lengths, x) for x in (sampled, along))
+        stretch = np.linalg.norm(derivatives(ends, signed, sampled)[0], axis=-1)
+        ε = stretch / (1.0 if sizes is None else sizes) - 1.0
+        if self.slack is not None:
+            ε = np.vectorize(_stress)(ε, self.slack)
+        first, second = derivatives(ends, signed, along)
+        κ = np.cross(first, second) / (first**2).sum(axis=-1, keepdims=True)
+        parabolas = np.array(
+            [(1 - along) * (1 - 2 * along), 4 * along * (1 - along), along * (2 * along - 1)]
+        )
+        return ε @ parabolas, κ / (1.0 if at is None else at[..., np.newaxis])
+
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
         """DOLFINx forms of energy, forces and tangent; only ``EA`` and ``EI`` are used."""
         mesh = nodal.function.function_space.mesh
@@ -428,6 +454,22 @@ def signs(ends: Array) -> Array:
     """
     a, b = ends.swapaxes(0, 1)
     return np.sign(np.einsum("mj,mj->m", b[:, 0] - a[:, 0], a[:, 1] + b[:, 1]))
+
+
+def derivatives(ends: Array, lengths: Array, along: Array) -> tuple[Array, Array]:
+    """``x′`` and ``x″`` of the cubics, shape (m, p, 3).
+
+    Args:
+        ends: Coordinates of both ends of the cells, shape (m, 2, 4, 3).
+        lengths: Parameter lengths, with their :func:`signs`, shape (m,).
+        along: Parameters in a cell from 0 to 1, shape (p,).
+    """
+    ξ, length = along[:, np.newaxis], lengths[:, np.newaxis, np.newaxis]
+    (x0, x1), (a, b) = (ends[:, :, k].swapaxes(0, 1)[:, :, np.newaxis] for k in (0, 1))
+    chord = (x1 - x0) / length
+    first = 6 * ξ * (1 - ξ) * chord + (1 - 4 * ξ + 3 * ξ**2) * a + (3 * ξ**2 - 2 * ξ) * b
+    second = 6 * (1 - 2 * ξ) * chord + (6 * ξ - 4) * a + (6 * ξ - 2) * b
+    return first, second / length
 
 
 def _hermite(nodal: NodalFrames, cells: CellData) -> tuple[Expr, Expr, tuple[Expr, ...]]:

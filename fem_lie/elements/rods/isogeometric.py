@@ -20,7 +20,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie.elements.beams.element import CellData
-from fem_lie.elements.rods.cable import HermiteCable, signs
+from fem_lie.elements.rods.cable import HermiteCable, derivatives, signs
 from fem_lie.forms.frames import NodalFrames
 
 
@@ -30,11 +30,8 @@ class IsogeometricCable(HermiteCable):
 
     def speeds(self, ends: Array, lengths: Array, along: Array) -> Array:
         """Arc length per parameter of the initial curve, shape (m, p)."""
-        (a, b), ξ = ends.swapaxes(0, 1), along[:, np.newaxis]
-        length = (signs(ends) * lengths)[:, np.newaxis, np.newaxis]
-        chord = (b[:, 0] - a[:, 0])[:, np.newaxis] / length
-        rate = 6 * ξ * (1 - ξ) * chord + (1 - 4 * ξ + 3 * ξ**2) * a[:, np.newaxis, 1]
-        return np.asarray(np.linalg.norm(rate + (3 * ξ**2 - 2 * ξ) * b[:, np.newaxis, 1], axis=-1))
+        rate, _ = derivatives(ends, signs(ends) * lengths, along)
+        return np.asarray(np.linalg.norm(rate, axis=-1))
 
     def inertia(self, nodal: NodalFrames, cells: CellData) -> Array:
         """Mass matrix ``∫ ρA Nᵢ Nⱼ J du``."""

@@ -246,6 +246,12 @@ class Strains:
         S = 2 * ufl.diff(material.energy(C, *parameters), C)
         return F * (0.5 * (S + S.T)) * F.T / ufl.det(F)
 
+    def piola(self, material: SolidMaterial, parameters: Sequence[Expr]) -> tuple[Expr, Expr]:
+        """Piola-Kirchhoff stress ``S = ∂W/∂E``, (6,), and its derivative in the strain, (6, 6)."""
+        ε = ufl.variable(self.voigt)
+        S = ufl.diff(material.energy(from_voigt(ε), *parameters), ε)
+        return S, ufl.diff(S, ε)
+
     def set_nodes(self, coordinates: Array) -> None:
         """Set the coordinates to those of the cells' nodes, ``coordinates`` (m, k, 4, 3)."""
         dofmap = self.coordinates.function_space.dofmap

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 from dolfinx import fem
+from ufl.core.expr import Expr
 
 from fem_lie._arrays import Array, instance
 from fem_lie._form_cache import compile_expression
 from fem_lie.bodies.solids.solid import Solid
-from fem_lie.elements.solids.element import QUADRATURE, cellwise
+from fem_lie.elements.solids.element import QUADRATURE, Strains, cellwise
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.mesh.shapes import nodes_of, rule, tabulated
 from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.results.states import States, nodes_in, require_states, state_number
 from fem_lie.results.stresses.fields import Fields, check_name
+from fem_lie.sections.solid_materials import SolidMaterial
+
+CellExpression: TypeAlias = Callable[[Strains, SolidMaterial, Sequence[Expr]], Expr]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -182,17 +187,42 @@ def solid_stresses(result: States, solid: Solid, state: int = -1) -> SolidStress
     instance(solid, Solid, "solid_stresses: solid", "a Solid")
     frames = result.frames[state_number(state, len(result.frames))]
     own = np.ascontiguousarray(frames[nodes_in(result.info, solid)])
-    mesh, degree = solid.model.mesh.mesh, solid.model.degree
+    degree = solid.model.degree
     points, _ = rule(solid.model.mesh.cell, QUADRATURE[solid.model.mesh.cell, degree])
-    strains = solid.model.formulation.strains(NodalFrames(mesh, degree), degree)
-    strains.set_nodes(own[solid.model.connectivity])
-    parameters = [cellwise(mesh, column) for column in solid.model.parameters.T]
-    stress = compile_expression(strains.cauchy(solid.model.material, parameters), points)
-    cells = np.arange(solid.model.mesh.cells, dtype=np.int32)
-    at_points = stress.eval(mesh, cells).reshape(len(cells), len(points), 3, 3)
+    at_points = CellValues(solid, Strains.cauchy).at(points)(own)
     shapes = tabulated(solid.model.mesh.cell, degree, points)[0]
     positions = np.einsum("gk,mkj->mgj", shapes, own[solid.model.connectivity, 0])
     return SolidStresses(solid, own, at_points, positions, _averaged(solid, points, at_points))
+
+
+class CellValues:
+    """Values of an expression in the strains, the law and its parameters, in all cells."""
+
+    def __init__(self, solid: Solid, expression: CellExpression) -> None:
+        """Build the expression.
+
+        Args:
+            solid: The solid.
+            expression: From strains, constitutive law and parameters to UFL.
+        """
+        self._solid, model = solid, solid.model
+        mesh, degree = model.mesh.mesh, model.degree
+        self._strains = model.formulation.strains(NodalFrames(mesh, degree), degree)
+        parameters = [cellwise(mesh, column) for column in model.parameters.T]
+        self._expression = expression(self._strains, model.material, parameters)
+
+    def at(self, points: Array) -> Callable[[Array], Array]:
+        """Function from nodal coordinates (n, 4, 3) to values at reference points, (m, g, …)."""
+        compiled = compile_expression(self._expression, points)
+        mesh, cells = self._solid.model.mesh.mesh, np.arange(self._solid.model.mesh.cells)
+
+        def evaluate(frames: Array) -> Array:
+            self._strains.set_nodes(frames[self._solid.model.connectivity])
+            found = compiled.eval(mesh, cells.astype(np.int32))
+            shape = len(cells), len(points), *self._expression.ufl_shape
+            return np.asarray(found.reshape(shape))
+
+        return evaluate
 
 
 def _averaged(solid: Solid, points: Array, values: Array) -> Array:
