@@ -45,10 +45,10 @@ def energy_error(result: fl.Result, scene: fl.Scene, amplitude: float) -> float:
     """Energy against the work of the moment at the root, by the trapezoidal rule."""
     (wing,) = scene.bodies
     assert isinstance(wing, fl.Shell)
-    edges, lengths = wing.model.edges("a=0")
-    nodes = result.info.body("wing").nodes[edges]
+    root = wing.model.edge_quadrature("a=0")
+    nodes = result.info.body("wing").nodes[root.nodes]
     axes, local = result.frames[:, nodes, 1:], result.velocities[:, nodes, 3:]
-    rate = np.einsum("ek,teki,teki->t", lengths, axes[..., 1], local)
+    rate = np.einsum("ek,teki,teki->t", root.lengths, axes[..., 1], local)
     power = rate * np.array([moment(amplitude, t) for t in result.times])
     steps = 0.5 * (power[1:] + power[:-1]) * np.diff(result.times)
     energy = result.kinetic + result.elastic
