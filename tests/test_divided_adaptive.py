@@ -15,7 +15,8 @@ def alone(tmp_path_factory):
     return divided_adaptive.runs(tmp_path_factory.mktemp("alone"))
 
 
-@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("ranks", [2, 3])
 def test_parts_choose_the_steps_of_one_rank_and_are_resumed(alone, tmp_path, ranks):
     out = tmp_path / "found.npz"
     on_ranks(divided_adaptive, ranks, out, str(tmp_path))

@@ -15,7 +15,8 @@ def alone():
     return divided_conserving.results()
 
 
-@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("ranks", [2, 3])
 def test_conserving_steps_of_parts_have_the_results_of_one_rank(alone, tmp_path, ranks):
     out = tmp_path / "found.npz"
     on_ranks(divided_conserving, ranks, out)
