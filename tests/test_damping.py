@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from mpi4py import MPI
+
 import numpy as np
 import pytest
+import ufl
 
 import fem_lie as fl
 from fem_lie import lie
+from tests import models
 from tests.assembled import Assembled
 
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -167,10 +171,20 @@ def test_six_relaxation_times_belong_to_beams():
         BODIES["MITC4"](damping=0.1)
 
 
-def test_energies_without_strains_have_no_viscosity():
-    mesh = fl.mesh.parametric_surface(flat, (1, 1))
+def test_thin_shells_have_damping_of_mass_alone():
     patch = fl.mesh.smooth_patch(flat, (1, 1))
     layer = fl.ShellSection.layer(0.01, STEEL)
-    assert fl.Shell(mesh, layer, damping=fl.sections.Damping(mass=1.0)).model.damping.mass == 1.0
+    given = fl.ThinShell(patch, layer, damping=fl.sections.Damping(mass=1.0))
+    assert given.model.damping.mass == 1.0
     with pytest.raises(ValueError, match="ThinShell has damping with mass only"):
         fl.ThinShell(patch, layer, damping=fl.sections.Damping(stiffness=1e-3))
+
+
+def test_an_energy_without_strains_has_no_viscosity():
+    mesh = models.straight(MPI.COMM_SELF, 1.0, 1)
+    q = fl.NodalFrames(mesh)
+    energy = ufl.inner(q.position, q.position) * ufl.dx(mesh)
+    no_map = fl.extend.FrameMap(None, None, None, None, values=12, unknowns=6)
+    given = q.function, q.increment, no_map
+    with pytest.raises(ValueError, match="viscous forces need strains"):
+        fl.extend.LocalFrameForms(energy, *given, relaxation=0.1)

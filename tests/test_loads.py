@@ -218,6 +218,12 @@ LINES = {
         (0, 0, 0), (LENGTH, 0, 0), SECTION, cells=3, formulation=fl.elements.DirectorBeam(degree=2)
     ),
     "cable": lambda: fl.Cable.straight((0, 0, 0), (LENGTH, 0, 0), SQUARE, cells=3),
+    "cable with a cell that runs backwards": lambda: fl.Cable(
+        fl.mesh.LineMesh.from_cells(
+            [(0, 0, 0), (0.5 * LENGTH, 0, 0), (LENGTH, 0, 0)], [(0, 1), (2, 1)]
+        ),
+        SQUARE,
+    ),
     "ANCF": lambda: fl.AncfBeam.straight((0, 0, 0), (LENGTH, 0, 0), SQUARE, cells=3),
     "shell": lambda: fl.Shell(
         fl.mesh.parametric_surface(lambda a, b: np.array([LENGTH * a, b, 0.0]), (3, 2)),
