@@ -1,4 +1,4 @@
-"""Effectivity of error estimates on problems with known stress, of bodies beside beams and shells.
+"""Effectivity of error estimates on problems with known stress: cables, ANCF bodies, solids.
 
 ``tools/run python3 -m benchmarks.known_stresses [--case cable …]``
 

@@ -1,4 +1,4 @@
-"""Standard benchmarks of NAFEMS by the public interface, beside their target values.
+"""Standard benchmarks of NAFEMS by the public interface, and their target values.
 
     RUN -m benchmarks.nafems [--only LE1 FV52] [--refined]
 

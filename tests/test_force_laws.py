@@ -224,7 +224,7 @@ def test_slack_cable_stay():
 
 
 def guyed_mast(rest):
-    """A rigid mast of 3 m on a hinge, with two stays of 10 kN/m to 2 m beside its foot."""
+    """A rigid mast of 3 m on a hinge, with two stays of 10 kN/m to 2 m from its foot."""
     scene = fl.Scene()
     mast = scene.add(fl.RigidBody(5.0, (4.0, 4.0, 0.1), position=(0, 0, 1.5), name="mast"))
     foot = {"at": (0, 0, 0), "axis": (0, 1, 0), "name": "foot"}

@@ -78,6 +78,11 @@ class Damping:
         return np.full(6, given) if given.ndim == 0 else given
 
     @classmethod
+    def _checked(cls, given: Damping | None, what: str) -> Damping:
+        instance(given, cls | None, f"{what}: damping", "a Damping or None")
+        return cls() if given is None else given
+
+    @classmethod
     def of_mass(cls, given: Damping | None, what: str) -> Damping:
         """Damping of a body that has none of strain.
 
@@ -89,8 +94,7 @@ class Damping:
             ValueError: It damps strain.
             TypeError: It is not a :class:`Damping`.
         """
-        instance(given, cls | None, f"{what}: damping", "a Damping or None")
-        found = cls() if given is None else given
+        found = cls._checked(given, what)
         if found.relaxation_time:
             raise ValueError(f"{what} has damping with mass only, got Damping(stiffness=…)")
         return found
@@ -107,8 +111,7 @@ class Damping:
             ValueError: It has several.
             TypeError: It is not a :class:`Damping`.
         """
-        instance(given, cls | None, f"{what}: damping", "a Damping or None")
-        found = cls() if given is None else given
+        found = cls._checked(given, what)
         if np.ptp(found.factors()):
             raise ValueError(
                 f"{what} has one relaxation time for all strains, got Damping(stiffness="
