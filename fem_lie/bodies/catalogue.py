@@ -14,7 +14,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, Indices, Scalar, shown
 from fem_lie._summary import Summarised
 from fem_lie.bodies.points import require_node
-from fem_lie.lie.node_types import NodeType
+from fem_lie.lie.node_types import WITH_GRADIENTS, NodeType
 
 if TYPE_CHECKING:
     from fem_lie.attachments.attachment import AttachmentFrame
@@ -186,6 +186,16 @@ class SceneInfo(Summarised):
         for body in self.bodies:
             found[body.nodes] = _known(body, body.node_types, "node types")
         return found
+
+    @property
+    def gradient_nodes(self) -> Indices:
+        """Nodes with position gradients, ascending, shape (g,)."""
+        parts = [
+            body.nodes[np.isin(body.node_types, WITH_GRADIENTS)]
+            for body in self.bodies
+            if body.node_types is not None
+        ]
+        return np.sort(np.concatenate([np.empty(0, np.int64), *parts]))
 
     @cached_property
     def undeformed(self) -> Array:

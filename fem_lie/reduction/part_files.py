@@ -111,7 +111,7 @@ def recover_full_motion(result: Result, *bodies: ReducedOrderBody) -> Result:
     catalogue = replace(result.info, bodies=tuple(infos), joints=joints, supports=supports)
     others = {"frames": np.concatenate(frames, axis=1), "info": catalogue}
     if moving:
-        others["velocities"] = np.concatenate(twists, axis=1)
+        others |= {"velocities": np.concatenate(twists, axis=1), "gradient_velocities": None}
     return with_others(result, others)
 
 

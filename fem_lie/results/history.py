@@ -88,6 +88,9 @@ class Result(Balanced, StateSeries):
         friction: Friction forces of contacts by penalty, if there are any; ``None`` for states
             between steps.
         subdomains: Statistics of the domain decomposition, if it was used; not stored in files.
+        gradient_velocities: Rates of the coordinate vectors of nodes with position gradients at the
+            last state, along their axes, for :func:`fem_lie.adaptivity.transfer`, shape (g, 6);
+            ``None`` without such nodes, on several ranks, in files and for other states.
     """
 
     times: Array
@@ -115,6 +118,7 @@ class Result(Balanced, StateSeries):
     friction: FrictionForces | None = None
     divided: int = 0
     subdomains: Subdomains | None = None
+    gradient_velocities: Array | None = None
 
     def __post_init__(self) -> None:
         nodes, count = self.frames.shape[1] if self.frames.ndim == 4 else 0, len(self.times)
@@ -219,7 +223,8 @@ class Result(Balanced, StateSeries):
             AttributeError: Velocities were not recorded.
         """
         rows = self._kept | {"velocities": self.velocities}
-        return Result(**vars(self) | resampled(rows, self.info.node_types, times))
+        found = resampled(rows, self.info.node_types, times)
+        return Result(**vars(self) | found | {"gradient_velocities": None})
 
     @property
     def _kept(self) -> dict[str, Array]:
@@ -366,8 +371,7 @@ class Result(Balanced, StateSeries):
         return np.array([self.index(time) for time in at])
 
 
+_NOT_ARRAYS = "info", "steps", "contacts", "friction", "subdomains", "gradient_velocities"
 _ARRAYS = tuple(
-    field.name
-    for field in fields(Result)
-    if field.name not in (*NUMBERS, "info", "steps", "contacts", "friction", "subdomains")
+    field.name for field in fields(Result) if field.name not in (*NUMBERS, *_NOT_ARRAYS)
 )

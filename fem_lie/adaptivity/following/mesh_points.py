@@ -11,14 +11,17 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.adaptivity.following.closest_cells import LagrangeCells
+from fem_lie.adaptivity.following.vector_maps import VectorMap, vector_map
 from fem_lie.attachments.attachment import AttachmentFrame, AttachmentKind, locate
 from fem_lie.attachments.between_frames import interpolated
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
+from fem_lie.bodies.shells.mixed import MixedShellModel
+from fem_lie.bodies.shells.model import ShellModel
 from fem_lie.bodies.shells.shell import Shell
 from fem_lie.lie.node_types import NodeType
 
@@ -26,7 +29,7 @@ _NEAR = 4  # candidate elements
 _AT_NODE = 1e-9  # distance from a node relative to an element
 _OFF = 0.2  # largest distance relative to an element for meshes of the same body
 _ROUNDS = 20  # iterations of Newton's method along an element
-_AROUND = 24  # triangles with the closest centres that are checked
+_SAME = 9  # digits to which distances are compared
 _BLOCK = 256  # nodes per block when distances from all elements are computed
 
 
@@ -67,7 +70,7 @@ class MeshPoints(NamedTuple):
         return lie.se3_compose(H, self.offset), np.einsum("nij,nj->ni", back, v)
 
 
-def mesh_points(old: Body, new: Body) -> MeshPoints:
+def mesh_points(old: Body, new: Body) -> MeshPoints | VectorMap:
     """Points of the mesh of one body that correspond to the nodes of another.
 
     Raises:
@@ -78,19 +81,25 @@ def mesh_points(old: Body, new: Body) -> MeshPoints:
             f"{new.label} was a {type(old).__name__}, now it is a {type(new).__name__}"
         )
     if _same(old, new):
-        nodes: Indices = np.arange(len(new.frames))
-        attachments: list[AttachmentFrame] = []
-    else:
-        _require_frames(old, new)
-        if isinstance(old, Beam):
-            nodes, attachments = _on_lines(old, new.frames)
-        elif isinstance(old, Shell):
-            nodes, attachments = _on_triangles(old, new.frames)
-        else:
-            raise ValueError(
-                f"expected a Beam, Rod or Shell to change the mesh, {new.label} is a "
-                f"{type(new).__name__}"
-            )
+        return _with_offsets(np.arange(len(new.frames)), [], old, new)
+    if (old.model.node_types != NodeType.FRAME).any():
+        found = vector_map(old.model, new.model)
+        _check_near(old, new.frames, found.away)
+        return found
+    if isinstance(old, Beam):
+        return _with_offsets(*_on_lines(old, new.frames), old, new)
+    if isinstance(old, Shell):
+        return _with_offsets(*_on_surface(old, new.frames), old, new)
+    raise ValueError(
+        f"expected a body on a line, a surface or in a volume to change the mesh, {new.label} is a "
+        f"{type(new).__name__}"
+    )
+
+
+def _with_offsets(
+    nodes: Indices, attachments: list[AttachmentFrame], old: Body, new: Body
+) -> MeshPoints:
+    """Points with the offsets of the new nodes in the undeformed configuration."""
     found = MeshPoints(nodes, attachments, np.tile(np.eye(4, 3, -1), (len(nodes), 1, 1)))
     at, _ = found.motion(old.frames, np.zeros((len(old.frames), 6)))
     return found._replace(offset=lie.se3_compose(lie.se3_inverse(at), new.frames))
@@ -101,14 +110,6 @@ def _same(old: Body, new: Body) -> bool:
     if old.frames.shape != new.frames.shape:
         return False
     return bool(np.abs(old.frames - new.frames).max() <= _AT_NODE * old.model.size)
-
-
-def _require_frames(*bodies: Body) -> None:
-    for body in bodies:
-        if (body.model.node_types != NodeType.FRAME).any():
-            raise ValueError(
-                f"expected nodes with frames to change the mesh, {body.label} has others"
-            )
 
 
 def _on_lines(old: Beam, frames: Array) -> tuple[Indices, list[AttachmentFrame]]:
@@ -157,47 +158,39 @@ def _near_chords(ends: Array, x: Array) -> Indices:
     return np.asarray(np.concatenate(found), dtype=np.int64)
 
 
-def _on_triangles(old: Shell, frames: Array) -> tuple[Indices, list[AttachmentFrame]]:
-    """Closest points of each node, on triangles of first degree."""
-    mesh = old.model.mesh
-    if mesh.cell != "triangle" or mesh.degree != 1:
-        raise ValueError(
-            f"meshes of triangles of degree 1 change, that of {old.label} has {mesh.cell}s of "
-            f"degree {mesh.degree}"
-        )
-    corners, x = old.frames[old.model.connectivity, 0], frames[:, 0]
-    _, near = cKDTree(corners.mean(axis=1)).query(x, k=min(_AROUND, len(corners)))
-    near = np.asarray(near, dtype=np.int64).reshape(len(x), -1)
-    # a point outside a cell is assigned to the cell with the largest least coordinate
-    a, b, c = (corners[near, k] for k in range(3))
-    normal = np.cross(b - a, c - a)
-    doubled = (normal**2).sum(axis=2)
-    at = x[:, np.newaxis]
-    weights = np.stack(
-        [
-            np.einsum("nki,nki->nk", np.cross(q - p, at - p), normal) / doubled
-            for p, q in ((b, c), (c, a), (a, b))
-        ],
-        axis=2,
-    )
-    height = np.abs(np.einsum("nki,nki->nk", at - a, normal)) / doubled**0.75
-    outside = np.maximum(-weights.min(axis=2), 0.0) + height
-    side = np.einsum("nki,ni->nk", normal, frames[:, 3]) / np.sqrt(doubled)
-    best = np.lexsort((-side, np.round(outside, 9)), axis=1)[:, 0]
-    rows = np.arange(len(x))
-    _check_near(old, frames, outside[rows, best])
-    shares = np.clip(weights[rows, best], 0.0, 1.0)
-    shares[shares < _AT_NODE] = 0.0
-    shares /= shares.sum(axis=1, keepdims=True)
-    nodes, attachments = np.full(len(x), -1), []
-    for i, (cell, share) in enumerate(
-        zip(old.model.connectivity[near[rows, best]], shares, strict=True)
-    ):
+def _on_surface(old: Shell, frames: Array) -> tuple[Indices, list[AttachmentFrame]]:
+    """Closest points of each node, on cells that interpolate positions and directors."""
+    found = [_on_cells(part, frames) for part in _parts(old.model)]
+    best = np.argmin([np.round(away, _SAME) for away, _, _ in found], axis=0)
+    away, connectivity, shares = zip(*found, strict=True)
+    _check_near(old, frames, np.choose(best, away))
+    nodes, attachments = np.full(len(frames), -1), []
+    for i, part in enumerate(best):
+        cell, share = connectivity[part][i], shares[part][i]
         if share.max() > 1.0 - _AT_NODE:
             nodes[i] = cell[share.argmax()]
         else:
             attachments.append(interpolated([int(node) for node in cell], share))
     return nodes, attachments
+
+
+def _parts(model: ShellModel | MixedShellModel) -> list[tuple[ShellModel, Indices]]:
+    """Models of cells of one type, and the numbers of their nodes."""
+    if isinstance(model, MixedShellModel):
+        return [(part.model, part.nodes) for part in model.parts]
+    return [(model, np.arange(len(model.frames)))]
+
+
+def _on_cells(part: tuple[ShellModel, Indices], frames: Array) -> tuple[Array, Indices, Array]:
+    """Distances (n,) of nodes from the closest cells, nodes of these (n, k), shape functions."""
+    model, numbers = part
+    mesh, x = model.mesh, model.frames[:, 0]
+    cells = LagrangeCells(mesh.cell, mesh.degree, model.connectivity, x)
+    closest = cells.cells.closest(frames[:, 0], frames[:, 3])
+    shares = cells.shapes(closest.at)[0]
+    shares[np.abs(shares) < _AT_NODE] = 0.0
+    shares /= shares.sum(axis=1, keepdims=True)
+    return closest.away, numbers[model.connectivity[closest.cells]], shares
 
 
 def _check_near(old: Body, frames: Array, away: Array) -> None:

@@ -3,14 +3,15 @@
 The solver can restart from the transferred state::
 
     finer = build(fl.adaptivity.refine(mesh, error.worst()))
-    changes = fl.adaptivity.transfer(result, scene, finer)  # sets frames and velocities of bodies
-    of finer print(changes)                               # energy before and after; momenta are the
-    same fl.GeneralisedAlpha().run(finer, duration=0.1, step=1e-3)
+    changes = fl.adaptivity.transfer(result, scene, finer)  # sets frames and velocities
+    print(changes)  # energy before and after; momenta are the same
+    fl.GeneralisedAlpha().run(finer, duration=0.1, step=1e-3)
 
 Frames of nodes inside old elements are interpolated by the element; on beams, on the geodesic of
-SE(3). Velocities are those of the element at that point, with the least correction that restores
-the momenta. Stress follows from the frames on the new mesh; the solver computes new accelerations
-and joint forces.
+SE(3). Positions and position gradients are sums of those of the old nodes (:mod:`.vector_maps`).
+Velocities are those of the element at that point, with the least correction that restores the
+momenta. Stress follows from the frames on the new mesh; the solver computes new accelerations and
+joint forces.
 
 *Velocities with given momenta* are the closest to the interpolated ones in the norm of the
 consistent mass matrix::
@@ -30,11 +31,12 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from fem_lie._arrays import Array, Flags, Indices
+from fem_lie._arrays import Array, Flags
 from fem_lie._summary import Summarised
 from fem_lie.adaptivity.following.mesh_points import MeshPoints, mesh_points
+from fem_lie.adaptivity.following.vector_maps import VectorMap
 from fem_lie.bodies.body import Body
-from fem_lie.lie.node_types import NodeType, push_all_forward, rigid_motions
+from fem_lie.lie.node_types import push_all_forward, rigid_motions
 from fem_lie.lie.node_types.inertia import invariants
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
@@ -46,6 +48,7 @@ from fem_lie.system.equations import Equations, TimeState
 
 _SAME = 1e-15  # relative to the momenta
 _LOST = 1e-13  # relative size of conditions that count as linearly dependent
+_KEPT = 1e-13  # relative to the momenta
 _NO_INERTIA = 1e-12
 _ROUNDS = 3
 
@@ -174,14 +177,16 @@ def transfer(
     Args:
         result: Result of dynamics, of statics or of a path of ``scene``.
         scene: The scene that was solved.
-        onto: A scene with the same bodies on other meshes: Beams, Rods with frames, and Shells of
-            triangles. Joints and their histories are those of ``scene`` if they have the same
-            names; there may be more. It is modified.
-        state: Index of the state; default: the last.
+        onto: A scene with the same bodies on other meshes: beams, rods with frames, shells,
+            cables, nets, thin shells, ANCF bodies, membranes and solids. Joints and their histories
+            are those of ``scene`` if they have the same names; there may be more. It is modified.
+        state: Index of the state; default: the last, the only one of a motion of bodies with
+            position gradients (cables, thin shells, ANCF bodies).
 
     Raises:
         ValueError: The bodies differ, or meshes are of other lines or surfaces, or joints are at
-            points that the new mesh has elsewhere, or the result has no velocities or momenta.
+            points that the new mesh has elsewhere, or the result has no velocities or momenta, or
+            a file does not have the rates of position gradients.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -233,6 +238,7 @@ def transfer(
     changes = equations.report(H, v[: equations.unknowns.moving])
     _check_joints(equations, H)
     frames, twists = changes.frames, changes.twists
+    twists[equations.unknowns.masters] = v[: equations.unknowns.moving]
     for body, own in equations.unknowns.bodies.items():
         body.model.start_frames = np.array(frames[own])
         body.velocities[:] = twists[own]
@@ -247,7 +253,7 @@ def _bodies(scene: Scene) -> dict[str, Body]:
 def _gathered(
     result: Result | StaticResult,
     at: int,
-    found: Mapping[str, MeshPoints],
+    found: Mapping[str, MeshPoints | VectorMap],
     equations: Equations,
     after: Mapping[str, Body],
 ) -> tuple[Array, Array]:
@@ -256,7 +262,7 @@ def _gathered(
     frames, twists = np.empty((unknowns.total, 4, 3)), np.zeros((unknowns.total, 6))
     for name, points in found.items():
         own, nodes = result.info.body(name).nodes, unknowns.bodies[after[name]]
-        v = _twists(result, at, own)
+        v = _twists(result, at, name)
         frames[nodes], twists[nodes] = points.motion(result.frames[at, own], v)
     H, v = equations.start.frames.copy(), equations.start.velocities.copy()
     H[: unknowns.moving] = frames[unknowns.masters]
@@ -264,21 +270,31 @@ def _gathered(
     return H, v
 
 
-def _twists(result: Result | StaticResult, at: int, own: Indices) -> Array:
-    """Twists of nodes at a state; those of an equilibrium are of its steady rotation."""
-    if isinstance(result, Result):
-        return np.asarray(result.velocities[at, own])
-    frames = np.full(len(own), NodeType.FRAME, dtype=np.int64)
-    # centrifugal forces have the load factor
-    return result.steady_rotation.velocities(
-        frames, result.frames[at, own], np.sqrt(result.factors[at])
-    )
+def _twists(result: Result | StaticResult, at: int, name: str) -> Array:
+    """Twists of the nodes of a body at a state; those of an equilibrium of its steady rotation."""
+    own = result.info.body(name).nodes
+    if not isinstance(result, Result):
+        kinds = result.info.node_types[own]
+        # centrifugal forces have the load factor
+        return result.steady_rotation.velocities(
+            kinds, result.frames[at, own], np.sqrt(result.factors[at])
+        )
+    v = np.array(result.velocities[at])
+    gradients = result.info.gradient_nodes
+    if np.isin(gradients, own).any():
+        if result.gradient_velocities is None or at != len(result.frames) - 1:
+            raise ValueError(
+                f"{name} has position gradients, whose rates only the last state of a run on one "
+                "rank has: expected its result as it was returned, and state=-1"
+            )
+        v[gradients] = result.gradient_velocities
+    return np.asarray(v[own])
 
 
 def _kept(
     result: Result,
     at: int,
-    found: Mapping[str, MeshPoints],
+    found: Mapping[str, MeshPoints | VectorMap],
     equations: Equations,
     after: Mapping[str, Body],
     H: Array,
@@ -293,13 +309,19 @@ def _kept(
         gone = len(np.unique(points.nodes[~points.between])) < count
         lost |= gone
         changed[nodes] |= gone or bool(points.between.any())
-    # if nodes were removed, a few new nodes cannot restore their momenta
-    free = new if np.count_nonzero(new) >= _ENOUGH and not lost else changed
-    if not free.any():
+    if not changed.any():
         return v
     momenta = np.concatenate([result.momentum[at], result.angular_momentum[at]])
     wanted, _ = equations.constraints(H).rates(v)
-    return with_momenta(equations, H, v, momenta, free, wanted)
+    # if nodes were removed, a few new nodes cannot restore their momenta
+    if np.count_nonzero(new) >= _ENOUGH and not lost:
+        twists = with_momenta(equations, H, v, momenta, new, wanted)
+        _, reached = invariants_of(equations, H, twists)
+        sizes = np.repeat([equations.unknowns.length, 1.0], 3)
+        if np.abs(sizes * (reached - momenta)).max() <= _KEPT * np.abs(sizes * momenta).max():
+            return twists
+    # nodes without rotations on a line have no moment about it
+    return with_momenta(equations, H, v, momenta, changed, wanted)
 
 
 def _check_joints(equations: Equations, H: Array) -> None:

@@ -37,6 +37,8 @@ from fem_lie.lie.tuples import (
 
 POSITION_GRADIENT, POSITION, SURFACE_GRADIENT, MIXED_DERIVATIVE, MODAL = 4, 5, 6, 7, 8
 """Node types that are not frames; the numbers of frames are smaller."""
+WITH_GRADIENTS = POSITION_GRADIENT, SURFACE_GRADIENT, MIXED_DERIVATIVE
+"""Node types whose velocity is more than a translation and a rotation."""
 
 _OPPOSITE = 1e-12  # 1 + cosine: there is no smallest rotation to the opposite direction
 

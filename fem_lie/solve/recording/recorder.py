@@ -234,6 +234,7 @@ class History(Window):
             divided: Number of divided steps.
         """
         arrays: dict[str, Any] = dict(self.collected())
+        end = float(arrays["times"][-1]) if len(arrays["times"]) else np.nan
         if self._store is not None:
             numbers = {"factorisations": factorisations + refreshes, "seconds": seconds}
             numbers |= {"k_updates": factorisations, "phi_updates": factorisations + refreshes}
@@ -247,6 +248,7 @@ class History(Window):
         found = Result(
             **arrays,
             friction=friction,
+            gradient_velocities=self.end_gradient_velocities(end) if self.part is None else None,
             factorisations=factorisations + refreshes,
             k_updates=factorisations,
             phi_updates=factorisations + refreshes,

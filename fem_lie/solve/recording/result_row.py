@@ -59,6 +59,7 @@ class SceneArrays(NamedTuple):
         lengths: Unloaded lengths of elements that are checked by their strain, else zero, (w,).
         chords: Unloaded chords along the mean axes of both ends, (w, 3).
         turning: Angular velocities per rate of the directors, (n, 3, 3, 3).
+        gradients: Master nodes with position gradients, (g,).
         floating: Reduced-order bodies.
     """
 
@@ -79,6 +80,7 @@ class SceneArrays(NamedTuple):
     lengths: Numbers1
     chords: Numbers2
     turning: Numbers4
+    gradients: Integers1
     floating: PlainFloating
 
 
@@ -92,6 +94,7 @@ class ResultColumns(NamedTuple):
     Attributes:
         frames: Frames of all nodes, (rows, N, 4, 3).
         velocities: Their twists, (rows, N, 6).
+        gradient_velocities: Velocities of nodes with position gradients, (rows, g, 6).
         joint_forces: Forces and moments, (rows, connections, 6).
         joint_coordinates: Reported joint coordinates, (rows, probes).
         joint_violations: Constraint violations, (rows, connections).
@@ -106,6 +109,7 @@ class ResultColumns(NamedTuple):
 
     frames: Numbers4
     velocities: Numbers3
+    gradient_velocities: Numbers3
     joint_forces: Numbers3
     joint_coordinates: Numbers2
     joint_violations: Numbers2
@@ -137,7 +141,9 @@ class ResultRow:
         joints = *known.joints, *known.probes, *reported, known.owner
         self._equations, self._complete = equations, known.complete
         turns = known.limits, known.ends, known.whole, known.lengths, known.chords
-        self._fixed = PackedArrays([*nodes, *joints, *turns, known.turning, *known.floating])
+        gradients = known.master[equations.info.gradient_nodes]
+        rest = known.turning, gradients, *known.floating
+        self._fixed = PackedArrays([*nodes, *joints, *turns, *rest])
         self.scene = self._fixed.addresses
 
     def by_twists(
@@ -343,6 +349,8 @@ def _fill_motion(H: Array, v: Array, given: SceneArrays, kept: ResultColumns, ro
     own = velocities if leads else np.empty_like(v)
     if wanted:
         all_result_twists(given.kinds, H, v, own)
+        for k in range(given.gradients.shape[0]):
+            kept.gradient_velocities[row, k] = v[given.gradients[k]]
     if leads:
         copy_blocks(H, kept.frames[row])
     else:

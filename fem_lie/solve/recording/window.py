@@ -77,6 +77,10 @@ class Window:
         self.times, self.frames, self.velocities = (
             arrays[name] for name in ("times", "frames", "velocities")
         )
+        # of the last state only: to continue a motion on another mesh
+        there = rows if Record.VELOCITIES in filled else 0
+        self.gradient_velocities: Array = np.full((there, len(info.gradient_nodes), 6), np.nan)
+        self._end: tuple[float, Array] = np.nan, self.gradient_velocities[:0]
         self.joint_forces, self.invariants = arrays["joint_forces"], arrays["invariants"]
         self.reactions = arrays["reactions"]
         self.joint_violations = arrays["joint_violations"]
@@ -116,7 +120,7 @@ class Window:
                 self._grow()
 
     def _grow(self) -> None:
-        for name in self._names:
+        for name in (*self._names, "gradient_velocities"):
             old = getattr(self, name)
             setattr(self, name, np.concatenate([old, np.full_like(old, old[-1:])]))
         self._collect_arrays()
@@ -125,7 +129,8 @@ class Window:
         joints = self.joint_forces, self.joint_coordinates, self.joint_violations
         others = self.invariants, self.balance, self.impulses
         numbers = self.potential, self.elastic, self.times, self.iterations
-        self.arrays = PackedArrays([self.frames, self.velocities, *joints, *others, *numbers])
+        motion = self.frames, self.velocities, self.gradient_velocities
+        self.arrays = PackedArrays([*motion, *joints, *others, *numbers])
 
     @property
     def gap(self) -> float:
@@ -152,6 +157,7 @@ class Window:
         _ = self.gap
         if not self.row:
             return
+        self._end = self._last_row()
         rows = {name: getattr(self, name)[: self.row] for name in self._names}
         if self._wanted is None:
             self._put(rows, self.row)
@@ -208,6 +214,23 @@ class Window:
         return {
             name: np.concatenate([part[name] for part in (empty, *self._parts)]) for name in empty
         }
+
+    def _last_row(self) -> tuple[float, Array]:
+        """Time of the last row, and velocities of nodes with position gradients, (g, 6)."""
+        last = self.gradient_velocities[self.row - 1 : self.row]
+        return float(self.times[self.row - 1]), last.reshape(-1, 6).copy()
+
+    def end_gradient_velocities(self, time: float) -> Array | None:
+        """Velocities of nodes with position gradients at the last state, shape (g, 6).
+
+        Args:
+            time: Time of the last state of the result.
+
+        Returns:
+            ``None`` if there are no such nodes, or their velocities are not known at this time.
+        """
+        at, found = self._last_row() if self.row else self._end
+        return found if at == time and len(found) and np.isfinite(found).all() else None
 
     # --- checkpoints ---
 
