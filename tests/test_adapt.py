@@ -339,6 +339,55 @@ def test_a_line_is_refined_where_it_bends():
     assert found.rate == pytest.approx(-1.0, abs=0.15), "of first order"
 
 
+def test_a_cable_is_refined_at_its_clamps():
+    """A taut cable with bending stiffness: its layers there have the width √(EI/T)."""
+    EA, EI, T, q = 4e4, 0.1, 400.0, 8.0
+    section = fl.Section.from_stiffness([EA, 1e5, 1e5, EI, EI, EI])
+
+    def taut(mesh):
+        scene = fl.Scene()
+        rope = scene.add(fl.Cable(mesh, section, length=1.0 / (1.0 + T / EA), name="rope"))
+        rope.clamp(rope.point("start"), rope.point("end"))
+        scene.add(fl.LineLoad(rope, force=(0.0, 0.0, -q)))
+        return scene
+
+    line = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 4)
+    found = fl.adaptivity.adapt(taut, line, tolerance=3e-4)
+    along = np.sort(found.mesh.points[:, 0])
+    sizes = np.diff(along)
+    assert (
+        sizes[[0, -1]].max() <= 2.0**-7 < 8 * 2.0**-7 < sizes[np.abs(along[:-1] - 0.5) < 0.2].min()
+    )
+    assert len(sizes) < 64 / 3, "64 equal elements have 3.3e-4"
+    # the load is per unloaded length
+    k, unloaded = np.sqrt(T / EI), q / (1.0 + T / EA)
+    bent = (1.0 - np.cosh(0.5 * k)) / np.sinh(0.5 * k) / (2.0 * T * k)
+    sag = unloaded * (1.0 / (8.0 * T) + bent)
+    assert -found.result.frames[-1, :, 0, 2].min() == pytest.approx(sag, rel=3e-3)
+
+
+def test_an_ancf_beam_is_refined_where_it_bends():
+    """To the displacement of 64 elements."""
+    section = fl.Section.rectangle(0.05, 0.05, fl.Material(2.1e9, 0.3, 1000.0))
+
+    def held(mesh):
+        scene = fl.Scene()
+        beam = scene.add(fl.AncfBeam(mesh, section, name="beam"))
+        beam.clamp(beam.point("start"))
+        scene.add(fl.PointLoad(beam.point("end"), force=(0.0, 0.0, -300.0)))
+        return scene
+
+    line = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 4)
+    found = fl.adaptivity.adapt(held, line, tolerance=0.05)
+    assert found.error.relative <= 0.05
+    fine = fl.follow_loads(held(fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 64)))
+    wanted = fine.displacement("beam.end")[-1]
+    np.testing.assert_allclose(
+        found.result.displacement("beam.end")[-1], wanted, atol=1e-4 * np.linalg.norm(wanted)
+    )
+    assert found.rate == pytest.approx(-1.0, abs=0.3), "of first order"
+
+
 def test_elements_are_coarsened_where_they_were_too_small():
     """Meshes are generated from the first one: at the end all elements have similar errors."""
     line = fl.mesh.straight_line((0, 0, 0), (10, 0, 0), 4)

@@ -93,6 +93,29 @@ def test_shells_of_triangles():
     assert (found.relative <= 0.2).all()
 
 
+def test_thin_shells():
+    """The state goes from mesh to mesh, which grows as the strip bends."""
+
+    def held(mesh):
+        scene = fl.Scene()
+        layer = fl.ShellSection.layer(0.05, fl.Material(1e6, 0.0, 1.0))
+        shell = scene.add(fl.ThinShell(mesh, layer, name="strip"))
+        shell.clamp("a=0")
+        scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(0.0, 0.0, 2.0)))
+        return scene
+
+    def mesh(a, b):
+        patch = fl.mesh.smooth_patch(lambda s, t: (2 * s, 0.5 * t, 0.0), (a, b))
+        return fl.mesh.spline_mesh(patch)
+
+    found = fl.adaptivity.adapt_loads(held, mesh(2, 1), [0.1, 1.0], tolerance=5e-3)
+    fine = fl.follow_loads(held(mesh(16, 4)), [0.1, 1.0])
+    assert found.cells[-1] > found.cells[0]
+    assert found.segments[-1].change is not None
+    gap = np.linalg.norm(found.displacement("strip.10") - fine.displacement("strip.10"), axis=1)
+    assert (gap < 5e-4 * np.linalg.norm(fine.displacement("strip.10"), axis=1)).all()
+
+
 def test_as_many_elements_as_are_allowed():
     with pytest.raises(fl.ConvergenceError, match="more than 20") as caught:
         fl.adaptivity.adapt_loads(cantilever, LINE, LEVELS, tolerance=0.05, most=20)

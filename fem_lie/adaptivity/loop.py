@@ -34,6 +34,8 @@ from fem_lie.adaptivity.goals import Goal, GoalError, goal_error
 from fem_lie.adaptivity.refinement import Onto, Refinable, Sizes, check_refinable, order_of, refine
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
+from fem_lie.bodies.gradients.ancf_beam import AncfBeam
+from fem_lie.bodies.rods.cable import Cable
 from fem_lie.bodies.thin_shells.thin_shell import ThinShell
 from fem_lie.lie.node_types import TRAITS, NodeType
 from fem_lie.linear.direct import ConvergenceError
@@ -141,12 +143,12 @@ def adapt(
     ``(J_k − J_(k−1)) / (e_(k−1) − e_k)``, if it is above one.
 
     Args:
-        build: Creates a scene with a beam or shell on the given mesh.
+        build: Creates a scene with a beam, cable or shell on the given mesh.
         mesh: Initial mesh: lines, triangles or quadrilaterals of first degree, or smooth patches.
         tolerance: Relative error, in the energy norm or of the goal.
         goal: Quantity that has to be accurate, a displacement, a frequency or a critical load;
             default: the stress, in the energy norm.
-        body: Name of the beam or shell on the mesh; default: the only one in the scene.
+        body: Name of the beam, cable or shell on the mesh; default: the only one in the scene.
         solve: Computes the equilibrium of a scene, or the path for a critical load; default: what
             the goal needs, or :func:`~fem_lie.solve.statics.follow.follow_loads`.
         part: Fraction of the squared error of the elements that are refined.
@@ -160,7 +162,7 @@ def adapt(
 
     Raises:
         ValueError: An argument is wrong, both a goal and an estimate are given, the mesh cannot be
-            refined, or the scene has no beam or shell on it; before anything is solved.
+            refined, or the scene has no beam, cable or shell on it; before anything is solved.
         ConvergenceError: The tolerance was not reached with this number of unknowns, or statics did
             not converge; its ``result`` is the :class:`Adapted` of the last mesh that was solved,
             if any.
@@ -286,7 +288,7 @@ def _check_fall(fall: object, mesh: LineMesh | SurfaceMesh | SplineMesh) -> None
 def named_body(
     scene: Scene, name: str | None, mesh: LineMesh | SurfaceMesh | SplineMesh
 ) -> Refined:
-    """The beam or shell that is refined.
+    """The beam, cable or shell that is refined.
 
     Raises:
         ValueError: There is none, or there are several and no name is given, or it has other
@@ -296,7 +298,11 @@ def named_body(
     known = ", ".join(repr(body.name) for body in bodies) or "none"
     chosen = [body for body in bodies if name in (None, body.name)]
     if len(chosen) != 1:
-        wanted = "one beam or shell, or body=..." if name is None else f"a beam or shell {name!r}"
+        wanted = (
+            "one beam, cable or shell, or body=..."
+            if name is None
+            else f"a beam, cable or shell {name!r}"
+        )
         raise ValueError(f"build must make {wanted}; it made {known}")
     (body,) = chosen
     own = _elements(body)
@@ -309,6 +315,6 @@ def named_body(
 
 
 def _elements(body: Refined) -> int:
-    if isinstance(body, Beam):
+    if isinstance(body, Beam | Cable | AncfBeam):
         return len(body.model.elements)
     return len(body.model.connectivity if isinstance(body, ThinShell) else body.model.mesh.cells)

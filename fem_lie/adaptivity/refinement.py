@@ -25,8 +25,6 @@ from fem_lie.mesh.shapes import cell_normals
 from fem_lie.mesh.surfaces import SurfaceMesh
 
 Refinable = TypeVar("Refinable", LineMesh, SurfaceMesh, SplineMesh)
-Followed = TypeVar("Followed", LineMesh, SurfaceMesh)
-"""Meshes to which states can be transferred."""
 Onto = Callable[[Array], npt.ArrayLike]
 """Projects a point (3,) near the exact line or surface onto it."""
 

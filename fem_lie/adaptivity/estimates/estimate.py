@@ -12,6 +12,7 @@ from fem_lie._summary import Summarised
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.gradients.ancf_beam import AncfBeam
 from fem_lie.bodies.gradients.ancf_shell import AncfShell
+from fem_lie.bodies.rods.cable import Cable
 from fem_lie.bodies.rods.cable_body import CableBody
 from fem_lie.bodies.shells.shell import Shell, require_one_type
 from fem_lie.bodies.solids.solid import Solid
@@ -25,7 +26,7 @@ from fem_lie.scene.scene import require_scene
 Estimated = Beam | Shell | ThinShell | AncfShell | AncfBeam | CableBody | Solid
 """Bodies whose error can be estimated."""
 
-Refined = Beam | Shell | ThinShell
+Refined = Beam | Shell | ThinShell | Cable | AncfBeam
 """Those of them that adaptive loops refine."""
 
 

@@ -26,8 +26,9 @@ from fem_lie.adaptivity.discretisation_error import SpaceError, space_error
 from fem_lie.adaptivity.estimates.estimate import ErrorEstimate
 from fem_lie.adaptivity.following.transfer import Transferred, transfer
 from fem_lie.adaptivity.loop import named_body
-from fem_lie.adaptivity.refinement import Followed, Onto, Sizes, check_refinable, order_of
+from fem_lie.adaptivity.refinement import Onto, Refinable, Sizes, check_refinable, order_of
 from fem_lie.linear.direct import ConvergenceError
+from fem_lie.mesh.bicubic.spline_mesh import SplineMesh
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.surfaces import SurfaceMesh
 from fem_lie.results.equilibrium import StaticResult
@@ -43,7 +44,7 @@ _TRIES = 8  # meshes for one load factor
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LoadSegment(Summarised, Generic[Followed]):
+class LoadSegment(Summarised, Generic[Refinable]):
     """A load increment up to one load factor, on one mesh.
 
     Attributes:
@@ -55,7 +56,7 @@ class LoadSegment(Summarised, Generic[Followed]):
             first.
     """
 
-    mesh: Followed
+    mesh: Refinable
     scene: Scene
     result: StaticResult
     error: SpaceError
@@ -63,7 +64,7 @@ class LoadSegment(Summarised, Generic[Followed]):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AdaptedLoads(Summarised, Generic[Followed]):
+class AdaptedLoads(Summarised, Generic[Refinable]):
     """Result of :func:`~fem_lie.adaptivity.adapt_loads`.
 
     Attributes:
@@ -72,7 +73,7 @@ class AdaptedLoads(Summarised, Generic[Followed]):
         solved: Number of equilibria that were computed, including repeated increments.
     """
 
-    segments: tuple[LoadSegment[Followed], ...]
+    segments: tuple[LoadSegment[Refinable], ...]
     tolerance: float
     solved: int
 
@@ -126,8 +127,8 @@ class AdaptedLoads(Summarised, Generic[Followed]):
 
 
 def adapt_loads(
-    build: Callable[[Followed], Scene],
-    mesh: Followed,
+    build: Callable[[Refinable], Scene],
+    mesh: Refinable,
     levels: Sequence[float],
     *,
     tolerance: float,
@@ -136,24 +137,24 @@ def adapt_loads(
     estimate: ErrorEstimate | None = None,
     most: int = 200_000,
     onto: Onto | None = None,
-) -> AdaptedLoads[Followed]:
+) -> AdaptedLoads[Refinable]:
     """Equilibrium at increasing load factors, each on a mesh that meets the tolerance.
 
     Args:
-        build: Creates a scene with a beam or shell on the given mesh.
-        mesh: The coarsest mesh: lines, or triangles of first degree.
+        build: Creates a scene with a beam, cable or shell on the given mesh.
+        mesh: The coarsest mesh: lines, triangles of first degree, or smooth patches.
         levels: Increasing positive load factors; the mesh changes only at these.
         tolerance: Relative error in the energy norm, at each load factor.
-        body: Name of the beam or shell on the mesh; default: the only one in the scene.
+        body: Name of the beam, cable or shell on the mesh; default: the only one in the scene.
         arc_length: Options; see :class:`~fem_lie.stability.ArcLength`.
         estimate: Error estimate; default: :class:`~fem_lie.adaptivity.RecoveryEstimate`.
         most: Largest number of elements.
         onto: Projects new points onto the exact line or surface.
 
     Raises:
-        ValueError: An argument is wrong, the mesh cannot be refined, or the scene has no beam or
-            shell on it, or loads that are not proportional to the factor; before anything is
-            solved.
+        ValueError: An argument is wrong, the mesh cannot be refined, or the scene has no beam,
+            cable or shell on it, or loads that are not proportional to the factor; before anything
+            is solved.
         ConvergenceError: The tolerance needs more elements, or equilibrium was not found; its
             ``result`` is the :class:`AdaptedLoads` up to there, if there is any.
 
@@ -172,7 +173,7 @@ def adapt_loads(
     """
     _check(build, mesh, tolerance, estimate, onto)
     whole(most, "most")
-    segments: list[LoadSegment[Followed]] = []
+    segments: list[LoadSegment[Refinable]] = []
     now, solved = mesh, 0
     for level in increasing(levels):
         for _ in range(_TRIES):
@@ -199,20 +200,20 @@ def adapt_loads(
 
 
 def _found(
-    segments: list[LoadSegment[Followed]], tolerance: float, solved: int
-) -> AdaptedLoads[Followed] | None:
+    segments: list[LoadSegment[Refinable]], tolerance: float, solved: int
+) -> AdaptedLoads[Refinable] | None:
     return AdaptedLoads(tuple(segments), tolerance, solved) if segments else None
 
 
 def _stretch(
-    build: Callable[[Followed], Scene],
-    mesh: Followed,
+    build: Callable[[Refinable], Scene],
+    mesh: Refinable,
     level: float,
     body: str | None,
     arc_length: ArcLength | None,
     estimate: ErrorEstimate | None,
-    before: list[LoadSegment[Followed]],
-) -> LoadSegment[Followed]:
+    before: list[LoadSegment[Refinable]],
+) -> LoadSegment[Refinable]:
     """The increment to a load factor, from the last state, on this mesh."""
     scene = build(mesh)
     check_proportion(scene)
@@ -224,8 +225,8 @@ def _stretch(
 
 
 def _fitted(
-    coarse: Followed, part: LoadSegment[Followed], tolerance: float, onto: Onto | None
-) -> Followed:
+    coarse: Refinable, part: LoadSegment[Refinable], tolerance: float, onto: Onto | None
+) -> Refinable:
     """A mesh with equal errors of all elements, for the allowed error."""
     error = part.error
     allowed = _AIM * tolerance * float(np.sqrt(error.energy))
@@ -233,7 +234,7 @@ def _fitted(
 
 
 def _require_few(
-    mesh: LineMesh | SurfaceMesh, most: int, level: float, found: object | None
+    mesh: LineMesh | SurfaceMesh | SplineMesh, most: int, level: float, found: object | None
 ) -> None:
     if len(mesh.cells) > most:
         raise ConvergenceError(
@@ -244,12 +245,14 @@ def _require_few(
 
 
 def _check(
-    build: object, mesh: Followed, tolerance: float, estimate: object, onto: Onto | None
+    build: object, mesh: Refinable, tolerance: float, estimate: object, onto: Onto | None
 ) -> None:
     instance(build, Callable, "build", "a function from a mesh to a Scene")
-    instance(mesh, LineMesh | SurfaceMesh, "mesh", "a LineMesh or a SurfaceMesh")
+    instance(mesh, LineMesh | SurfaceMesh | SplineMesh, "mesh", "a Line-, Surface- or SplineMesh")
     positive(tolerance, "tolerance")
     instance(estimate, ErrorEstimate | None, "estimate", "a Recovery, a Residual or None")
     check_refinable(mesh, onto)
     if isinstance(mesh, SurfaceMesh) and mesh.cell != "triangle":
-        raise ValueError(f"expected triangles of degree 1 to transfer states, got {mesh.cell}s")
+        raise ValueError(
+            f"expected lines, triangles of degree 1 or smooth patches, got {mesh.cell}s"
+        )

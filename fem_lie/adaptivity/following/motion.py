@@ -26,8 +26,9 @@ from fem_lie.adaptivity.estimates.recovery import fields_of
 from fem_lie.adaptivity.following.segments import AdaptedMotion, MotionSegment, steps_of
 from fem_lie.adaptivity.following.transfer import Transferred, transfer
 from fem_lie.adaptivity.loop import named_body
-from fem_lie.adaptivity.refinement import Followed, Onto, Sizes, check_refinable, order_of
+from fem_lie.adaptivity.refinement import Onto, Refinable, Sizes, check_refinable, order_of
 from fem_lie.linear.direct import ConvergenceError
+from fem_lie.mesh.bicubic.spline_mesh import SplineMesh
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.surfaces import SurfaceMesh
 from fem_lie.results.history import Result
@@ -45,8 +46,8 @@ _TRIES = 6  # meshes for one segment
 
 
 def adapt_motion(
-    build: Callable[[Followed], Scene],
-    mesh: Followed,
+    build: Callable[[Refinable], Scene],
+    mesh: Refinable,
     *,
     duration: float,
     every: float,
@@ -59,7 +60,7 @@ def adapt_motion(
     least: float = 0.0,
     most: int = 200_000,
     onto: Onto | None = None,
-) -> AdaptedMotion[Followed]:
+) -> AdaptedMotion[Refinable]:
     """Integrate with adaptive meshes and step sizes, by a tolerance split between space and time.
 
     With the tolerance τ, ``τ² = s τ² + (1 − s) τ²``: the stress error in the energy norm is at most
@@ -67,14 +68,14 @@ def adapt_motion(
     errors of all steps without damping, is at most ``√(1 − s) τ`` times the size of the motion.
 
     Args:
-        build: Creates a scene with a beam or shell on the given mesh.
-        mesh: The coarsest mesh: lines, or triangles of first degree.
+        build: Creates a scene with a beam, cable or shell on the given mesh.
+        mesh: The coarsest mesh: lines, triangles of first degree, or smooth patches.
         duration: End time.
         every: Time between two changes of the mesh.
         tolerance: τ.
         size: Reference length of position errors: the amplitude of a wave, the length of a
             pendulum.
-        body: Name of the beam or shell on the mesh; default: the only one in the scene.
+        body: Name of the beam, cable or shell on the mesh; default: the only one in the scene.
         scheme: Scheme with variable step size; default: ``GeneralisedAlpha()``.
         space_fraction: s, above 0 and below 1.
         ahead: Distance around small elements in which others are as small: how far the feature that
@@ -85,8 +86,8 @@ def adapt_motion(
         onto: Projects new points onto the exact line or surface.
 
     Raises:
-        ValueError: An argument is wrong, the mesh cannot be refined, or the scene has no beam or
-            shell on it; before anything is solved.
+        ValueError: An argument is wrong, the mesh cannot be refined, or the scene has no beam,
+            cable or shell on it; before anything is solved.
         ConvergenceError: The tolerance needs more elements, or a step failed; its ``result`` is the
             :class:`AdaptedMotion` up to there, if there is any.
     """
@@ -103,15 +104,17 @@ def adapt_motion(
         raise ValueError(f"least must not be negative, got {least!r}")
     check_refinable(mesh, onto)
     if isinstance(mesh, SurfaceMesh) and mesh.cell != "triangle":
-        raise ValueError(f"expected triangles of degree 1 to transfer states, got {mesh.cell}s")
+        raise ValueError(
+            f"expected lines, triangles of degree 1 or smooth patches, got {mesh.cell}s"
+        )
     allowed = sqrt(space_fraction) * tolerance, sqrt(1.0 - space_fraction) * tolerance
     scheme = GeneralisedAlpha() if scheme is None else scheme
     steps = AdaptiveStep(allowed[1] * size / duration, first=min(1e-2 * every, 1e-3 * duration))
     meshes = _Meshes(mesh, ahead, onto, allowed[0])
-    segments: list[MotionSegment[Followed]] = []
+    segments: list[MotionSegment[Refinable]] = []
     now, time, scale, work = mesh, 0.0, float(least), 0
 
-    def found() -> AdaptedMotion[Followed]:
+    def found() -> AdaptedMotion[Refinable]:
         return AdaptedMotion(tuple(segments), tolerance, *allowed, work)
 
     while time < duration * (1.0 - 1e-12):
@@ -147,17 +150,17 @@ def adapt_motion(
     return found()
 
 
-class _Meshes(Generic[Followed]):
+class _Meshes(Generic[Refinable]):
     """Meshes refined from one coarse mesh."""
 
-    def __init__(self, coarse: Followed, ahead: float, onto: Onto | None, allowed: float) -> None:
+    def __init__(self, coarse: Refinable, ahead: float, onto: Onto | None, allowed: float) -> None:
         """Store the options."""
-        self._coarse: Followed = coarse
+        self._coarse: Refinable = coarse
         self._ahead, self._onto, self._allowed = ahead, onto, allowed
 
     def fitted(
-        self, now: Followed, squares: Array, scale: float, order: int, *, beyond: bool = False
-    ) -> Followed:
+        self, now: Refinable, squares: Array, scale: float, order: int, *, beyond: bool = False
+    ) -> Refinable:
         """A mesh with equal errors of all elements, for the allowed error times the scale."""
         sizes = Sizes.of(now, squares, _AIM * self._allowed * scale, order)
         ahead = self._ahead if beyond else 0.0
@@ -193,10 +196,10 @@ def _look(result: Result, body: Estimated, scene: Scene) -> _Look:
 
 
 def _begun(
-    build: Callable[[Followed], Scene],
-    mesh: Followed,
+    build: Callable[[Refinable], Scene],
+    mesh: Refinable,
     body: str | None,
-    last: MotionSegment[Followed] | None,
+    last: MotionSegment[Refinable] | None,
 ) -> tuple[Scene, Transferred | None]:
     """The scene on a mesh, at the end of the last segment."""
     scene = build(mesh)
@@ -230,6 +233,6 @@ def _going_on(steps: AdaptiveStep, result: Result, span: float) -> AdaptiveStep:
 
 def _check(build: object, mesh: object, scheme: object, onto: object) -> None:
     instance(build, Callable, "build", "a function from a mesh to a Scene")
-    instance(mesh, LineMesh | SurfaceMesh, "mesh", "a LineMesh or a SurfaceMesh")
+    instance(mesh, LineMesh | SurfaceMesh | SplineMesh, "mesh", "a Line-, Surface- or SplineMesh")
     instance(scheme, Integrator | None, "scheme", "a scheme such as GeneralisedAlpha, or None")
     instance(onto, Callable | None, "onto", "a function of a position, or None")

@@ -10,13 +10,13 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._summary import Summarised
 from fem_lie.adaptivity.following.transfer import Transferred
-from fem_lie.adaptivity.refinement import Followed
+from fem_lie.adaptivity.refinement import Refinable
 from fem_lie.results.history import Result
 from fem_lie.scene import Scene
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MotionSegment(Summarised, Generic[Followed]):
+class MotionSegment(Summarised, Generic[Refinable]):
     """A time segment of a motion on one mesh.
 
     Attributes:
@@ -30,7 +30,7 @@ class MotionSegment(Summarised, Generic[Followed]):
     """
 
     begin: float
-    mesh: Followed
+    mesh: Refinable
     scene: Scene
     result: Result
     error: float
@@ -38,7 +38,7 @@ class MotionSegment(Summarised, Generic[Followed]):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AdaptedMotion(Summarised, Generic[Followed]):
+class AdaptedMotion(Summarised, Generic[Refinable]):
     """Result of :func:`~fem_lie.adaptivity.adapt_motion`.
 
     Arrays over all times have two rows where the mesh changes: before and after.
@@ -51,7 +51,7 @@ class AdaptedMotion(Summarised, Generic[Followed]):
         element_steps: Number of elements times number of steps, including repeated segments.
     """
 
-    segments: tuple[MotionSegment[Followed], ...]
+    segments: tuple[MotionSegment[Refinable], ...]
     tolerance: float
     space: float
     time: float
