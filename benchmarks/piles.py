@@ -5,12 +5,14 @@
 Balls of 0.05 m are dropped with a jitter into a box, or in a drum of 24 flat staves that turns by
 3 rad/s and is half full (``--drum``), friction 0.3, without restitution, steps of 2e-3 s. With
 ``--rest`` half of the balls have 0.035 m, gravity is tilted by 10°, and they come to rest (500
-steps). Printed are, of the first and the last fifth of the steps, the most contacts in a step, the
-largest residual of the cones and overlap, the most energy that contacts add in a step (over the
-energy that lifts all balls by 0.05 m; negative: they always dissipate), sweeps, milliseconds of the
-processor per step, and microseconds per contact and step. MuJoCo (elliptic cones, contacts as stiff
-as the step allows, the same steps) has a process of its own in turn with ours, where pip can have
-it; it has Newton's method up to 300 balls and conjugate gradients beyond, and at rest.
+steps). With ``--joint`` the scene has a pendulum, too, so that its steps are those of jointed and
+flexible bodies. Printed are, of the first and the last fifth of the steps, the most contacts in a
+step, the largest residual of the cones and overlap, the most energy that contacts add in a step
+(over the energy that lifts all balls by 0.05 m; negative: they always dissipate), sweeps,
+milliseconds of the processor per step, and microseconds per contact and step. MuJoCo (elliptic
+cones, contacts as stiff as the step allows, the same steps) has a process of its own in turn with
+ours, where pip can have it; it has Newton's method up to 300 balls and conjugate gradients beyond,
+and at rest.
 """
 
 from __future__ import annotations
@@ -45,6 +47,7 @@ class Pile(NamedTuple):
         walls: Positions and normals of walls and floor.
         tilt: Angle between gravity and the vertical.
         spin: Angular velocity of the walls, about y.
+        jointed: Whether the scene has a pendulum, too, which touches nothing.
     """
 
     positions: np.ndarray
@@ -52,6 +55,7 @@ class Pile(NamedTuple):
     walls: list[Wall]
     tilt: float = 0.0
     spin: float = 0.0
+    jointed: bool = False
 
     @property
     def gravity(self) -> np.ndarray:
@@ -67,8 +71,14 @@ z = lambda v: " ".join(repr(float(x)) for x in v)
 balls = "".join(
     f'<body pos="{z(p)}"><freejoint/><geom type="sphere" size="{r}" mass="{m}"/></body>'
     for p, r, m in zip(given["places"], given["radii"], given["masses"]))
-walls = "".join(
-    f'<geom type="plane" size="0 0 1" pos="{z(p)}" zaxis="{z(n)}"/>' for p, n in given["walls"])
+walls, spin, thick, heavy = "", given["spin"], 0.1, given["heavy"]
+for p, n in given["walls"]:  # planes cannot turn: a drum has plates
+    p = np.array(p) - (thick if spin else 0.0) * np.array(n)
+    kind = f'type="box" size="1 1 {thick}"' if spin else 'type="plane" size="0 0 1"'
+    walls += f'<geom {kind} pos="{z(p)}" zaxis="{z(n)}"/>'
+if spin:
+    walls = (f'<body gravcomp="1"><joint type="hinge" axis="0 1 0"/><inertial pos="0 0 0" '
+             f'mass="{heavy}" diaginertia="{heavy} {heavy} {heavy}"/>{walls}</body>')
 xml = (f'<mujoco><option timestep="{given["step"]}" cone="elliptic" jacobian="sparse"'
        f' solver="{given["solver"]}" gravity="{z(given["gravity"])}"/><size memory="500M"/>'
        f'<default><geom friction="{given["friction"]} 0 0" condim="3"'
@@ -76,6 +86,8 @@ xml = (f'<mujoco><option timestep="{given["step"]}" cone="elliptic" jacobian="sp
        f'<worldbody>{walls}{balls}</worldbody></mujoco>')
 model = mujoco.MjModel.from_xml_string(xml)
 data, seconds, contacts, deep = mujoco.MjData(model), [], [], []
+if spin:
+    data.qvel[0] = spin
 for _ in range(given["steps"]):
     before = time.process_time()
     mujoco.mj_step(model, data)
@@ -161,6 +173,11 @@ def scene_of(pile: Pile) -> fl.Scene:
         drum.add_velocity(omega=(0, pile.spin, 0), about=drum.point("centre"))
         scene.add(fl.PointLoad(drum.point("centre"), (0, 0, HEAVY * GRAVITY)))
         held_by = drum.point("centre")
+    if pile.jointed:
+        at = np.abs(pile.positions).max() + np.array([1.0, 0, 1.0])
+        arm = scene.add(fl.RigidBody(1.0, np.full(3, 0.01), at, name="pendulum"))
+        hinge = at - (0.5, 0, 0)
+        scene.add(fl.joints.Revolute(fl.ground(), arm.point("centre"), axis=(0, 1, 0), at=hinge))
     for one, other in combinations_with_replacement(surfaces, 2):
         scene.add(fl.contact.Contact(one, other, law))
     for at, normal in pile.walls:
@@ -219,6 +236,8 @@ def peer(pile: Pile, steps: int) -> list[str]:
         "masses": masses_of(pile.radii).tolist(),
         "friction": FRICTION,
         "gravity": pile.gravity.tolist(),
+        "spin": pile.spin,
+        "heavy": HEAVY,
         "step": STEP,
         "steps": steps,
         "solver": "CG" if pile.tilt or len(pile.positions) > MOST_NEWTON else "Newton",
@@ -250,7 +269,8 @@ def main() -> None:
     parser.add_argument("--balls", type=int, nargs="+", default=[100, 1000], metavar="N")
     parser.add_argument("--steps", type=int, default=0, help="default: 150, at rest 500")
     parser.add_argument("--layers", type=int, default=0, help="0: as many as balls across")
-    parser.add_argument("--drum", action="store_true", help="a drum that turns, without MuJoCo")
+    parser.add_argument("--drum", action="store_true", help="a drum that turns")
+    parser.add_argument("--joint", action="store_true", help="a pendulum, too, without MuJoCo")
     parser.add_argument("--rest", action="store_true", help="two sizes, until they are at rest")
     given = parser.parse_args()
     steps = given.steps or (500 if given.rest else 150)
@@ -260,9 +280,9 @@ def main() -> None:
             pile = in_drum(count)
         else:
             pile = at_rest(count) if given.rest else in_box(count, given.layers)
-        for name, run in (("fem_lie", ours), ("MuJoCo", peer)):
-            if name == "MuJoCo" and given.drum:
-                continue
+        pile = pile._replace(jointed=given.joint)
+        peers = (("fem_lie", ours), ("MuJoCo", peer))
+        for name, run in peers[:1] if given.joint else peers:
             for when, row in zip(("first fifth", "last fifth"), run(pile, steps), strict=False):
                 print(f"{count} balls, {name}, {when}: {row}", flush=True)
 

@@ -174,15 +174,20 @@ class Tangent:
 
     def jacobian(self, H: Array) -> sp.csr_matrix:
         """Constraint Jacobian ``B = ∂Φ/∂h`` in twists of the nodes, without held ones, (m, 6 n)."""
-        rows, incidences, held = self._constraints(H), self._incidences, self._held
+        ptr, nodes = self._incidences
+        columns = (6 * nodes[:, np.newaxis] + np.arange(6)).ravel()
+        shape = (len(ptr) - 1, 6 * self._count)
+        return sp.csr_matrix((self.jacobian_entries(H), columns, 6 * ptr), shape=shape)
+
+    def jacobian_entries(self, H: Array) -> Array:
+        """Its stored entries, six for each incidence of a constraint with a node, shape (6 i,)."""
+        rows, incidences = self._constraints(H), self._incidences
         self.supports.rotate_constraints(H, rows)
-        free = np.flatnonzero(~held[incidences.nodes].all(axis=1))
-        node = incidences.nodes[free]
-        columns = (6 * node[:, np.newaxis] + np.arange(6)).ravel()
-        values = np.where(held[node], 0.0, rows[free]).ravel()
-        values[np.repeat(self.kkt.inactive[incidences.rows[free]], 6)] = 0.0
-        shape = (len(incidences.ptr) - 1, 6 * self._count)
-        return sp.csr_matrix((values, (np.repeat(incidences.rows[free], 6), columns)), shape=shape)
+        rows = rows[: len(incidences.nodes)]
+        rows[self._held[incidences.nodes]] = 0.0
+        if self.kkt.inactive.any():
+            rows[self.kkt.inactive[incidences.rows]] = 0.0
+        return rows.ravel()
 
     def _constraints(self, H: Array) -> Array:
         """Constraint Jacobian, one row of six per incidence, then zeros for mean coordinates."""

@@ -24,6 +24,7 @@ from fem_lie.lie.node_types.motion import (
     tangent,
     to_global_components,
     to_group,
+    to_local,
     to_nodal_components,
 )
 from fem_lie.lie.node_types.node_type import POSITION_GRADIENT, axes, set_axes
@@ -182,6 +183,15 @@ def all_from_local(
     """:func:`from_local` for nodes (n,)."""
     for i in range(node_types.shape[0]):
         from_local(node_types[i], H[i], twist[i], rate[i], v[i], vdot[i])
+
+
+@compiled
+def all_to_local(
+    node_types: Indices, H: Array, v: Array, vdot: Array, twist: Array, rate: Array
+) -> None:
+    """:func:`to_local` for nodes (n,)."""
+    for i in range(node_types.shape[0]):
+        to_local(node_types[i], H[i], v[i], vdot[i], twist[i], rate[i])
 
 
 @compiled

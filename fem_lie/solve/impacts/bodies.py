@@ -14,7 +14,6 @@ from fem_lie.contact.impact.rows import append_rows, set_gaps
 from fem_lie.contact.impact.touching import Touching
 from fem_lie.contact.sides.table import on_masters
 from fem_lie.lie.node_types import all_to_group, move_all
-from fem_lie.lie.node_types import to_local as twist_of
 from fem_lie.solve.impacts.delassus import islands_of
 from fem_lie.solve.impacts.impulses import Impulses
 from fem_lie.solve.impacts.step_end import Factors, Rule
@@ -177,10 +176,3 @@ class CoupledBodies:
         f: Array = self._r[:n] * self._free
         x, multipliers = self._impulses.solve(-f, -second)
         return x.reshape(-1, 6), multipliers
-
-
-def to_twists(kinds: Indices, H: Array, v: Array, out: Array) -> None:
-    """Twists in the nodes' axes from velocities of the group, shape (n, 6)."""
-    rate, still = np.empty(6), np.zeros(6)
-    for i in range(len(kinds)):
-        twist_of(kinds[i], H[i], v[i], still, out[i], rate)

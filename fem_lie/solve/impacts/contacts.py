@@ -29,6 +29,7 @@ import numpy as np
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._state import Stateful, attributes
 from fem_lie.contact.cones.jacobian import BlockRows
+from fem_lie.contact.cones.sweeps import MOST_NEWTON
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.impact.records import (
     LARGEST,
@@ -38,15 +39,16 @@ from fem_lie.contact.impact.rows import choose_axes, set_ahead
 from fem_lie.forms.abilities import PassedThroughError
 from fem_lie.solve.impacts.bounds import Chosen, allowed_part, bounds_of
 from fem_lie.solve.impacts.delassus import Delassus
-from fem_lie.solve.impacts.end_state import Aims, CoupledVelocities, Moved
+from fem_lie.solve.impacts.end_state import MOST_ITERATIONS, Aims, CoupledVelocities, Moved
 from fem_lie.solve.impacts.step_end import Changed, ContactHistory, Factors, Last, Rule, StepEnd
 from fem_lie.system.equations import Equations, TimeState
 
 _NOTHING = Last.nothing()
 """Record of a step without contacts."""
 
-_PASSES = 2
-"""Number of passes; in the second one velocities after impacts are known."""
+_FEW = 2
+"""Number of iterations in the first of two passes over many contacts, after which velocities after
+impacts are known for the second."""
 
 _FELT = 1e-2
 """Velocity by restitution, over the change of velocity without contacts, from which the energy is
@@ -194,20 +196,31 @@ class CoupledContacts(CoupledVelocities, Stateful):
             part: Fraction of the restitution.
         """
         end, time = step.frames, step.time
+        guess = np.asarray(self.near.work.impulses[: len(smooth)] / self._h, dtype=np.float64)
+        closed = self.near.touch.closed
         defect, joined = self._rates(end, V, time), np.zeros(len(smooth), dtype=np.bool_)
+        pressed = (guess[:, 0] > 0.0) & (self._gaps(self._H0) <= closed)
+        # contacts of a pile become active one after the other: one iteration of positions tells
+        piled = int(pressed.sum()) > MOST_NEWTON
+        if piled:
+            joined |= pressed
         self.statistics.sweeps = 0.0
         # overlapping inactive pairs are added; this terminates, because the number of pairs is
         # finite
         while True:
             chosen = self._choose(smooth, joined, part)
-            moved, v, impulses = self._passes(chosen, end, V, defect, time)
-            gaps = self._gaps(moved.H)
-            deep = gaps < -self.near.touch.closed
+            if piled:
+                moved = self._first_parted(chosen, end, V, guess[chosen.pairs])
+            else:
+                moved, v, impulses = self._passes(chosen, end, V, defect, guess[chosen.pairs], time)
+            gaps, guess[chosen.pairs] = self._gaps(moved.H), moved.r
+            deep = gaps < -closed
             self.overlap = -float(gaps[deep].min(initial=0.0))
             deep[chosen.pairs] = False
-            if not deep.any():
-                return _Solved(chosen, moved.H, moved.rows, v, impulses, gaps)
             joined |= deep
+            if not (piled or deep.any()):
+                return _Solved(chosen, moved.H, moved.rows, v, impulses, gaps)
+            piled &= bool(deep.any())
 
     def _without_gain(
         self, step: StepEnd, solve: Callable[[float], _Solved], whole: _Solved
@@ -256,20 +269,39 @@ class CoupledContacts(CoupledVelocities, Stateful):
         who = self.near.names(pair, {body: master[nodes] for body, nodes in own})
         return str(PassedThroughError(" and ".join(who), *way))
 
+    def _first_parted(self, chosen: Chosen, end: Array, V: Array, r: Array) -> Moved:
+        """Positions after one iteration, which tell which contacts become active."""
+        rows = self._rows_of(end, chosen.pairs, chosen.axis)
+        moved = self.part(chosen, end, self._aims(chosen, rows, end, V, None), r, 1)
+        self.statistics.sweeps += moved.sweeps
+        return moved
+
+    def _aims(
+        self, chosen: Chosen, rows: BlockRows, end: Array, V: Array, normal: Array | None
+    ) -> Aims:
+        """Targets of positions, for a normal velocity after impacts; ``None``: the least one."""
+        free, h = self._rates_of(rows, end, V), self._h
+        bounds = bounds_of(h, chosen, free[:, 0])
+        least = bounds.gaps(h, bounds.velocity if normal is None else normal, chosen)
+        return Aims(least, bounds.rest[:, np.newaxis] * h * free[:, 1:])
+
     def _passes(
-        self, chosen: Chosen, end: Array, V: Array, defect: Array, time: float
+        self, chosen: Chosen, end: Array, V: Array, defect: Array, r: Array, time: float
     ) -> tuple[Moved, Array, Array]:
-        """Positions, twists of the nodes, and contact impulses at the end of a step."""
-        h = self._h
-        r = np.asarray(self.near.work.impulses[chosen.pairs] / h, dtype=np.float64)
-        rows, normal, impulses = self._rows_of(end, chosen.pairs, chosen.axis), None, h * r
-        open_ = not chosen.closed.all()
-        for _ in range(_PASSES if open_ else 1):
-            free = self._rates_of(rows, end, V)
-            bounds = bounds_of(h, chosen, free[:, 0])
-            least = bounds.gaps(h, bounds.velocity if normal is None else normal, chosen)
-            slid = bounds.rest[:, np.newaxis] * h * free[:, 1:]
-            moved = self.part(chosen, end, Aims(least, slid), r)
+        """Positions, twists of the nodes, and contact impulses at the end of a step.
+
+        Args:
+            chosen: Active contacts.
+            end: Frames of all nodes, ground and prescribed motions without contacts.
+            V: Twists of all rows there, shape (rows, 6).
+            defect: Errors of the constraint rates there, shape (m,).
+            r: Initial guess of forces, shape (k, 3).
+            time: Time at the end.
+        """
+        rows, normal, impulses = self._rows_of(end, chosen.pairs, chosen.axis), None, self._h * r
+        rough = _FEW if len(chosen.pairs) > MOST_NEWTON else MOST_ITERATIONS
+        for most in (MOST_ITERATIONS,) if chosen.closed.all() else (rough, MOST_ITERATIONS):
+            moved = self.part(chosen, end, self._aims(chosen, rows, end, V, normal), r, most)
             self.statistics.sweeps += moved.sweeps
             self.statistics.residual = moved.residual
             rows, r = moved.rows, moved.r

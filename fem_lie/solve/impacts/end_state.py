@@ -14,8 +14,8 @@ from fem_lie.contact.cones.jacobian import BlockRows, slides
 from fem_lie.contact.cones.sweeps import MOST_NEWTON, products
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.impact.records import STEP_REPORT
-from fem_lie.lie.node_types import all_from_local, all_to_group
-from fem_lie.solve.impacts.bodies import CoupledBodies, to_twists
+from fem_lie.lie.node_types import all_from_local, all_to_group, all_to_local
+from fem_lie.solve.impacts.bodies import CoupledBodies
 from fem_lie.solve.impacts.bounds import Chosen, bounds_of
 from fem_lie.solve.impacts.step_end import Factors, Rule
 from fem_lie.system.equations import Equations
@@ -23,13 +23,13 @@ from fem_lie.system.equations import Equations
 TOLERANCE, _ROUGH = 1e-9, 1e-6
 """Residual of the cones, and the one for the first iterations of positions."""
 
-_EXACT, _ITERATIONS, _REEVALUATED = 1e-14, 30, 2
+_EXACT, MOST_ITERATIONS, _REEVALUATED = 1e-14, 30, 2
 """Change of positions over the length of the model at convergence; largest number of iterations;
 and number of the first iterations in which force rows are re-evaluated."""
 
 _WITH_FRICTION = 6
-"""Number of iterations with friction if there are many contacts, whose friction is then frozen:
-cones of this size converge to 1e-6 only."""
+"""Largest number of iterations with friction if there are many contacts, whose friction is then
+frozen: cones of this size converge to 1e-6 only."""
 
 _SMALL = 1e-12
 """Positions over the length of the model below which only round-off is known."""
@@ -95,7 +95,9 @@ class CoupledPositions(CoupledBodies):
         slides((chosen.before, B), (self._H0, H), total)
         return np.where(chosen.closed[:, np.newaxis], total[:, 1:], glide)
 
-    def part(self, chosen: Chosen, end: Array, aims: Aims, r: Array) -> Moved:
+    def part(
+        self, chosen: Chosen, end: Array, aims: Aims, r: Array, most: int = MOST_ITERATIONS
+    ) -> Moved:
         """Separate overlapping pairs, and fix sticking ones.
 
         Args:
@@ -103,6 +105,7 @@ class CoupledPositions(CoupledBodies):
             end: Frames of all nodes, ground and prescribed motions without contacts.
             aims: Targets of the contacts.
             r: Initial guess of forces, shape (k, 3).
+            most: Largest number of iterations.
         """
         if self._kept is None:
             self._impulses.go_to(end)
@@ -114,11 +117,12 @@ class CoupledPositions(CoupledBodies):
         each = np.diff(chosen.before.first)
         closed = np.repeat(chosen.closed, each)[:, np.newaxis, np.newaxis]
         held: Array = np.zeros((k, 3))
-        friction, many, left = chosen.friction, k > MOST_NEWTON, 0.0
-        for iteration in range(_ITERATIONS):
-            if many and iteration == _WITH_FRICTION:  # gaps need more than cones reach
+        friction, left, frozen, slow = chosen.friction, 0.0, False, False
+        for iteration in range(most):
+            if k > MOST_NEWTON and not frozen and (slow or iteration == _WITH_FRICTION):
+                # gaps need more than cones reach
                 held, r, friction = r * (0.0, 1.0, 1.0), r * (1.0, 0.0, 0.0), np.zeros(k)
-                last = r.copy()
+                last, frozen = r.copy(), True
             B = self._rows_of(H, chosen.pairs, chosen.axis)
             if iteration < _REEVALUATED:
                 mean = 0.5 * (chosen.before.values + B.values)
@@ -137,14 +141,14 @@ class CoupledPositions(CoupledBodies):
             problem.r[:], problem.least[0] = r, _SMALL * self._length
             tolerance = TOLERANCE if iteration else _ROUGH
             more_sweeps, _, residual = solver.solve(problem, k, tolerance)
-            left = residual if not many or iteration < _WITH_FRICTION else left
+            left = left if frozen else residual
             sweeps, r, here = sweeps + more_sweeps, problem.r, d
             last, d = r.copy(), responses.moved(r + held) + joints
             H = self._moved_by(end, d)
             change = self._size(d - here)
             if self._ends(iteration, change, before):
                 break
-            before = change
+            before, slow = change, iteration >= _REEVALUATED and change > 0.5 * before
         rows = self._rows_of(H, chosen.pairs, chosen.axis)
         slips = self._slips(chosen, H, rows, glide)
         r = r + held
@@ -217,8 +221,8 @@ class CoupledVelocities(CoupledPositions):
             given = self._rule.damping / self._rule.mass * moved.r
             self.reactions[:] = self._rule.damping / self._rule.mass * moved.reactions
         smooth, twist = np.empty_like(v), np.empty_like(v)
-        to_twists(kinds, H, before, smooth)
-        to_twists(kinds, H, v, twist)
+        all_to_local(kinds, H, before, self._still, smooth, rate)
+        all_to_local(kinds, H, v, self._still, twist, rate)
         self._impulses.go_to(H)
         off = defect - self._rates(H, self._all_rows(twist, time), time)
         x, first = self._impulses.solve(zero, off)

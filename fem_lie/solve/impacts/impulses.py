@@ -22,6 +22,7 @@ factors.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import scipy.linalg as la
@@ -102,29 +103,26 @@ class Impulses:
         if self._elastic is not None:
             mass = mass + (step / self._first) ** 2 * self._elastic
         self.mass = mass.tocsc()
-        self._weights = 1.0 / self.mass.diagonal()
-        self._free = splu(self.mass) if self._m == 0 else None
+        J = self._equations.constraints(self._equations.start.frames).jacobian
+        self._columns, self._of = J.indices, np.repeat(np.arange(self._m), np.diff(J.indptr))
+        self._weights = 1.0 / self.mass.diagonal()[self._columns]
+        self._matrix = SaddlePoint(self.mass, J)
+        self._factorise(J.data)
 
     def go_to(self, H: Array) -> None:
-        """Factorise with the constraint Jacobian at frames ``H``."""
-        if self._free is not None:
+        """Factorise with the constraint Jacobian at frames ``H``, unless it is the present one."""
+        if not self._m:
             return
-        J = self._equations.constraints(H).jacobian
-        self._scale = 1.0 / np.sqrt(np.maximum(J.multiply(J) @ self._weights, 1e-300))
-        J = sp.diags(self._scale) @ J
-        soft = -_SOFTNESS * sp.identity(self._m)
-        self._matrix = sp.bmat([[self.mass, J.T], [J, soft]], format="csc")
-        self._true = sp.bmat([[self.mass, J.T], [J, None]], format="csr")
-        self._small = self._n + self._m <= _DENSE
-        if self._small:
-            self._factors = la.lu_factor(self._matrix.toarray())
-        else:
-            self._sparse = splu(self._matrix)
+        entries = self._equations.constraints(H).jacobian_entries
+        if not np.array_equal(entries, self._entries):
+            self._factorise(entries)
 
-    def _solved(self, b: Array) -> Array:
-        if self._small:
-            return np.asarray(la.lu_solve(self._factors, b))
-        return np.asarray(self._sparse.solve(b))
+    def _factorise(self, entries: Array) -> None:
+        """Factorise with these entries of the constraint Jacobian."""
+        sizes = np.bincount(self._of, entries**2 * self._weights, minlength=self._m)
+        self._scale = 1.0 / np.sqrt(np.maximum(sizes, 1e-300))
+        self._matrix.factorise(self._scale[self._of] * entries)
+        self._entries = entries
 
     def solve(self, f: Array, g: Array | None = None) -> tuple[Array, Array]:
         """Solutions ``x`` and ``λ``.
@@ -133,15 +131,78 @@ class Impulses:
             f: Impulses on the nodes, shape (6 n,) or (6 n, k).
             g: Constraint rates, shape (m,) or (m, k); default: zero.
         """
-        if self._free is not None:
-            return np.asarray(self._free.solve(f)), np.zeros((0, *f.shape[1:]))
         scale = self._scale.reshape(-1, *([1] * (f.ndim - 1)))
         rest = np.zeros((self._m, *f.shape[1:])) if g is None else scale * g
-        b = np.concatenate([f, rest])
-        x = self._solved(b)
-        for _ in range(_REFINED):
-            x = x + self._solved(b - self._true @ x)
-        return x[: self._n], scale * x[self._n :]
+        x, multipliers = self._matrix.solve(f, rest)
+        return x, scale * multipliers
+
+
+class SaddlePoint:
+    """``[[M, Jᵀ], [J, 0]]`` with a constant ``M``, whose pattern is found once.
+
+    Nodes that neither constraints nor ``M`` couple to others are solved for by the inverses of
+    their blocks. Redundant constraints make the rest singular: the factors are those with a small
+    compliance, whose effect refinements of the solutions remove.
+    """
+
+    def __init__(self, mass: sp.csc_matrix, jacobian: sp.csr_matrix) -> None:
+        """Find the pattern.
+
+        Args:
+            mass: ``M``, shape (6 n, 6 n).
+            jacobian: A matrix with the pattern of ``J``, shape (m, 6 n).
+        """
+        m, size = jacobian.shape
+        blocks = mass.tobsr(blocksize=(6, 6))
+        used = np.diff(blocks.indptr) + np.bincount(blocks.indices, minlength=size // 6)
+        coupled = (used > 2) | (np.bincount(jacobian.indices // 6, minlength=size // 6) > 0)
+        self._free, kept = np.flatnonzero(~coupled), np.flatnonzero(np.repeat(coupled, 6))
+        self._inverses = np.linalg.inv(blocks.data[blocks.indptr[self._free]])
+        self._kept, self._n = kept, len(kept)
+        mass, jacobian = mass[kept][:, kept], jacobian[:, kept]
+        parts = mass, jacobian, sp.identity(m, format="csr")
+        ends = np.cumsum([0, *(each.nnz for each in parts)])
+        # the entry of a part that each entry of the matrix is, counted from 1
+        M, J, C = (
+            type(each)((np.arange(a, b) + 1.0, each.indices, each.indptr), shape=each.shape)
+            for each, a, b in zip(parts, ends, ends[1:], strict=False)
+        )
+        self._matrix = sp.bmat([[M, J.T], [J, C]], format="csc")
+        self._order = self._matrix.data.astype(np.int64) - 1
+        self._values = np.concatenate([mass.data, jacobian.data, np.full(m, -_SOFTNESS)])
+        self._own = slice(ends[1], ends[2])
+        self._refined = _REFINED if m else 0
+        self._dense = 0 < m <= _DENSE - self._n
+        if self._dense:
+            columns = np.repeat(np.arange(self._n + m), np.diff(self._matrix.indptr))
+            self._where, self._matrix = (self._matrix.indices, columns), self._matrix.toarray()
+
+    def factorise(self, entries: Array) -> None:
+        """Factorise with these entries of ``J``."""
+        self._values[self._own] = entries
+        if self._dense:
+            self._matrix[self._where] = self._values[self._order]
+            factors = la.lu_factor(self._matrix, check_finite=False)
+            self._solved = partial(la.lu_solve, factors, check_finite=False)
+        else:
+            self._matrix.data[:] = self._values[self._order]
+            self._solved = splu(self._matrix).solve
+
+    def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
+        """Solutions of right-hand sides (6 n,) or (6 n, k), and (m,) or (m, k)."""
+        found = np.empty_like(f)
+        by_node, of_node = (each.reshape(len(f) // 6, 6, -1) for each in (found, f))
+        by_node[self._free] = self._inverses @ of_node[self._free]
+        if not self._n:
+            return found, g
+        b = np.concatenate([f[self._kept], g])
+        x = np.asarray(self._solved(b))
+        for _ in range(self._refined):
+            left = b - self._matrix @ x
+            left[self._n :] -= _SOFTNESS * x[self._n :]
+            x = x + self._solved(left)
+        found[self._kept] = x[: self._n]
+        return found, x[self._n :]
 
 
 def _at_rest(equations: Equations, step: float) -> sp.csr_matrix:

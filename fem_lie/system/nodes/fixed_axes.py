@@ -104,8 +104,9 @@ class Supports:
 
     def rotate_constraints(self, H: Array, rows: Array) -> None:
         """Transform the constraint Jacobian, one row of six per incidence."""
-        Q = self._matrices(H)[self._constrained_of]
-        rows[self._constrained, :3] = np.einsum("kij,kj->ki", Q, rows[self._constrained, :3])
+        if len(self._constrained):
+            Q = self._matrices(H)[self._constrained_of]
+            rows[self._constrained, :3] = np.einsum("kij,kj->ki", Q, rows[self._constrained, :3])
 
     def _matrices(self, H: Array) -> Array:
         """``A R`` of the supported nodes, shape (k, 3, 3)."""
