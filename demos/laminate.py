@@ -68,10 +68,10 @@ def plate(
         formulation=formulation,
         name="plate",
     )
-    for side, tilt in (("a=0", 3), ("a=1", 3), ("b=0", 4), ("b=1", 4)):
-        shell.hinge(side)
-        # nodal frames are along the edges: turning about e₁ tilts towards e₂, and the reverse
-        shell.model.held[shell.model.mesh.nodes(side), tilt] = True
+    for side in ("a=0", "a=1"):
+        shell.hinge(side, axis=(0, 1, 0))
+    for side in ("b=0", "b=1"):
+        shell.hinge(side, axis=(1, 0, 0))
     scene = fl.Scene()
     scene.add(shell)
     scene.add(fl.AreaLoad(shell, force=(0, 0, load)))

@@ -58,3 +58,44 @@ def test_an_edge_that_is_not_in_the_plane_is_refused(
 ) -> None:
     with pytest.raises(ValueError, match="not on a plane of symmetry"):
         make().guided("a=1", (0, 1, 0))
+
+
+@pytest.mark.parametrize("hold", ["hinge", "roller"])
+def test_directors_of_a_hinged_edge_rotate_about_its_axis_only(hold: str) -> None:
+    """Also by large angles, and not at all where two edges meet that are not parallel.
+
+    A skew plate is twisted by a force at a free corner; without axes, directors tilt along edges.
+    """
+    along = {"b=0": np.array([1.0, 0, 0]), "a=0": np.array([0.5, np.sqrt(0.75), 0.0])}
+
+    def directors(axes: bool) -> tuple[fl.Shell, np.ndarray]:
+        plate = fl.Shell(
+            fl.mesh.parametric_surface(lambda a, b: (a + 0.5 * b, np.sqrt(0.75) * b, 0), (6, 6)),
+            fl.ShellSection.layer(0.05, fl.Material(2e9, 0.3, 1000.0)),
+        )
+        for edge, axis in along.items():
+            given = axis if axes else None
+            if hold == "hinge":
+                plate.hinge(edge, axis=given)
+            else:
+                for normal in np.eye(3):
+                    plate.roller(edge, normal, axis=given)
+        scene = fl.Scene()
+        scene.add(plate)
+        scene.add(fl.PointLoad(plate.point("11"), (0, 0, 2e5)))
+        result = fl.statics(scene)
+        return plate, result.frames[-1, result.info.body(plate.name).nodes, 3]
+
+    plate, d = directors(axes=True)
+    for edge, axis in along.items():
+        nodes = plate.nodes(edge)
+        assert np.abs(d[nodes] @ axis).max() < 1e-12
+        assert np.degrees(np.arccos(d[nodes, 2])).max() > 10.0
+    np.testing.assert_allclose(d[plate.nodes("00")], [[0, 0, 1]], atol=1e-12)
+    _, soft = directors(axes=False)
+    assert max(np.abs(soft[plate.nodes(edge)] @ axis).max() for edge, axis in along.items()) > 0.05
+
+
+def test_an_axis_along_directors_is_refused() -> None:
+    with pytest.raises(ValueError, match="expected an axis perpendicular to them"):
+        shell().hinge("a=1", axis=(0, 1, 1))

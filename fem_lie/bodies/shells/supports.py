@@ -34,20 +34,42 @@ class SupportedSurface(Body):
         self.model.held[self.nodes(name)] = True
         return self.points(name)
 
-    def hinge(self, name: str) -> list[Point]:
-        """Hold positions, not directors, of a named curve or group.
+    def hinge(self, name: str, *, axis: npt.ArrayLike | None = None) -> list[Point]:
+        """Hold positions of a named curve or group; directors rotate freely, or about an axis.
+
+        Along a straight edge a hinge without an axis is a soft simple support, and one whose axis
+        is the edge is a hard one: directors do not tilt along the edge. Where two such edges meet,
+        directors are fixed.
 
         Args:
             name: Name of a curve, group of cells or group of points.
+            axis: Axis about which directors rotate, global components, perpendicular to them;
+                default: any.
 
         Returns:
             Held points, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
-            ValueError: There is no such set; the message lists what exists.
+            ValueError: There is no such set (the message lists what exists), or directors are not
+                perpendicular to the axis.
         """
+        if axis is not None:
+            self._rotate_about(name, axis, "hinge")
         self.model.held[self.nodes(name), :3] = True
         return self.points(name)
+
+    def _rotate_about(self, name: str, axis: npt.ArrayLike, what: str) -> None:
+        """Let directors of the nodes rotate about an axis only."""
+        nodes, n = self.nodes(name), direction(axis, f"the axis of {what} {name!r}")
+        along = np.abs(self.model.frames[np.isin(self.model.masters, nodes), 3] @ n)
+        if along.max() > 1e-6:
+            raise ValueError(
+                f"directors of {name!r} of {self.label} have components up to {along.max():.2e} "
+                f"along the axis {n} of {what}; expected an axis perpendicular to them, such as "
+                "the direction of a straight edge"
+            )
+        for node in nodes:
+            self.model.hold_axis(int(node), n)
 
     def symmetry(self, name: str, normal: npt.ArrayLike) -> list[Point]:
         """Hold the nodes of a named curve on a plane of symmetry.
@@ -110,21 +132,27 @@ class SupportedSurface(Body):
             )
         return nodes, n
 
-    def roller(self, name: str, normal: npt.ArrayLike) -> list[Point]:
-        """Hold displacements along a direction fixed in space; directors stay free.
+    def roller(
+        self, name: str, normal: npt.ArrayLike, *, axis: npt.ArrayLike | None = None
+    ) -> list[Point]:
+        """Hold displacements along a direction fixed in space.
 
         Two rollers at the same nodes are a diaphragm. Constraints of earlier calls remain.
 
         Args:
             name: A named point, curve or group.
             normal: The direction, global components.
+            axis: Axis about which directors rotate, as for :meth:`hinge`; default: any.
 
         Returns:
             Held points, for :meth:`fem_lie.Result.reaction`.
 
         Raises:
-            ValueError: There is no such set, or the direction is zero.
+            ValueError: There is no such set, the direction is zero, or directors are not
+                perpendicular to the axis.
         """
+        if axis is not None:
+            self._rotate_about(name, axis, "roller")
         nodes, n = self.nodes(name), direction(normal, f"the direction of roller {name!r}")
         for node in nodes:
             self.model.hold_along(int(node), n)

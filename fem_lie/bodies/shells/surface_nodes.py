@@ -147,6 +147,18 @@ class SurfaceNodes(SurfaceModel):
             self.frames[twins] = H
         held[tilt] = held[5] = True
 
+    def hold_axis(self, node: int, axis: Array) -> None:
+        """Let the director of a node rotate about one axis only; about none if it has another one.
+
+        Args:
+            node: Number of the node.
+            axis: Unit vector perpendicular to the director, global components, shape (3,).
+        """
+        if not self.held[node, 4]:
+            self.hold_rotations(node, axis)
+        elif abs(self.frames[node, 1] @ axis) < 1.0 - 1e-6:
+            self.held[node, 3:] = True
+
     def hold_normal(self, node: int, normal: Array) -> None:
         """Hold the translation of a node along the normal of :meth:`hold_rotations`."""
         H, held = self.frames[node], self.held[node]

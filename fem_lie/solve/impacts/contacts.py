@@ -200,7 +200,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
         closed = self.near.touch.closed
         defect, joined = self._rates(end, V, time), np.zeros(len(smooth), dtype=np.bool_)
         pressed = (guess[:, 0] > 0.0) & (self._gaps(self._H0) <= closed)
-        # contacts of a pile become active one after the other: one iteration of positions tells
+        # contacts of a pile become active one after the other: one iteration finds them
         piled = int(pressed.sum()) > MOST_NEWTON
         if piled:
             joined |= pressed

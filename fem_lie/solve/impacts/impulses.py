@@ -113,7 +113,7 @@ class Impulses:
         """Factorise with the constraint Jacobian at frames ``H``, unless it is the present one."""
         if not self._m:
             return
-        entries = self._equations.constraints(H).jacobian_entries
+        entries = self._equations.constraints(H).jacobian.data
         if not np.array_equal(entries, self._entries):
             self._factorise(entries)
 

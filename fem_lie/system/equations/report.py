@@ -65,11 +65,6 @@ class ConstraintsAt:
         return self._system.tangent.jacobian(self._H)
 
     @property
-    def jacobian_entries(self) -> Array:
-        """Stored entries of :attr:`jacobian`, six for each constraint and node of it, (6 i,)."""
-        return self._system.tangent.jacobian_entries(self._H)
-
-    @property
     def values(self) -> Array:
         """Violations of position constraints at their current targets, (m,)."""
         return self._system.connections.values(self._H)
