@@ -136,17 +136,39 @@ def unpacked(numbers: Array) -> Anchors:
     )
 
 
+@compiled
 def found(known_keys: Indices, keys: Indices) -> Indices:
-    """Index of each key among the known keys, −1 if it is not among them."""
-    index = np.full(len(keys), -1, dtype=np.int64)
-    if not len(known_keys) or not len(keys):
-        return index
-    most = 1 + max(int(known_keys[:, 1].max()), int(keys[:, 1].max()))
-    known = known_keys[:, 0] * most + known_keys[:, 1]
-    wanted, order = keys[:, 0] * most + keys[:, 1], np.argsort(known, kind="stable")
-    at = np.minimum(np.searchsorted(known[order], wanted), len(known) - 1)
-    there = known[order][at] == wanted
-    index[there] = order[at][there]
+    """Index of each key among the known keys, −1 if it is not among them.
+
+    Pairs mostly follow each other as in the step before.
+    """
+    count, m, most, following = len(known_keys), len(keys), 1, 0
+    index: Indices = np.full(m, -1, np.int64)
+    for i in range(count):
+        most = max(most, 1 + known_keys[i, 1])
+    order: Indices = np.empty(0, np.int64)
+    for i in range(m):
+        a, b = keys[i, 0], keys[i, 1]
+        if following < count and known_keys[following, 0] == a and known_keys[following, 1] == b:
+            index[i] = following
+            following += 1
+            continue
+        if b >= most:
+            continue
+        if not len(order):
+            order = np.argsort(known_keys[:, 0] * most + known_keys[:, 1], kind="mergesort")
+        low, high = 0, count
+        while low < high:
+            middle = (low + high) // 2
+            k = order[middle]
+            if known_keys[k, 0] * most + known_keys[k, 1] < a * most + b:
+                low = middle + 1
+            else:
+                high = middle
+        if low < count:
+            k = order[low]
+            if known_keys[k, 0] == a and known_keys[k, 1] == b:
+                index[i], following = k, k + 1
     return index
 
 
