@@ -21,6 +21,7 @@ from tests.own_meshes import own_mesh
 
 MATERIAL = fl.Material(1e7, 0.3, 1e3)
 LENGTH = 2.0
+FULL = Path("/dev/full")
 
 
 def own_line(cells: int = 4) -> dolfinx.mesh.Mesh:
@@ -239,6 +240,19 @@ def test_vtk_is_read_by_pyvista_and_meshio(results, kind, solver, tmp_path):
     np.testing.assert_allclose(grid.point_data["displacement"][nodes], expected, atol=1e-14)
     drawn = result.info.body(body.name)
     assert sum(len(block.data) for block in grid.cells) == len(drawn.cells) + len(drawn.faces)
+
+
+@pytest.mark.skipif(not FULL.exists(), reason="needs a device that is always full")
+def test_a_full_disk_is_an_error_of_vtk_files(results, tmp_path):
+    _, _, result = results("beam", "statics")
+    result.write_vtk(tmp_path / "series.pvd")
+    first, *_ = (tmp_path / "series").glob("*.vtu")
+    first.unlink()
+    first.symlink_to(FULL)
+    (tmp_path / "series.pvd").unlink()
+    with pytest.raises(OSError, match="No space left"):
+        result.write_vtk(tmp_path / "series.pvd")
+    assert not (tmp_path / "series.pvd").exists()
 
 
 @ON

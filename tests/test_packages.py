@@ -92,7 +92,7 @@ MAY_IMPORT = {
     "contact": {"contact.mortar"},
     "contact.cones": {"lie"},
     "contact.impact": {"contact", "contact.cones"},
-    "pictures": {"bodies.beams"},
+    "pictures": {"bodies.beams", "ranks"},
     "pictures.page": {"pictures"},
     "scene": {
         "events",

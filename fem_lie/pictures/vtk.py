@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from html import escape
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -14,6 +14,14 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.mesh.surfaces import SurfaceMesh
+from fem_lie.pictures.grid_files import (
+    Grid,
+    state_names,
+    write_collection,
+    write_grid,
+    write_states,
+)
+from fem_lie.ranks.files import write_once
 
 if TYPE_CHECKING:
     from dolfinx import fem
@@ -69,7 +77,7 @@ def write_surface(
         grid.point_data[name] = values
     for name, values in cell_data.items():
         grid.cell_data[name] = values
-    grid.save(path)
+    write_once(path, partial(write_grid, Path(path), grid))
 
 
 def write_volume(
@@ -98,7 +106,7 @@ def write_volume(
     grid = pyvista.UnstructuredGrid(cells, kinds, points)
     for name, values in point_data.items():
         grid.point_data[name] = values
-    grid.save(Path(path))
+    write_once(path, partial(write_grid, Path(path), grid))
 
 
 def surface_grid(points: Array, cells: Indices, mesh: CellKind) -> Any:
@@ -145,7 +153,7 @@ def write_series(
     fields: Callable[[int], Mapping[str, Array]],
     in_cells: Mapping[str, Array],
 ) -> None:
-    """Write a ``.pvd`` file, and a folder of the same name with a ``.vtu`` file for each state.
+    """Write all states of a scene, see :func:`.write_states`.
 
     Point data: directors ``e1``, ``e2``, ``e3`` and the fields; cell data: ``body``, the number of
     the body, and the values in cells.
@@ -163,9 +171,9 @@ def write_series(
     """
     import pyvista
 
-    target, names = _series(path, len(times))
     lines, vertices, faces, bodies = _cells(info)
-    for k, name in enumerate(names):
+
+    def grid(k: int) -> Grid:
         H = frames(k)
         data = pyvista.PolyData(H[:, 0], faces, lines=lines, verts=vertices)
         for i in (1, 2, 3):
@@ -175,13 +183,9 @@ def write_series(
         data.cell_data["body"] = bodies
         for what, values in in_cells.items():
             data.cell_data[what] = values[k]
-        _save(data, target.parent / name)
-    _write_collection(target, names, times)
+        return data.cast_to_unstructured_grid()  # which meshio reads, too
 
-
-def _save(data: Any, path: Path) -> None:
-    """Write lines, faces and vertices as an unstructured grid, which meshio reads, too."""
-    data.cast_to_unstructured_grid().save(path)
+    write_states(Path(path), times, grid)
 
 
 def write_resultants(
@@ -200,10 +204,11 @@ def write_resultants(
     values = np.atleast_1d(np.asarray(times, dtype=np.float64))
     if values.shape != (len(series),):
         raise ValueError(f"expected one time for each of {len(series)} states, got {values.shape}")
-    target, names = _series(path, len(series))
+    target = Path(path)
+    names = state_names(target, len(series), ".vtu")
     for name, resultants in zip(names, series, strict=True):
         resultants.write_vtk(target.parent / name)
-    _write_collection(target, names, values)
+    write_collection(target, names, values)
 
 
 def forces_in_cells(
@@ -259,41 +264,18 @@ def write_elements(
     """
     import pyvista
 
-    target, names = _series(path, len(times))
     count = 2 * positions.shape[1]
     lines = np.insert(np.arange(count).reshape(-1, 2), 0, 2, axis=1)
-    for k, name in enumerate(names):
+
+    def grid(k: int) -> Grid:
         data = pyvista.PolyData(positions[k].reshape(-1, 3), lines=lines.ravel())
         for what, values in at_ends.items():
             data.point_data[what] = values[k].reshape(count, *values.shape[3:])
         for what, values in in_middle.items():
             data.cell_data[what] = values[k]
-        _save(data, target.parent / name)
-    _write_collection(target, names, times)
+        return data.cast_to_unstructured_grid()
 
-
-def _series(path: str | os.PathLike[str], count: int) -> tuple[Path, list[str]]:
-    """The ``.pvd`` file, and the names of its data files, in a folder that is created."""
-    target = Path(path)
-    if target.suffix != ".pvd":
-        raise ValueError(f"the name of the series must end in '.pvd', got {str(path)!r}")
-    folder = target.with_suffix("")
-    folder.mkdir(parents=True, exist_ok=True)
-    digits = len(str(count - 1))
-    return target, [f"{folder.name}/{k:0{digits}}.vtu" for k in range(count)]
-
-
-def _write_collection(target: Path, names: Sequence[str], times: Array) -> None:
-    """Write the collection last: the series appears when it is complete."""
-    rows = [
-        f'<DataSet timestep="{float(time)!r}" file="{escape(name)}"/>'
-        for name, time in zip(names, times, strict=True)
-    ]
-    target.write_text(
-        '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n'
-        + "\n".join(rows)
-        + "\n</Collection>\n</VTKFile>\n"
-    )
+    write_states(Path(path), times, grid)
 
 
 def _cells(info: SceneInfo) -> tuple[Indices | None, Indices | None, Indices | None, Indices]:

@@ -1,4 +1,4 @@
-"""Files on several ranks: the first rank writes the files of the user."""
+"""Files on several ranks: the first rank writes those of the user, or each rank its piece."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from functools import cache
 from pathlib import Path
 from typing import TypeVar
 from zlib import crc32
+
+from mpi4py import MPI
 
 from fem_lie.ranks.together import first, from_first, meet, several
 
@@ -86,6 +88,24 @@ def write_once(path: str | os.PathLike[str], write: Callable[[], None]) -> None:
         except OSError as found:
             error = found
     from_first(f"writing {path}", error)
+
+
+def write_each(path: str | os.PathLike[str], write: Callable[[], None]) -> None:
+    """Write what each rank has; an error of one rank is raised on all.
+
+    Raises:
+        OSError: As ``write`` of the first rank that has an error, on all ranks.
+    """
+    error: OSError | None = None
+    try:
+        write()
+    except OSError as found:
+        error = found
+    if several():
+        meet(f"writing {path}")
+        error = next((e for e in MPI.COMM_WORLD.allgather(error) if e is not None), None)
+    if error is not None:
+        raise error
 
 
 def read_together(path: str | os.PathLike[str], read: Callable[[], Contents]) -> Contents:

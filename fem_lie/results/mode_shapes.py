@@ -226,7 +226,7 @@ class ModeDisplacements(Summarised, Located, Written, Saved, Generic[Scalar]):
 
         Args:
             path: Name of the ``.pvd`` file; each mode is a ``.vtu`` file in a folder of the same
-                name.
+                name, on several ranks a ``.pvtu`` file with a ``.vtu`` file of each rank.
 
         Raises:
             ValueError: The name does not end in ``.pvd``.

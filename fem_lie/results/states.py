@@ -165,11 +165,12 @@ class StateSeries(Summarised, Displaced, Written):
 
         Args:
             path: Name of the ``.pvd`` file; each state is a ``.vtu`` file in a folder of the same
-                name.
+                name, on several ranks a ``.pvtu`` file with a ``.vtu`` file of each rank.
             forces: Section forces of beams at all states, to be written, too.
 
         Raises:
             ValueError: The name does not end in ``.pvd``, or section forces are at other states.
+            OSError: A file cannot be written, for example because the disk is full.
         """
         self._write_vtk(path, forces_in_cells(self.info, self._rows().values, forces))
 

@@ -130,16 +130,8 @@ class Written(ABC):
     def _write_vtk(self, path: str | os.PathLike[str], in_cells: Mapping[str, Array]) -> None:
         """Write a series, with values of all cells in all states, see :meth:`write_vtk`."""
         require_suffix(path, ".pvd", "series")
-        write = partial(
-            write_series,
-            path,
-            self.info,
-            self._rows().values,
-            self._frames_of,
-            self._fields_of,
-            in_cells,
-        )
-        write_once(path, write)
+        rows = self._rows().values
+        write_series(path, self.info, rows, self._frames_of, self._fields_of, in_cells)
 
 
 AnySaved = TypeVar("AnySaved", bound="Saved")

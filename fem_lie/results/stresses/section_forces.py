@@ -362,8 +362,9 @@ class SectionForces(Fields):
     def write_vtk(self, path: str | os.PathLike[str]) -> None:
         """Write a ``.pvd`` file, and a folder of the same name with a ``.vtu`` file for each state.
 
-        Each element is a line with its own end points. Point data: the six components at its ends,
-        and ``force`` and ``moment`` as vectors in space; cell data: the components in its middle.
+        On several ranks a state is a ``.pvtu`` file with a ``.vtu`` file of each rank. Each element
+        is a line with its own end points. Point data: the six components at its ends, and ``force``
+        and ``moment`` as vectors in space; cell data: the components in its middle.
 
         Args:
             path: Name of the ``.pvd`` file.
