@@ -417,12 +417,6 @@ REFUSED = {
     ),
     "nan": (lambda: fl.contact.Penalty(1e3, friction=float("nan")), "friction"),
     "holding": (lambda: fl.contact.Penalty(1e3, friction=0.1, holding=0.0), "Penalty: holding"),
-    "explicit": (
-        lambda: fl.Explicit().run(
-            on_slope(20, ball, LAW)[0], duration=0.1, step=1e-3, progress=False
-        ),
-        "Explicit does not support friction of penalties",
-    ),
     "variational": (
         lambda: fl.schemes.Variational().run(
             on_slope(20, ball, LAW)[0], duration=0.1, step=1e-3, progress=False

@@ -427,7 +427,7 @@ REFUSED = {
     ),
     "conserving": (
         lambda: fl.EnergyMomentum().run(impacted(), duration=1.0, step=0.1),
-        "Impact is for GeneralisedAlpha and Variational with constant steps",
+        "Impact is for GeneralisedAlpha, Variational and Explicit with constant steps",
     ),
     "statics": (lambda: fl.statics(impacted()), "Impact is for GeneralisedAlpha"),
     "adaptive": (

@@ -136,7 +136,7 @@ MAY_IMPORT = {
     "solve.conserving.python_forces": {"solve.conserving.step"},
     "solve.conserving": {"solve.conserving.python_forces"},
     "solve.variational": {"solve.conserving.step", "solve.impacts"},
-    "solve.explicit": {"solve.motion"},
+    "solve.explicit": {"solve.motion", "solve.impacts"},
     "solve.composed": {"solve.conserving", "solve.variational"},
     "solve.multirate": {"solve.conserving"},
     "solve.hamel": {"solve.conserving.midpoint"},

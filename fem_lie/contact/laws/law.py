@@ -114,8 +114,8 @@ class ContactLaw(ABC):
             ValueError: It is not; this is the default.
         """
         raise ValueError(
-            f"{label}: {type(self).__name__} is for GeneralisedAlpha and Variational with constant "
-            "steps; give Penalty elsewhere"
+            f"{label}: {type(self).__name__} is for GeneralisedAlpha, Variational and Explicit "
+            "with constant steps; give Penalty elsewhere"
         )
 
     def impact(self, label: str) -> Impact:

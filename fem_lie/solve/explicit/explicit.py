@@ -17,6 +17,11 @@ start (:mod:`.stable`); larger steps raise an error. Joints are kept closed by m
 block-diagonal inertia (:mod:`.joints`); they do not raise any frequency. Without joints one
 compiled loop makes the steps with all forces; only time-dependent loads, pressure and contact
 return to Python.
+
+Contacts by impacts change frames and momenta at the end of a step by impulses in Coulomb's cones,
+with restitution, as in the other schemes (:mod:`fem_lie.solve.impacts`; time stepping of J. J.
+Moreau, CISM 302 (1988) 1). Their compliance is that of the lumped inertia with joints; forces of
+the next step are those of the changed frames.
 """
 
 from __future__ import annotations
@@ -29,6 +34,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit.packed_arrays import PackedArrays
+from fem_lie._jit.records import block_of
 from fem_lie._state import attributes, put_back, saved
 from fem_lie.bodies.model import MassMatrix
 from fem_lie.joints.equations.joint_arrays import joint_arrays
@@ -36,6 +42,7 @@ from fem_lie.lie.motions import Group
 from fem_lie.lie.node_types import MIXED_DERIVATIVE, SURFACE_GRADIENT
 from fem_lie.parts.part_scene import ScenePart, divided
 from fem_lie.results import Result
+from fem_lie.results.record import with_others
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
 from fem_lie.solve.explicit import loop, nodes
@@ -48,6 +55,8 @@ from fem_lie.solve.explicit.stable import (
     refuse_floating,
     stable_step,
 )
+from fem_lie.solve.impacts.contacts import CoupledContacts
+from fem_lie.solve.impacts.step_end import Rule, StepEnd, refuse_impacts
 from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.integration import Integration
 from fem_lie.solve.motion.integrator import Integrator, refuse
@@ -79,7 +88,9 @@ class ExplicitRun(Integration[Recorder]):
     The state between steps is frames and momenta at the same time, and the forces there.
     """
 
-    STATE = attributes("H", "p", "v", "r", "reaction", "progress", "_joints", "balance")
+    STATE = attributes(
+        "H", "p", "v", "r", "reaction", "progress", "_joints", "balance", "_contacts"
+    )
 
     def __init__(
         self, equations: Equations, step: float, masses: nodes.Masses, limit: StableStep
@@ -138,12 +149,17 @@ class ExplicitRun(Integration[Recorder]):
             self._decay,
         )
         self._packed = PackedArrays(packed)
+        self._contacts: CoupledContacts | None = None
+        if impacts := equations.scene.impacts:
+            rule = Rule(step, 2.0 / step**2, 2.0 / step)  # of a constant force from rest
+            self._contacts = CoupledContacts(impacts, equations, rule, None)
 
     @property
     def _balance_in_loop(self) -> bool:
         """Whether the compiled loop updates the energy balance, except for supports."""
         balance = self.balance
-        return not balance.empty and balance.compiled_but_held and self._summed
+        compiled = self._summed and self._contacts is None
+        return not balance.empty and balance.compiled_but_held and compiled
 
     @property
     def _how(self) -> loop.PlainSteps:
@@ -172,6 +188,8 @@ class ExplicitRun(Integration[Recorder]):
         """Create the history of results."""
         if not plan.saving.with_balance:
             self.balance.rest()
+        if self._contacts is not None:
+            self._contacts.history.begin(plan.steps)
         return Recorder(self.equations, plan, progress, store)
 
     @property
@@ -198,7 +216,11 @@ class ExplicitRun(Integration[Recorder]):
         if self._balance_in_loop:
             # without supports, which are accounted for separately
             loop.look(self._packed.addresses, self._how, 0.0)
-        if self._how[1]:
+        self._weigh()
+
+    def _weigh(self) -> None:
+        """Compute forces from the current frames."""
+        if self._summed:
             loop.weigh(self._packed.addresses, self._balance_in_loop)
         else:
             self.equations.residual(self._instant, self._one, self.r, self._forces)
@@ -206,7 +228,7 @@ class ExplicitRun(Integration[Recorder]):
     def divided_state(self) -> dict[str, Array]:
         """See the base class; motion is the momenta, and multipliers are the last impulses."""
         impulses = self._none if self._joints is None else self._joints.impulses
-        found = self.H[: self._n], self.p[np.newaxis], impulses[np.newaxis], self.balance.total
+        found = self.H[: self._n], self.p[np.newaxis], impulses[np.newaxis], self.balance.so_far
         moving = MovingState(*found)
         return saved(self, _COMMON) | moving._asdict()
 
@@ -217,10 +239,11 @@ class ExplicitRun(Integration[Recorder]):
         now = self.equations.prescribed(time)
         now.act()
         self.H[: self._n], self.H[self._n + 1 :] = state.frames, now.frames
-        self.p[:], self.balance.total[:] = state.motion[0], state.balance
+        self.p[:] = state.motion[0]
         self.equations.history_variables.update_stress(self.H)
         if self._joints is not None:
             self._joints.impulses[:] = state.multipliers[0]
+        self.balance.restart(state.balance, time, *self._moving)
         self._begin(time)
 
     @property
@@ -236,6 +259,8 @@ class ExplicitRun(Integration[Recorder]):
         last = min(history.next_stop(index), index + self._most)
         if self._changing:
             self.equations.prescribed((index + 1) * self.h).act()
+        if self._contacts is not None:
+            return self._struck(self._contacts)
         if self._joints is not None:
             return self._joined(self._joints)
         how, start = self._how, self.H.copy()
@@ -264,6 +289,48 @@ class ExplicitRun(Integration[Recorder]):
         self._look()
         return True
 
+    def _struck(self, contacts: CoupledContacts) -> bool:
+        """Make the next step, with impacts at its end; return whether it was made."""
+        start, last = self.H.copy(), self.index + 1
+        nodes.twists((*self.masses,), self.H, self.p, self.v)
+        contacts.begin(self.H, self.v, self.index * self.h)
+        contacts.history.begin_step(last)
+        if self._joints is not None:
+            self.progress.step += 1
+            if not self._joints.step(self.h, self.H, self.p, self.r):
+                return False
+        else:
+            while loop.run(self._packed.addresses, self._how, last) == loop.RESIDUAL:
+                self.equations.residual(self._instant, self._one, self.r, self._forces)
+        if not np.isfinite(self.p).all():
+            return False
+        return self._touch(contacts) and self._accept_history(start)
+
+    def _touch(self, contacts: CoupledContacts) -> bool:
+        """Apply contact impulses at the end of a step; return whether contacts were solved."""
+        time, n = self.index * self.h, self._n
+        nodes.twists((*self.masses,), self.H, self.p, self.v)
+        changed = contacts.resolve(StepEnd(self.H, self.v, time))
+        if contacts.failure:
+            self.reason = contacts.failure
+            contacts.abandon()
+            return False
+        now = self._moving
+        self.balance.add(self.h, time, *now)
+        if changed is not None:
+            before = now._replace(H=self.H.copy(), v=self.v.copy())
+            self.H[:n] = changed.frames[:n]
+            nodes.momenta((*self.masses,), self.H, changed.twists, self.p)
+            nodes.twists((*self.masses,), self.H, self.p, self.v)
+            if self._joints is not None:
+                self._joints.restart()
+            self._weigh()
+            lost = self.balance.collide(time, before, self._moving, contacts.work)
+            contacts.statistics.impact = -lost - contacts.statistics.friction
+        contacts.history.add(self.index, block_of(contacts.statistics))
+        self.reason = contacts.passed(self.H)
+        return not self.reason
+
     def _failure(self, steps: int) -> str:
         if self.reason:
             return self._because("", steps, self.index)
@@ -287,8 +354,14 @@ class ExplicitRun(Integration[Recorder]):
             if self._convects_axes:
                 self._convect_axes()
             nodes.twists((*self.masses,), self.H, self.p, self.v)
-            history.count = self.index
-            history.fill(self.index * self.h, *self._moving, self.balance.total)
+            history.count, time = self.index, self.index * self.h
+            now = self._moving
+            if self._contacts is not None:
+                joined = now.multipliers + self._contacts.reactions / self.h
+                now = now._replace(multipliers=joined)
+            history.fill(time, *now, self.balance.so_far)
+            if self._contacts is not None and self.index:
+                self._contacts.record(self.H, time)
         return wanted
 
     def _convect_axes(self) -> None:
@@ -300,7 +373,11 @@ class ExplicitRun(Integration[Recorder]):
             self._joints.restart()
 
     def _result(self, history: Recorder) -> Result:
-        return history.result(0, history.seconds)
+        if self._contacts is None:
+            return history.result(0, history.seconds)
+        steps = self._contacts.history.result(self.h)
+        history.add(steps)
+        return with_others(history.result(0, history.seconds), {"contacts": steps})
 
 
 def limit_of(equations: Equations, masses: nodes.Masses) -> StableStep:
@@ -316,9 +393,10 @@ class Explicit(Integrator):
 
     It is meant for nets, impacts and waves: problems whose steps have to be as small as the time in
     which a wave passes an element anyway. It supports all nodes except those of reduced-order
-    bodies, mass-proportional damping, supports, joints, springs, loads and contact by penalty.
-    Joints need a small system of equations in each step (:mod:`.joints`), and steps are then made
-    from Python. On several ranks, each rank has the steps of its part of a large scene.
+    bodies, mass-proportional damping, supports, joints, springs, loads, and contact by penalty and
+    by impacts, with friction. Joints and impacts need a small system of equations in each step
+    (:mod:`.joints`), and steps are then made from Python. On several ranks, each rank has the steps
+    of its part of a large scene without impacts.
 
     Example:
         >>> top = fl.RigidBody(1.0, (0.1, 0.2, 0.3))
@@ -345,15 +423,24 @@ class Explicit(Integrator):
 
     def _equations(self, scene: Scene, part: ScenePart | None = None) -> Equations:
         equations = Equations(
-            scene, dynamics=True, group=Group.R3xSO3, mass=MassMatrix.LUMPED, part=part
+            scene.without_impacts(),
+            dynamics=True,
+            group=Group.R3xSO3,
+            mass=MassMatrix.LUMPED,
+            part=part,
         )
         with equations.shared.errors(ValueError):
             _refuse(equations)
+            if equations.scene.impacts:
+                refuse_impacts(equations)
         return equations
 
     def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
         """Equations of the part of this rank."""
-        refused = {"steps of different sizes": not isinstance(plan, EqualSteps)}
+        refused = {
+            "steps of different sizes": not isinstance(plan, EqualSteps),
+            "contacts by impacts": any(each.law.impulsive for each in scene.contacts),
+        }
         part = divided(scene, _PREFIX, refused)
         return None if part is None else self._equations(scene, part)
 
@@ -389,6 +476,5 @@ def _refuse(equations: Equations) -> None:
             term.viscosity is not None and term.viscosity.rates is None for term in arrays.terms
         ),
         "strains that change in time": unknowns.strains_change,
-        "friction of penalties": any(term.has_friction for term in arrays.terms),
     }
     refuse("Explicit", reasons)
