@@ -14,6 +14,7 @@ SOON = [
     ("error at once", 1, "own"),
     ("error", parallel_faults.ANYWHERE, "divided"),
     ("killed", parallel_faults.ANYWHERE, "divided"),
+    ("left", parallel_faults.ANYWHERE, "divided"),
 ]
 LATER = [
     (fault, rank, factors)
