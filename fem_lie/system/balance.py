@@ -432,6 +432,27 @@ class EnergyBalance(Stateful):
         self.total[POWER] += after[0] - before[0] + float(self._stored[0]) - stored
         self.total[BY_REACTIONS:] += after[1:] - before[1:]
 
+    def project(self, H: Array, before: Array, after: Array) -> None:
+        """Add a projection of velocities onto the constraints at the end of a step.
+
+        Impulses of constraints that neither a drive nor a prescribed motion moves do no work on the
+        velocities after it, which satisfy them.
+
+        Args:
+            H: Frames of all nodes, ground and prescribed motions.
+            before: Twists before it, shape (n, 6).
+            after: Twists after it.
+        """
+        if self.empty:
+            return
+        system, (old, new, change) = self._system, np.empty((3, 7))
+        for v, invariants in ((before, old), (after, new), (after - before, change)):
+            system.report(H, v, invariants)
+        if system.connections.driven or system.scene.motions:
+            # (v after)·M (change of v), by kinetic energies
+            self.total[WORK] += new[0] - old[0] + change[0]
+        self.total[BY_REACTIONS:] += new[1:] - old[1:]
+
     def collide(self, time: float, before: TimeState, after: TimeState, work: float) -> float:
         """Add impacts at the end of a step that was added without them.
 

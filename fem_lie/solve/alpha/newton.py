@@ -92,8 +92,9 @@ class Newton(RunState, Iterated):
             end = StepEnd(self.s.H1, self.s.twist1, self._end)
             change = partial(change_velocities, self.s.plain)
             # the rows of the frozen matrix keep the scale of its factorisation
-            scale = self.scale * self._factor
+            scale, before = self.scale * self._factor, self.s.twist1.copy()
             project(equations, self.solver, end, scale, self.p.h, change)
+            self.balance.project(self.s.H1, before, self.s.twist1)
         accept(*self._plain)
 
     def _tolerance(self) -> float:
