@@ -311,25 +311,34 @@ class SceneInfo(Summarised):
         Raises:
             ValueError: There is no such point.
         """
-        attachment = _attachment(point)
-        if attachment is None:
-            return frames[..., self.node(point), :, :]
-        return attachment.frame(frames[..., self._nodes(point), :, :])
+        nodes, attachment = self.located(point)
+        return located_frame(attachment, frames[..., nodes, :, :])
 
     def twist(
         self, point: Point | str | int, frames: Array, v: npt.NDArray[Scalar]
     ) -> npt.NDArray[Scalar]:
         """Twists of a point, (…, 6), from those of all nodes, (…, N, 6); see :meth:`frame`."""
+        nodes, attachment = self.located(point)
+        return located_twist(attachment, frames[..., nodes, :, :], v[..., nodes, :])
+
+    def located(self, point: Point | str | int) -> tuple[Indices, AttachmentFrame | None]:
+        """Nodes on which a point depends, and its attachment frame as one of these nodes.
+
+        Args:
+            point: As for :meth:`frame`.
+
+        Returns:
+            Numbers of the nodes, shape (k,), and the frame; ``None`` if the point is the only node.
+
+        Raises:
+            ValueError: There is no such point.
+        """
         attachment = _attachment(point)
         if attachment is None:
-            return v[..., self.node(point), :]
-        nodes = self._nodes(point)
-        return attachment.twist(frames[..., nodes, :, :], v[..., nodes, :])
-
-    def _nodes(self, point: Point | str | int) -> Indices:
-        """Nodes of the body of a point."""
+            return np.array([self.node(point)]), None
         assert not isinstance(point, str | int | np.integer) and point.body is not None
-        return self.body(point.body.name).nodes
+        nodes = self.body(point.body.name).nodes[list(attachment.nodes)]
+        return nodes, attachment._replace(nodes=tuple(range(len(nodes))))
 
     def _node_of_name(self, label: str) -> int:
         known = {}
@@ -344,6 +353,23 @@ class SceneInfo(Summarised):
                 "and 'body.node 0', 'body.node 1', …"
             )
         return int(known[label])
+
+
+def located_frame(attachment: AttachmentFrame | None, frames: Array) -> Array:
+    """Frame of a point, shape (…, 4, 3), from those of its nodes, (…, k, 4, 3).
+
+    Args:
+        attachment: See :meth:`SceneInfo.located`.
+        frames: Frames of these nodes.
+    """
+    return frames[..., 0, :, :] if attachment is None else attachment.frame(frames)
+
+
+def located_twist(
+    attachment: AttachmentFrame | None, frames: Array, v: npt.NDArray[Scalar]
+) -> npt.NDArray[Scalar]:
+    """Twist of a point, shape (…, 6), from those of its nodes, (…, k, 6); as the frame."""
+    return v[..., 0, :] if attachment is None else attachment.twist(frames, v)
 
 
 def _attachment(point: Point | str | int) -> AttachmentFrame | None:

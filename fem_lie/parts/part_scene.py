@@ -35,6 +35,8 @@ class ScenePart(NamedTuple):
         connections: Numbers of the joints, connections and prescribed motions of the part among
             those of the scene, in this order.
         contacts: Numbers of the contacts of the part among those of the scene.
+        items: Item of the part for each of those that events, limits and controllers switch or
+            scale, if the part has it.
         length: Length of the model, of the whole scene.
         total: Number of nodes of the scene.
         comm: Communicator of the parts.
@@ -46,6 +48,7 @@ class ScenePart(NamedTuple):
     sharers: Mapping[int, Indices]
     connections: Indices
     contacts: Indices
+    items: Mapping[Any, Any]
     length: float
     total: int
     comm: MPI.Intracomm
@@ -134,10 +137,16 @@ def undivided(scene: Scene) -> ScenePart:
         {},
         np.arange(len(connections_of(scene))),
         np.arange(len(scene.contacts)),
+        {item: item for item in (*scene.switched, *scene.scaled)},
         _length(scene),
         int(ends[-1]),
         MPI.COMM_SELF,
     )
+
+
+def whole_scene(scene: Scene, part: ScenePart | None) -> Scene:
+    """The whole scene, given that of the equations, which may be of a part."""
+    return scene if part is None else part.whole
 
 
 def scene_numbers(part: ScenePart, nodes: Mapping[Body, Indices]) -> Indices:
@@ -186,6 +195,12 @@ def part_of(scene: Scene, comm: MPI.Intracomm) -> ScenePart:
     for name in "joints", "connections", "links", "contacts", "loads", "clamps", "motions":
         chosen = [item for item in getattr(scene, name) if id(item) in own]
         setattr(part, name, [restricted.item(item) for item in chosen])
+    changed: list[Any] = [*scene.switched, *scene.scaled]
+    items = {item: restricted.item(item) for item in changed if id(item) in own}
+    # what happens in a run concerns the whole scene; its part has what can be changed
+    part.events, part.sensors, part.controllers = [], [], []
+    part.initial_factors = {items[k]: start for k, start in scene.scaled.items() if k in items}
+    part.switched_by_events = [items[k] for k in scene.switched_by_events if k in items]
     part.family = None
     mine = found.division.nodes[:, comm.rank]
     sharers = {
@@ -200,6 +215,7 @@ def part_of(scene: Scene, comm: MPI.Intracomm) -> ScenePart:
         {rank: shared for rank, shared in sharers.items() if len(shared)},
         np.flatnonzero([id(item) in own for item in connections_of(scene)]),
         np.flatnonzero([id(item) in own for item in scene.contacts]),
+        items,
         _length(scene),
         sum(len(body.frames) for body in scene.bodies),
         comm,

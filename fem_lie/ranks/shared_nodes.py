@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from mpi4py import MPI
 from mpi4py.util import dtlib
@@ -32,6 +32,17 @@ def _row_type(of: np.dtype[Any], size: int) -> MPI.Datatype:
 
 
 Extended = npt.NDArray[np.longdouble]
+
+
+class RanksDifferError(RuntimeError):
+    """Ranks ask for different values; raised on those that wait for others."""
+
+
+class _Asked(NamedTuple):
+    """What a rank asks for in a context of errors, and its own contribution."""
+
+    what: str
+    value: Any
 
 
 class SharedNodes:
@@ -188,6 +199,37 @@ class SharedNodes:
         """Whether it is so on any rank."""
         return bool(self.comm.allreduce(flag, op=MPI.LOR)) if self.several else flag
 
+    def first(self, value: Any) -> Any:
+        """Value of the first rank, which all have computed: they decide alike."""
+        return self.comm.bcast(value) if self.several else value
+
+    def exchange(self, what: str, value: Any) -> list[Any]:
+        """Values of all ranks, those of lower ranks first, within the context :meth:`errors`.
+
+        For functions of users, which may fail on one rank only: that rank takes part until all have
+        left the context.
+
+        Args:
+            what: What is asked for, the same on all ranks.
+            value: The contribution of this rank.
+
+        Raises:
+            RanksDifferError: Another rank has failed, or asks for something else.
+        """
+        if not self.several:
+            return [value]
+        found = self.comm.allgather(_Asked(what, value))
+        for rank, each in enumerate(found):
+            if not isinstance(each, _Asked):
+                did = "has nothing to ask" if each is None else f"failed: {each[1]}"
+                raise RanksDifferError(f"rank {self.comm.rank} asks for {what}, rank {rank} {did}")
+            if each.what != what:
+                raise RanksDifferError(
+                    f"rank {self.comm.rank} asks for {what}, rank {rank} for {each.what}: expected "
+                    "functions that do the same on all ranks"
+                )
+        return [each.value for each in found]
+
     @contextmanager
     def errors(self, *kinds: type[Exception]) -> Iterator[None]:
         """Context whose error on one rank is raised on all at its end.
@@ -205,7 +247,10 @@ class SharedNodes:
             error = raised
         # constructors of errors may take more than the message
         given = None if error is None else (type(error), str(error))
-        first = next((each for each in self.comm.allgather(given) if each is not None), None)
+        found = self.comm.allgather(given)
+        while any(isinstance(each, _Asked) for each in found):  # others are not here yet
+            found = self.comm.allgather(given)
+        first = next((each for each in found if each is not None), None)
         if error is not None:
             raise error
         if first is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cached_property
 from typing import Any, TypeVar
 
 from mpi4py import MPI
@@ -241,14 +242,14 @@ class Gathering:
             found[:, joints] = part
         return found
 
-    @property
-    def _columns(self) -> list[int]:
+    @cached_property
+    def columns(self) -> list[int]:
         """Coordinates of the joints of the part among those of the scene."""
         joints = [self.info.joints[k] for k in self.part.connections]
         return [joint.first + k for joint in joints for k in range(len(joint.coordinates))]
 
     def _coordinates(self, values: Array) -> Array:
-        at = self._columns
+        at = self.columns
         total = sum(len(joint.coordinates) for joint in self.info.joints)
         found = np.empty((len(values), total))
         for columns, part in self.part.comm.gather((at, values)) or ():
@@ -282,7 +283,7 @@ class Gathering:
         if name in ("joint_forces", "joint_violations"):
             return values[:, self.part.connections]
         if name == "joint_coordinates":
-            return values[:, self._columns]
+            return values[:, self.columns]
         if name == "reactions":
             rows, comm = self._support_rows, self.part.comm
             earlier = comm.allgather(rows)[: comm.rank]

@@ -99,6 +99,9 @@ class Scene(Summarised):
         events: Events of runs.
         sensors: Sensors of runs.
         controllers: Controllers of runs.
+        initial_factors: Factors at the start of loads, springs and force laws that events scale;
+            ``None`` where no event says it.
+        switched_by_events: Connections that events switch.
         began: Time and state from which runs start; :func:`~fem_lie.adaptivity.transfer` sets it.
         family: Family of scenes made by :meth:`with_loads` and :meth:`with_drives`, or ``None``.
 
@@ -137,7 +140,8 @@ class Scene(Summarised):
         self.events: list[Event] = []
         self.sensors: list[Sensor] = []
         self.controllers: list[Controller | ContinuousController] = []
-        self._initial_factors: dict[Any, float | None] = {}
+        self.initial_factors: dict[Any, float | None] = {}
+        self.switched_by_events: list[Connection] = []
         self._known: set[Body] = set()
         self._names: set[str] = set()
         self._kinds: Counter[type[Body]] = Counter()
@@ -219,14 +223,15 @@ class Scene(Summarised):
                     )
             self._check_scaled(item.label, *(each for each, _ in item.scaled))
             for each, start in item.scaled:
-                known = self._initial_factors.setdefault(each, start)
+                known = self.initial_factors.setdefault(each, start)
                 if known is None:
-                    self._initial_factors[each] = start
+                    self.initial_factors[each] = start
                 elif start is not None and start != known:
                     raise ValueError(
                         f"{item.label}: expected the initial factor {known:g}, as another event "
                         f"says, got {start:g}"
                     )
+            self.switched_by_events += item.switched
             self.events.append(item)
         elif isinstance(item, Controller | ContinuousController):
             self._check_scaled(item.label, *item.actuators)
@@ -341,7 +346,8 @@ class Scene(Summarised):
         scene.clamps, scene.motions = list(self.clamps), list(self.motions)
         scene.events, scene.sensors = list(self.events), list(self.sensors)
         scene.controllers = list(self.controllers)
-        scene._initial_factors = dict(self._initial_factors)
+        scene.initial_factors = dict(self.initial_factors)
+        scene.switched_by_events = list(self.switched_by_events)
         scene.began = self.began
         self.family = self.family or Family()
         scene.family = self.family
@@ -350,9 +356,8 @@ class Scene(Summarised):
     @property
     def switched(self) -> list[Connection]:
         """Connections that are inactive at the start, or that events switch."""
-        by_events = [each for event in self.events for each in event.switched]
         of_all = (*self.joints, *self.connections)
-        return [each for each in of_all if not each.active or each in by_events]
+        return [each for each in of_all if not each.active or each in self.switched_by_events]
 
     @property
     def happens(self) -> bool:
@@ -364,7 +369,7 @@ class Scene(Summarised):
     def scaled(self) -> dict[Load | Connection, float]:
         """Loads, springs and force laws with factors, and these at the start."""
         by_controllers = {item: 1.0 for each in self.controllers for item in each.actuators}
-        by_events = self._initial_factors.items()
+        by_events = self.initial_factors.items()
         return by_controllers | {k: 1.0 if start is None else start for k, start in by_events}
 
     def without_impacts(self) -> Scene:

@@ -329,14 +329,6 @@ class Connections:
         if not self.driven:
             self.set_time(0.0)
 
-    def acts(self, item: Connection) -> bool:
-        """Whether the constraints of an item act.
-
-        Args:
-            item: The item.
-        """
-        return not self.inactive[self.owner == self.items.index(item)].any()
-
     @property
     def activity(self) -> dict[str, Array]:
         """Which constraints act, and the constant parts of all targets."""

@@ -83,11 +83,9 @@ class GeneralisedAlpha(Options, Integrator):
         return equations
 
     def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
-        """Equations of the part of this rank, for runs without secants and events."""
+        """Equations of the part of this rank, for runs without secants."""
         refused = {
-            "events, sensors, controllers and limits": scene.happens,
             "secants": self.policy.secants > 0,
-            "joints that are inactive or switched": bool(scene.switched),
         }
         part = divided(scene.without_impacts(), self.petsc_options_prefix, refused)
         return None if part is None else self._equations(scene, part)

@@ -293,6 +293,9 @@ class AlphaSteps(Run):
 
         if not self._serve(call, ends=True):
             uneventful.take_back(*both)
+        if progress.step < last:
+            # a step was taken back: the balance continues from its start
+            self.balance.look(start + (progress.step - first) * self.h, *self._accepted)
         self._speed = max(self._speed, float(progress.motion) / self.h)
         return self._errors[: progress.step - first], int(progress.total)
 

@@ -14,6 +14,7 @@ half a step before the end, ``ẋ − h/2 ẍ``; with another step size it becom
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,8 +24,7 @@ from fem_lie._arrays import Array, numbers
 from fem_lie._state import Stateful, attributes
 from fem_lie.events.controller import ContinuousController, Controller
 from fem_lie.scene import Scene
-from fem_lie.solve.motion.events import EventError, RunningState
-from fem_lie.system.equations import Equations
+from fem_lie.solve.running_state import EventError, RunningState, WatchedScene
 
 _SAME = 1e-6
 """Difference of times, over the period, below which a sample is due."""
@@ -67,13 +67,13 @@ class Controllers(Stateful):
 
     STATE = attributes("samples", "memories")
 
-    def __init__(self, equations: Equations) -> None:
+    def __init__(self, scene: WatchedScene) -> None:
         """Start before the first sample.
 
         Args:
-            equations: Equations of the scene.
+            scene: The scene.
         """
-        self._equations, self._items = equations, tuple(sampled(equations.scene))
+        self._scene, self._items = scene, tuple(sampled(scene.scene))
         self.samples = np.zeros(len(self._items), dtype=np.int64)
         self.memories = [each.start for each in self._items]
 
@@ -90,19 +90,23 @@ class Controllers(Stateful):
             if state.time < (self.samples[k] - _SAME) * each.period:
                 continue
             self.samples[k] += 1
-            try:
-                factors, memory = self._updated(each, state, self.memories[k])
-            except Exception as error:
-                raise EventError(
-                    f"the update of {each.label} failed at time {state.time:.9g}: "
-                    f"{type(error).__name__}: {error}"
-                ) from error
+            update = partial(self._updated, each, state, self.memories[k])
+            factors, memory = self._scene.alike(update)
             self.memories[k][:] = memory
             for item, factor in zip(each.actuators, factors, strict=True):
-                self._equations.history_variables.scale(item, float(factor))
+                self._scene.equations.history_variables.scale(item, float(factor))
+
+    def _updated(self, each: Controller, state: RunningState, memory: Array) -> tuple[Array, Array]:
+        try:
+            return self._numbers(each, state, memory)
+        except Exception as error:
+            raise EventError(
+                f"the update of {each.label} failed at time {state.time:.9g}: "
+                f"{type(error).__name__}: {error}"
+            ) from error
 
     @staticmethod
-    def _updated(each: Controller, state: RunningState, memory: Array) -> tuple[Array, Array]:
+    def _numbers(each: Controller, state: RunningState, memory: Array) -> tuple[Array, Array]:
         given = each.update(state, memory.copy())
         if not isinstance(given, tuple) or len(given) != 2:
             raise TypeError(f"expected factors of the actuators and the memory, got {given!r}")
@@ -131,15 +135,15 @@ class Feedback(Stateful):
 
     STATE = attributes("states", "rates", "means", "outputs", "trend", "largest", "size", "time")
 
-    def __init__(self, equations: Equations) -> None:
+    def __init__(self, scene: WatchedScene) -> None:
         """Start before the first state.
 
         Args:
-            equations: Equations of the scene.
+            scene: The scene.
         """
-        every = equations.scene.controllers
+        every = scene.scene.controllers
         self._items = [each for each in every if isinstance(each, ContinuousController)]
-        self._equations = equations
+        self._scene = scene
         self._actuators = [item for each in self._items for item in each.actuators]
         self._actuators_of = [each.label for each in self._items for _ in each.actuators]
         self.states = [each.start for each in self._items]
@@ -179,8 +183,8 @@ class Feedback(Stateful):
             H: Frames of all nodes, ground and prescribed motions.
             v: Twists of all nodes.
         """
-        none, ahead = np.zeros(self._equations.unknowns.m), time - self.time
-        state = RunningState(self._equations, time, H, v, none, abs(ahead) or np.inf)
+        none, ahead = np.zeros(self._scene.equations.unknowns.m), time - self.time
+        state = RunningState(self._scene, time, H, v, none, abs(ahead) or np.inf)
         pairs = zip(self.states, self.rates, strict=True)
         self._set(self._outputs(state, [x + ahead * rate for x, rate in pairs]))
 
@@ -239,7 +243,7 @@ class Feedback(Stateful):
 
     def _set(self, outputs: Array) -> None:
         for item, factor in zip(self._actuators, outputs, strict=True):
-            self._equations.history_variables.scale(item, float(factor))
+            self._scene.equations.history_variables.scale(item, float(factor))
 
     def _advanced(self, k: int, state: RunningState, h: float) -> Array:
         """State of a controller at the end of a step, by Newton's method."""
@@ -262,14 +266,15 @@ class Feedback(Stateful):
         return found
 
     def _rate(self, each: ContinuousController, state: RunningState, x: Array) -> Array:
-        return _evaluated(each, "rate", each.rate, state, x, len(x))
+        given = each, "rate", each.rate, state, x, len(x)
+        return self._scene.alike(partial(_evaluated, *given))
 
     def _outputs(self, state: RunningState, states: Sequence[Array]) -> Array:
-        found = [
-            _evaluated(each, "output", each.output, state, x, len(each.actuators))
-            for each, x in zip(self._items, states, strict=True)
-        ]
-        return np.concatenate([np.empty(0), *found])
+        found: list[Array] = [np.empty(0)]
+        for each, x in zip(self._items, states, strict=True):
+            given = each, "output", each.output, state, x, len(each.actuators)
+            found.append(self._scene.alike(partial(_evaluated, *given)))
+        return np.concatenate(found)
 
 
 def _evaluated(

@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from fem_lie._arrays import Array, Flags, number
 from fem_lie._state import Stateful, attributes
-from fem_lie.bodies.body import Point
 from fem_lie.events.actions import Action
 from fem_lie.events.event import Event
 from fem_lie.events.sensor import Sensor
 from fem_lie.joints.connection import Connection
-from fem_lie.lie.node_types import retract_all
 from fem_lie.solve.motion.limits import Limits, PlainStops
-from fem_lie.system.equations import Equations
-
-_DIFFERENCE = 1e-6
-"""Rotation, or displacement over the length of the model, of differences for rates."""
+from fem_lie.solve.running_state import EventError, RunningState, WatchedScene
 
 _SHORTEST = 1e-6
 """Size of a cut step, over that of the whole step, below which the event is at its start: a
@@ -28,98 +23,6 @@ velocity has the round-off of positions over the size of the step."""
 
 MOST_AT_ONCE = 20
 """Number of successive steps that may end at one event without a whole step in between."""
-
-
-class EventError(RuntimeError):
-    """A condition or an action failed, or an event happens without end."""
-
-
-class RunningState:
-    """A state of a run, see :class:`~fem_lie.events.state.State`.
-
-    Attributes:
-        time: The time.
-    """
-
-    def __init__(
-        self,
-        equations: Equations,
-        time: float,
-        H: Array,
-        v: Array,
-        multipliers: Array,
-        step: float,
-    ) -> None:
-        """Store the state.
-
-        Args:
-            equations: Equations of the scene.
-            time: The time.
-            H: Frames of all nodes, ground and prescribed motions.
-            v: Twists of the moving nodes.
-            multipliers: Lagrange multipliers.
-            step: Interval of differences for the rates of prescribed motions.
-        """
-        self.time, self._step = time, step
-        self._equations, self._H, self._v = equations, H, v
-        self._multipliers = multipliers
-
-    @cached_property
-    def _report(self) -> Any:
-        return self._equations.report(self._H, self._v)
-
-    @cached_property
-    def _frames(self) -> Array:
-        return np.asarray(self._report.frames)
-
-    @cached_property
-    def _coordinates(self) -> Array:
-        return np.asarray(self._report.joints.coordinates)
-
-    @cached_property
-    def _rates(self) -> Array:
-        """Rates of all coordinates, by central differences along the motion."""
-        equations, n = self._equations, self._equations.unknowns.moving
-        driven = equations.prescribed(self.time, self._step).velocities
-        v = np.concatenate([self._v[:n], np.zeros((1, 6)), driven])
-        types = np.append(equations.unknowns.kinds, np.zeros(len(v) - n, dtype=np.int64))
-        units = np.repeat([equations.unknowns.length, 1.0], 3)
-        h = _DIFFERENCE / max(float(np.abs(v / units).max()), 1e-300)
-        ends = []
-        for sign in (1.0, -1.0):
-            H = self._H.copy()
-            retract_all(types, self._H, sign * h * v, H)
-            ends.append(equations.report(H).joints.coordinates)
-        return np.asarray((ends[0] - ends[1]) / (2.0 * h))
-
-    def position(self, point: Point | str) -> Array:
-        """Position of a point, global components, shape (3,)."""
-        return np.array(self._equations.info.frame(point, self._frames)[0])
-
-    def rotation(self, point: Point | str) -> Array:
-        """Rotation of a point's frame, local to global, shape (3, 3)."""
-        return np.array(self._equations.info.frame(point, self._frames)[1:].T)
-
-    def velocity(self, point: Point | str) -> Array:
-        """Velocity of a point (translation, rotation) in its local frame, shape (6,)."""
-        return np.array(self._equations.info.twist(point, self._frames, self._report.twists))
-
-    def coordinate(self, joint: Connection | str, name: str | None = None) -> float:
-        """Relative coordinate of a joint: an unwrapped angle in rad, or a length."""
-        return float(self._coordinates[self._equations.info.coordinate(joint, name)])
-
-    def rate(self, joint: Connection | str, name: str | None = None) -> float:
-        """Rate of a relative coordinate."""
-        return float(self._rates[self._equations.info.coordinate(joint, name)])
-
-    def watched(self, limits: Limits) -> Array:
-        """Watched numbers of all stops of limits, see :mod:`~.motion.limits`."""
-        return limits.values(self._coordinates, self._multipliers)
-
-    @property
-    def kinetic(self) -> float:
-        """Kinetic energy."""
-        return float(self._report.kinetic)
 
 
 class Events(Stateful):
@@ -136,14 +39,15 @@ class Events(Stateful):
 
     STATE = attributes("values", "counts", "limits", "stopped", "at_once")
 
-    def __init__(self, equations: Equations) -> None:
+    def __init__(self, scene: WatchedScene) -> None:
         """Start before the first step.
 
         Args:
-            equations: Equations of the scene.
+            scene: The scene.
         """
-        self._events, self._equations = tuple(equations.scene.events), equations
-        self.limits = Limits(equations)
+        self._scene, self._equations = scene, scene.equations
+        self._events = tuple(scene.scene.events)
+        self.limits = Limits(scene)
         self.values = np.zeros(len(self))
         self.counts = np.zeros(len(self._events), dtype=np.int64)
         self.stopped, self.at_once = 0, 0
@@ -156,7 +60,8 @@ class Events(Stateful):
     @property
     def stops_in_loop(self) -> PlainStops | None:
         """Stops of limits for compiled loops; ``None`` if these cannot evaluate a coordinate."""
-        return self.limits.among(self._equations.arrays.probed)
+        equations = self._equations
+        return None if equations.part else self.limits.among(equations.arrays.probed)
 
     def evaluate(self, state: RunningState) -> Array:
         """Values of all conditions, and watched numbers of all stops, shape (e + 2 l,).
@@ -166,7 +71,14 @@ class Events(Stateful):
         """
         found = np.empty(len(self))
         if len(self.limits):
-            found[len(self._events) :] = state.watched(self.limits)
+            found[len(self._events) :] = self.limits.values(state)
+        if self._events:
+            found[: len(self._events)] = self._scene.alike(lambda: self._conditions(state))
+        return found
+
+    def _conditions(self, state: RunningState) -> Array:
+        """Values of all conditions of the scene, shape (e,)."""
+        found = np.empty(len(self._events))
         for k, event in enumerate(self._events):
             try:
                 found[k] = number(event.condition(state), "value of the condition")
@@ -273,13 +185,18 @@ class Events(Stateful):
             event = self._events[k]
             self.counts[k] += 1
             for action in event.actions:
-                try:
-                    if isinstance(action, Action):
-                        action.act(self)
-                    else:
-                        action(state)
-                except Exception as error:
-                    raise EventError(_failed("action", event, state.time, error)) from error
+                if isinstance(action, Action):
+                    self._act(event, state, partial(action.act, self))
+                else:
+                    own = partial(self._act, event, state, partial(action, state))
+                    self._scene.alike(own)
+
+    @staticmethod
+    def _act(event: Event, state: RunningState, action: Callable[[], None]) -> None:
+        try:
+            action()
+        except Exception as error:
+            raise EventError(_failed("action", event, state.time, error)) from error
 
     def strike(
         self, fired: Array, H: Array, change: Callable[[Array], Array], *, rebound: bool
@@ -290,7 +207,7 @@ class Events(Stateful):
             fired: As for :meth:`act`.
             H: Its frames of all nodes, ground and prescribed motions.
             change: Makes the state consistent with all constraints, given the coefficient by which
-                each reverses its rate; returns the multipliers.
+                each of the part reverses its rate; returns the multipliers.
             rebound: Whether there is restitution.
         """
         stops = fired[len(self._events) :] != 0.0
@@ -298,7 +215,7 @@ class Events(Stateful):
         resting = np.zeros(len(stops) // 2, dtype=bool)
         if not rebound:
             resting = stops.reshape(-1, 2).any(axis=1)
-        while self.limits.separate(factors, H, change(factors), resting):
+        while self.limits.separate(factors, H, change(self.limits.spread(factors)), resting):
             factors[:] = 0.0
 
     def number(self, k: int) -> int:

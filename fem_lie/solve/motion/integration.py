@@ -22,13 +22,13 @@ from fem_lie.joints.laws import ForceLawError
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.results import Result
 from fem_lie.solve.division import HALVINGS, Division
-from fem_lie.solve.motion.events import EventError
 from fem_lie.solve.motion.policies import RefactorisationPolicy
 from fem_lie.solve.progress_bars import Stopwatch
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import Plan
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.whole_state import NO_CELLS, MovingState
+from fem_lie.solve.running_state import EventError
 from fem_lie.system.equations import Equations
 
 HistoryT = TypeVar("HistoryT", bound=History)

@@ -16,7 +16,7 @@ from fem_lie._jit import compiled
 from fem_lie._jit.packed_arrays import Integers1, Numbers2
 from fem_lie._state import Stateful, attributes
 from fem_lie.joints.connection import Bounds, Connection
-from fem_lie.system.equations import Equations
+from fem_lie.solve.running_state import RunningState, WatchedScene
 
 PlainStops: TypeAlias = tuple[Integers1, Numbers2, Integers1, Integers1]
 """Coordinate of each limit, its upper and lower stop (l, 2), its constraint, and the stop at which
@@ -58,22 +58,28 @@ class Limits(Stateful):
 
     STATE = attributes("closed")
 
-    def __init__(self, equations: Equations) -> None:
+    def __init__(self, scene: WatchedScene) -> None:
         """Collect the limits of the scene.
 
         Args:
-            equations: Equations of the scene.
+            scene: The scene.
         """
-        scene, self._equations = equations.scene, equations
-        items = [*scene.joints, *scene.connections]
+        equations = self._equations = scene.equations
+        items, part = [*scene.scene.joints, *scene.scene.connections], equations.part
         found: list[tuple[Connection, Bounds]] = [
             (item, bounds) for item in items if (bounds := item.bounds) is not None
         ]
         self.items = [item for item, _ in found]
-        owner = [items.index(item) for item in self.items]
-        self.rows: Indices = np.searchsorted(equations.arrays.owner, owner).astype(np.int64)
+        owner: Indices = np.array([items.index(item) for item in self.items], dtype=np.int64)
+        owners = equations.arrays.owner
+        if part is not None:
+            owners = part.connections[owners]
+        # a limit is one constraint, of the rank that owns its joint
+        row_of = {int(k): row for row, k in enumerate(owners)}
+        self._here: Flags = np.isin(owner, owners)
+        self._rows: Indices = np.array([row_of[int(k)] for k in owner[self._here]], dtype=np.int64)
         self._coordinates = np.array(
-            [equations.info.coordinate(item, None) for item in self.items], dtype=np.int64
+            [scene.info.coordinate(item, None) for item in self.items], dtype=np.int64
         )
         ends = [(bounds.upper, bounds.lower) for _, bounds in found]
         self._stops = np.array(ends, dtype=np.float64).reshape(-1, 2)
@@ -86,19 +92,31 @@ class Limits(Stateful):
         """Number of stops."""
         return 2 * len(self.items)
 
-    def values(self, coordinates: Array, multipliers: Array) -> Array:
-        """The watched number of each stop, shape (2 l,).
+    def values(self, state: RunningState) -> Array:
+        """The watched number of each stop, shape (2 l,); all ranks together.
 
         Args:
-            coordinates: Coordinates of all connections.
-            multipliers: Lagrange multipliers, shape (m,).
+            state: The state.
         """
         found = np.empty(len(self))
-        watch(coordinates, self._plain(self._coordinates), multipliers, found)
+        stops = self._plain(self._coordinates, np.arange(len(self.items)))
+        watch(state.coordinates, stops, self._forces(state.multipliers), found)
         return found
 
-    def _plain(self, coordinates: Indices) -> PlainStops:
-        return coordinates, self._stops, self.rows, self.closed
+    def _forces(self, multipliers: Array) -> Array:
+        """Multiplier of each limit, shape (l,), from those of the part, (m,)."""
+        found = np.zeros(len(self.items))
+        found[self._here] = multipliers[self._rows]
+        return self._equations.shared.total(found)
+
+    def spread(self, values: Array) -> Array:
+        """Values of limits, shape (l,), as those of all constraints of the part, (m,)."""
+        found = np.zeros(self._equations.unknowns.m)
+        found[self._rows] = values[self._here]
+        return found
+
+    def _plain(self, coordinates: Indices, rows: Indices) -> PlainStops:
+        return coordinates, self._stops, rows, self.closed
 
     def among(self, coordinates: Indices) -> PlainStops | None:
         """The limits for compiled loops; ``None`` if a coordinate is not among the given ones.
@@ -108,7 +126,7 @@ class Limits(Stateful):
         """
         if not np.isin(self._coordinates, coordinates).all():
             return None
-        return self._plain(np.searchsorted(coordinates, self._coordinates))
+        return self._plain(np.searchsorted(coordinates, self._coordinates), self._rows)
 
     def entered(self, start: Array, end: Array) -> Flags:
         """Stops of open limits that a step leaves behind although it starts at them, (2 l,).
@@ -129,16 +147,16 @@ class Limits(Stateful):
             rebound: Whether there is restitution.
 
         Returns:
-            Coefficient of restitution of each constraint, shape (m,).
+            Coefficient of restitution of each limit, shape (l,).
         """
-        factors = np.zeros(self._equations.unknowns.m)
+        factors = np.zeros(len(self.items))
         for k, side in zip(*np.nonzero(fired.reshape(-1, 2)), strict=True):
             if self.closed[k]:
                 self._open(k, H)
                 continue
             self._equations.history_variables.switch(self.items[k], H, active=True)
             self.closed[k] = int(self._signs[side])
-            factors[self.rows[k]] = self._restitution[k] if rebound else 0.0
+            factors[k] = self._restitution[k] if rebound else 0.0
         return factors
 
     def overdue(self, start: Array, end: Array) -> Flags:
@@ -156,12 +174,12 @@ class Limits(Stateful):
         Args:
             factors: Coefficients of restitution of the last :meth:`strike`.
             H: Frames of all nodes, ground and prescribed motions.
-            multipliers: Lagrange multipliers after it, shape (m,).
+            multipliers: Lagrange multipliers of the part after it, shape (m,).
             resting: Limits that stay closed for one step, even if their stop pulls at its start,
                 shape (l,): without them they would be beyond the stop at its end.
         """
-        pulls = (self.closed * multipliers[self.rows] < 0.0) & ~resting
-        leaving = (self.closed != 0) & ((factors[self.rows] > 0.0) | pulls)
+        pulls = (self.closed * self._forces(multipliers) < 0.0) & ~resting
+        leaving = (self.closed != 0) & ((factors > 0.0) | pulls)
         for k in np.flatnonzero(leaving):
             self._open(int(k), H)
         return bool(leaving.any())

@@ -12,9 +12,10 @@ import numpy as np
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
+from fem_lie.events.sensor import Sensor
 from fem_lie.lie.node_types import floating, inertia, pull_all_back
 from fem_lie.lie.tuples import dot, load
-from fem_lie.parts.part_scene import scene_numbers, undivided
+from fem_lie.parts.part_scene import scene_numbers, undivided, whole_scene
 from fem_lie.results.record import StepHistory
 from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
@@ -143,9 +144,9 @@ class StepLog:
     sensed: list[tuple[float, ...]] = field(default_factory=list)
 
     @property
-    def _sensors(self) -> int:
-        """Number of sensors of the scene."""
-        return len(self.equations.scene.sensors)
+    def _sensors(self) -> list[Sensor]:
+        """Sensors of the scene."""
+        return whole_scene(self.equations.scene, self.equations.part).sensors
 
     def add(
         self, time: float, size: float, error: StepError, measured: tuple[float, float]
@@ -176,7 +177,7 @@ class StepLog:
             "measured": np.array(self.measured, dtype=np.float64).reshape(-1, 2),
             "rejected": np.array(self.rejected),
             "events": np.array(self.events, dtype=np.float64).reshape(-1, 3),
-            "sensed": np.array(self.sensed, dtype=np.float64).reshape(-1, 1 + self._sensors),
+            "sensed": np.array(self.sensed, dtype=np.float64).reshape(-1, 1 + len(self._sensors)),
         }
 
     def restore(self, kept: Mapping[str, Array]) -> None:
@@ -206,9 +207,7 @@ class StepLog:
             event_times=known["events"][:, 0],
             event_numbers=known["events"][:, 1].astype(np.int64),
             event_losses=known["events"][:, 2],
-            sensor_names=np.array(
-                [each.name.encode() for each in self.equations.scene.sensors], "S"
-            ),
+            sensor_names=np.array([each.name.encode() for each in self._sensors], "S"),
             sensor_times=known["sensed"][:, 0],
             sensor_values=known["sensed"][:, 1:],
         )

@@ -21,7 +21,7 @@ from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.results import Result
 from fem_lie.scene import Scene
 from fem_lie.solve.motion.controllers import Controllers, Feedback, sample_times, sampled
-from fem_lie.solve.motion.events import EventError, Events, Root, RunningState, sensed
+from fem_lie.solve.motion.events import Events, Root, sensed
 from fem_lie.solve.motion.growing import Growing
 from fem_lie.solve.motion.integration import Driver
 from fem_lie.solve.motion.limits import PlainStops
@@ -29,6 +29,7 @@ from fem_lie.solve.motion.step_log import StepError, StepLog, largest_gaps
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import ChosenSteps
 from fem_lie.solve.recording.whole_state import MovingState
+from fem_lie.solve.running_state import EventError, RunningState, WatchedScene
 from fem_lie.solve.step_control import SAME, Control
 from fem_lie.system.equations import Equations
 
@@ -192,7 +193,10 @@ def side(time: float, h: float) -> float:
     return float(max(SIDE * h, 8.0 * np.spacing(time)))
 
 
-_COMMON = "_index", "_time", "_rejections", "_control", "steps"
+_COMMON = (
+    *("_events", "_controllers", "_feedback"),
+    *("_index", "_time", "_rejections", "_control", "steps"),
+)
 """State that all ranks of a divided scene have in common."""
 
 REJECTIONS = 2
@@ -206,18 +210,7 @@ class VariableSteps(Driver[Growing]):
         steps: Log of all steps.
     """
 
-    STATE = attributes(
-        "_events",
-        "_controllers",
-        "_feedback",
-        "_index",
-        "_time",
-        "_rejections",
-        "_control",
-        "steps",
-        "_stepper",
-        "_finer",
-    )
+    STATE = attributes(*_COMMON, "_stepper", "_finer")
 
     def __init__(
         self, stepper: Stepper[Any], control: Control, finer: Stepper[Any] | None, parts: int
@@ -235,10 +228,11 @@ class VariableSteps(Driver[Growing]):
         self.equations, self.steps = stepper.equations, StepLog(stepper.equations)
         self._index, self._time, self._iterations = 0, 0.0, 0
         self._last: tuple[float, StepError | None, float] = control.size, None, np.inf
-        self._events = Events(self.equations)
+        self._scene = WatchedScene(self.equations)
+        self._events = Events(self._scene)
         self._fired: Array = np.zeros(len(self._events))
-        self._controllers = Controllers(self.equations)
-        self._feedback = Feedback(self.equations)
+        self._controllers = Controllers(self._scene)
+        self._feedback = Feedback(self._scene)
         if self._feedback and finer is not None:
             raise ValueError(
                 "refinement: errors of steps with continuous controllers are not measured; run "
@@ -249,7 +243,7 @@ class VariableSteps(Driver[Growing]):
             cast(Any, stepper).feedback = self._feedback.look
         self._stops = self._events.stops_in_loop
         # what Python evaluates after each step
-        scene = self.equations.scene
+        scene = self._scene.scene
         python = bool(scene.events or scene.sensors or self._feedback)
         self._looks = python or finer is not None
 
@@ -265,10 +259,10 @@ class VariableSteps(Driver[Growing]):
     def start(self) -> None:
         """Make the state consistent at time 0."""
         equations = self.equations
-        if equations.scene.controllers:
+        if self._scene.scene.controllers:
             frames, velocities, _ = equations.start
             none = np.zeros(equations.unknowns.m)
-            start = RunningState(equations, 0.0, frames, velocities, none, self._control.size)
+            start = RunningState(self._scene, 0.0, frames, velocities, none, self._control.size)
             self._controllers.sample(start)
             self._feedback.begin(start)
         self._stepper.begin(self._control.size)
@@ -280,7 +274,7 @@ class VariableSteps(Driver[Growing]):
         """The current state, for events."""
         stepper, size = self._stepper, self._control.size
         moving = self.frames, stepper.twists, stepper.multipliers
-        return RunningState(self.equations, time, *moving, size)
+        return RunningState(self._scene, time, *moving, size)
 
     @property
     def frames(self) -> Array:
@@ -343,7 +337,7 @@ class VariableSteps(Driver[Growing]):
         kept = self._fill_row(history, self._iterations, event=lands or happens or not self._index)
         if lands:
             control.pass_event()
-        if lands and not control.finished and self.equations.scene.controllers:
+        if lands and not control.finished and self._scene.scene.controllers:
             self._controllers.sample(self._state(time))
         if (lands or happens) and not control.finished:
             if happens:
@@ -509,10 +503,11 @@ class VariableSteps(Driver[Growing]):
 
     def _sense(self) -> None:
         """Sample the sensors."""
-        sensors = self.equations.scene.sensors
+        sensors = self._scene.scene.sensors
         if sensors:
             state = self._state(self._time)
-            self.steps.sensed.append((self._time, *(sensed(each, state) for each in sensors)))
+            values = self._scene.alike(lambda: [sensed(each, state) for each in sensors])
+            self.steps.sensed.append((self._time, *values))
 
     def _happen_at_start(
         self, signs: Array, before: Any, history: Growing, *, rebound: bool

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from fem_lie._arrays import Array
 from fem_lie.bodies.canonical import CanonicalBytes, attributes, data_of_body
 from fem_lie.events.actions import Action
-from fem_lie.parts.part_scene import undivided
+from fem_lie.parts.part_scene import undivided, whole_scene
 from fem_lie.scene import Scene
 from fem_lie.system.equations import Equations
 
@@ -43,7 +43,7 @@ class Fingerprint:
             scheme: Scheme; its options are attributes.
         """
         part = equations.part
-        scene = equations.scene if part is None else part.whole
+        scene = whole_scene(equations.scene, part)
         self.parts: dict[str, str] = {}
         self._shown: dict[str, str] = {}
         self._bytes = CanonicalBytes(scene.bodies)

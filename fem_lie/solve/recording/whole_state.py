@@ -27,6 +27,7 @@ _FRAMES, _MOTION, _BALANCE, _TURNS = (
     "whole.turns",
 )
 _MULTIPLIERS, _OWNERS = "whole.multipliers", "whole.owners"
+_COMMON = "whole.common."  # prefix of what all ranks have in common of the equations
 _CELLS, _OF_CELLS = "whole.cells", "whole.of_cells"
 
 NO_CELLS: Indices = np.empty((0, 1), dtype=np.int64)
@@ -73,7 +74,9 @@ def whole(gathering: Gathering, equations: Equations, state: MovingState) -> dic
     history = equations.history_variables
     turns = comm.gather([*history.turns.items()])
     contacts = comm.gather(history.contacts.saved_state() | history.contacts.pairs)
-    pairs = comm.gather((joints, state.multipliers.T))
+    # multipliers of each constraint, then whether it acts and its target, if some may be inactive
+    activity = [each[np.newaxis] for each in history.activity.of_constraints.values()]
+    pairs = comm.gather((joints, np.concatenate([state.multipliers, *activity]).T))
     cells, of_cells = _numbered(gathering, state.cells), comm.gather(state.of_cells)
     width = comm.allreduce(cells.shape[1], op=MPI.MAX)
     of_all = comm.gather(_padded(cells, width))
@@ -84,6 +87,7 @@ def whole(gathering: Gathering, equations: Equations, state: MovingState) -> dic
     }
     if turns is None or contacts is None or pairs is None or of_cells is None or of_all is None:
         return {}
+    found |= {f"{_COMMON}{name}": values for name, values in history.activity.of_items.items()}
     found |= {name: values for each in contacts for name, values in each.items()}
     owners, values = (np.concatenate(each) for each in zip(*pairs, strict=True))
     order = np.argsort(owners, kind="stable")
@@ -102,7 +106,7 @@ def own(
 ) -> MovingState:
     """State of the equations of a scene or of its part on this rank, from that of the whole scene.
 
-    The joints of the equations get their full turns, and the contacts their state.
+    The joints of the equations get their full turns and activity, the contacts their state.
 
     Args:
         gathering: Numbers of their nodes and joints in the whole scene.
@@ -113,21 +117,27 @@ def own(
     """
     masters = gathering.nodes[equations.unknowns.masters]
     joints = gathering.part.connections[equations.arrays.owner]
-    owners, known = (np.asarray(kept[name], dtype=np.int64) for name in (_OWNERS, _CELLS))
+    owners, pairs = (np.asarray(kept[name], dtype=np.int64) for name in (_OWNERS, _CELLS))
     rows = _rows_of(owners, joints)
     turns = {(name, angle): turn for (name, angle), turn in json.loads(bytes(kept[_TURNS]))}
     history = equations.history_variables
     history.turns = turns
     history.contacts.restore(kept)
     history.contacts.restore_pairs(kept)
+    of_constraints, activity = kept[_MULTIPLIERS][rows].T, history.activity
+    count = len(of_constraints) - len(activity.of_constraints)
+    history.activity = activity._replace(
+        of_constraints=dict(zip(activity.of_constraints, of_constraints[count:], strict=True)),
+        of_items={name: kept[f"{_COMMON}{name}"] for name in activity.of_items},
+    )
     balance = kept[_BALANCE][0]
     return MovingState(
         kept[_FRAMES][0, masters],
         kept[_MOTION][:, masters],
-        kept[_MULTIPLIERS][rows].T,
+        of_constraints[:count],
         balance if equations.shared.comm.rank == 0 else np.zeros_like(balance),
         cells,
-        kept[_OF_CELLS][_rows_of_cells(known, _numbered(gathering, cells))],
+        kept[_OF_CELLS][_rows_of_cells(pairs, _numbered(gathering, cells))],
     )
 
 

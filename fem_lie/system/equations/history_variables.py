@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from fem_lie.forms.term import Term
 from fem_lie.joints.connection import Connection, LostBranchError
 from fem_lie.lie.node_types import Written
 from fem_lie.linear.low_rank import LowRank
-from fem_lie.parts.part_scene import ScenePart
+from fem_lie.parts.part_scene import ScenePart, whole_scene
 from fem_lie.scene.load import Load
 from fem_lie.system.constraint_sets.constraint_set import HistoryKey
 from fem_lie.system.system import System
@@ -25,11 +25,27 @@ from fem_lie.system.terms.contact_states import ContactStates
 _PART = "low rank."  # prefix of names in a checkpoint
 
 
+class Activity(NamedTuple):
+    """What events, limits and controllers have changed; empty if they cannot.
+
+    Attributes:
+        of_constraints: Whether each constraint of the part acts, and the constant part of its
+            target, by name, shape (m,).
+        of_items: Whether each item of the scene that may be inactive acts, and the factor of each
+            one that has any, by name.
+    """
+
+    of_constraints: dict[str, Array]
+    of_items: dict[str, Array]
+
+
 class HistoryVariables:
     """History variables, which neither states nor the time determine; the solver updates them.
 
     Attributes:
         contacts: State of the contacts.
+
+    Activity and factors are known of all items of a scene, of which a part may have few.
     """
 
     def __init__(self, system: System, terms: Terms, part: ScenePart | None) -> None:
@@ -42,7 +58,10 @@ class HistoryVariables:
         """
         self._system, self._terms, self._connections = system, terms, system.connections
         self.contacts = ContactStates(terms, system.scene, system.numbering, part)
-        scaled = system.scene.scaled
+        whole = whole_scene(system.scene, part)
+        self._items: Mapping[Any, Any] | None = None if part is None else part.items
+        self._switched, scaled = whole.switched, whole.scaled
+        self._acting = np.array([item.active for item in self._switched], dtype=np.float64)
         self._scaled, self._factors = list(scaled), np.array(list(scaled.values()))
         for item, factor in scaled.items():
             self.scale(item, factor)
@@ -125,25 +144,33 @@ class HistoryVariables:
                 axes.rotate_motion(H, motion, self._system.kinds, written)
 
     def switch(self, item: Connection, H: Array, *, active: bool) -> None:
-        """Activate or deactivate the constraints of a joint, drive or gear.
+        """Activate or deactivate the constraints of a joint, drive or gear, on all ranks.
 
         Args:
-            item: The item.
+            item: An item of the scene that may be inactive.
             H: Frames of all nodes, ground and prescribed motions.
             active: Whether its constraints act from now on.
 
         Raises:
             ValueError: They are to act, and the state contradicts them.
         """
-        self._connections.switch(item, H, active=active)
+        with self._system.shared.errors(ValueError):
+            own = self._own(item)
+            if own is not None:
+                self._connections.switch(own, H, active=active)
+        self._acting[self._switched.index(item)] = active
+
+    def _own(self, item: Load | Connection) -> Any:
+        """What the part of this rank has of an item; ``None`` if it has nothing."""
+        return item if self._items is None else self._items.get(item)
 
     def acts(self, item: Connection) -> bool:
         """Whether the constraints of a joint, drive or gear act.
 
         Args:
-            item: The item.
+            item: An item of the scene that may be inactive.
         """
-        return self._connections.acts(item)
+        return bool(self._acting[self._switched.index(item)])
 
     def factor(self, item: Load | Connection) -> float:
         """Current factor of a load, spring or force law.
@@ -161,10 +188,11 @@ class HistoryVariables:
             factor: The factor.
         """
         self._factors[self._scaled.index(item)] = factor
-        if isinstance(item, Connection):
-            self._connections.scale_spring(item, factor)
-        else:
-            self._system.load_cases.scale(item, factor)
+        own = self._own(item)
+        if isinstance(own, Connection):
+            self._connections.scale_spring(own, factor)
+        elif own is not None:
+            self._system.load_cases.scale(own, factor)
 
     def friction_forces(self, H: Array, v: Array) -> Array | None:
         """Friction forces of contacts in the accepted state ``H`` with twists ``v``, shape (k, 10).
@@ -180,12 +208,24 @@ class HistoryVariables:
         """State of the history variables."""
         kept = {f"stress.{k}": part for k, part in enumerate(self._terms.linearised_values())}
         kept["joints"] = self._connections.history_variables
-        if self._system.scene.switched:
-            kept |= self._connections.activity
-        if self._scaled:
-            kept["factors"] = self._factors.copy()
+        kept |= self.activity.of_constraints | self.activity.of_items
         kept |= {f"watched.{k}": part for k, part in enumerate(self._terms.watched())}
         return kept | self.contacts.saved_state()
+
+    @property
+    def activity(self) -> Activity:
+        """Which constraints act, and factors."""
+        of_items = {"acting": self._acting.copy()} if self._switched else {}
+        of_items |= {"factors": self._factors.copy()} if self._scaled else {}
+        return Activity(self._connections.activity if self._switched else {}, of_items)
+
+    @activity.setter
+    def activity(self, kept: Activity) -> None:
+        if self._switched:
+            self._connections.activity = kept.of_constraints
+            self._acting[:] = kept.of_items["acting"]
+        for item, factor in zip(self._scaled, kept.of_items.get("factors", ()), strict=True):
+            self.scale(item, float(factor))
 
     @property
     def turns(self) -> Mapping[HistoryKey, float]:
@@ -204,10 +244,8 @@ class HistoryVariables:
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Restore the state of :meth:`saved_state`."""
         self._connections.history_variables = kept["joints"]
-        if self._system.scene.switched:
-            self._connections.activity = {name: kept[name] for name in ("inactive", "base")}
-        for item, factor in zip(self._scaled, kept.get("factors", ()), strict=True):
-            self.scale(item, float(factor))
+        own = ({name: kept[name] for name in each} for each in self.activity)
+        self.activity = Activity(*own)
         count = sum(name.startswith("stress.") for name in kept)
         self._terms.restore([kept[f"stress.{k}"] for k in range(count)])
         watched = sum(name.startswith("watched.") for name in kept)
