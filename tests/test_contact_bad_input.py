@@ -105,11 +105,11 @@ SURFACES = {
 SCHEMES = {
     "conserving": (
         lambda: run(falling(fl.contact.Impact(), ONE), fl.EnergyMomentum()),
-        "Impact is for GeneralisedAlpha .* give Penalty elsewhere",
+        "Impact is for GeneralisedAlpha.* give Penalty elsewhere",
     ),
     "decaying": (
         lambda: run(falling(fl.contact.Impact(), ONE), fl.EnergyDecaying()),
-        "Impact is for GeneralisedAlpha .* give Penalty elsewhere",
+        "Impact is for GeneralisedAlpha.* give Penalty elsewhere",
     ),
     "statics": (lambda: fl.statics(falling(fl.contact.Impact(), ONE)), "give Penalty elsewhere"),
     "steps that change": (
