@@ -66,7 +66,7 @@ BODIES: dict[str, tuple[Callable[[], fl.extend.Body], Callable[[], fl.extend.Bod
     "discrete cable": (
         lambda: fl.Cable(LINE, TUBE, formulation=DISCRETE),
         lambda: fl.Cable(fl.mesh.curve(arc, 16), TUBE, formulation=DISCRETE),
-        0.5,
+        2e-2,
     ),
     "spline cable": (
         lambda: fl.SplineCable.circle((0, 0, 0), 1.0, (0, 0, 1), TUBE, cells=8),
