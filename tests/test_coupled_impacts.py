@@ -168,6 +168,25 @@ def test_a_pile_comes_to_rest_next_to_a_joint():
     assert reported.penetration.max() < 1e-11
 
 
+def test_a_chain_of_boxes_falls_flat_and_stays():
+    """Velocities that violate joints would have energy that impacts set free, and never rest."""
+    scene, length, links = fl.Scene(gravity=(0, 0, -GRAVITY)), 0.1, []
+    for i in range(6):
+        position = ((i + 0.5) * length, 0, 0.1 + 0.03 * i)
+        links.append(scene.add(fl.RigidBody(0.1, cuboid(0.1, (0.09, 0.04, 0.03)), position)))
+    for a, b in pairwise(links):
+        ends = a.point("centre"), b.point("centre")
+        at = 0.5 * (ends[0].position + ends[1].position)
+        scene.add(fl.joints.Revolute(*ends, at=at, axis=(0, 1, 0)))
+    floor, law = fl.contact.Plane(fl.ground(), (0, 0, 1)), fl.contact.Impact(friction=0.4)
+    for link in links:
+        box = fl.contact.Box(link.point("centre"), (0.09, 0.04, 0.03))
+        scene.add(fl.contact.Contact(box, floor, law))
+    result = run(scene, 1.0, 2e-3)
+    assert np.diff(result.total_energy).max() < 1e-12 * result.total_energy[0]
+    assert np.abs(result.velocities[-1]).max() < 1e-10
+
+
 def test_an_impact_spreads_over_a_whole_row_in_one_step():
     """Each ball that is pushed meets the next one, which did not take part before."""
     scene, radius, count = fl.Scene(), 0.1, 24

@@ -134,6 +134,24 @@ def test_stabilised_velocities_follow_drives_and_motions():
     assert 1e-6 < errors[1] < 1e-2
 
 
+@pytest.mark.parametrize("index", list(fl.schemes.ConstraintIndex))
+def test_forces_of_drives_are_of_second_order(index):
+    """A body of 5 kg to and fro: m ẍ; those of projections are included."""
+    errors = []
+    for step in (5e-3, 2.5e-3):
+        scene = fl.Scene()
+        body = scene.add(fl.RigidBody(5.0, (1.0, 1.0, 1.0)))
+        rail = scene.add(fl.joints.Prismatic(fl.ground(), body.point("centre"), axis=(1, 0, 0)))
+        drive = scene.add(
+            fl.joints.Drive(rail.displacement, lambda t: 0.02 * (1.0 - np.cos(20.0 * t)))
+        )
+        result = fl.GeneralisedAlpha(index=index).run(scene, duration=0.6, step=step)
+        force = np.linalg.norm(result.joint_force(drive)[:, :3], axis=1)
+        errors.append(np.abs(force - np.abs(40.0 * np.cos(20.0 * result.times))).max() / 40.0)
+    assert errors[0] < 5e-3
+    assert 3.0 < errors[0] / errors[1] < 5.5
+
+
 def rising(t: float) -> np.ndarray:
     """A carrier that rises and comes down again."""
     frame = np.zeros((4, 3))

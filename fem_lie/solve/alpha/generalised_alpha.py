@@ -53,7 +53,8 @@ class GeneralisedAlpha(Options, Integrator):
         parametrisation: The map from increments to rotations.
         matrix_frame: Axes in which the iteration matrix is frozen.
         skew_part: What happens to the skew-symmetric part of the iteration matrix.
-        index: Which constraints hold at the end of each step.
+        index: Which constraints hold at the end of each step; default: those of positions
+            (``THREE``), and in scenes with impacts of velocities, too (``STABILISED_TWO``).
         petsc_options_prefix: Prefix for the choice of the linear solver.
 
     Example:

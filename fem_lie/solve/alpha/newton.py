@@ -93,7 +93,8 @@ class Newton(RunState, Iterated):
             change = partial(change_velocities, self.s.plain)
             # the rows of the frozen matrix keep the scale of its factorisation
             scale, before = self.scale * self._factor, self.s.twist1.copy()
-            project(equations, self.solver, end, scale, self.p.h, change)
+            moved = project(equations, self.solver, end, scale, self.p.h, change)
+            self.impulses[:] = moved / (self._factor * self.p.mass)
             self.balance.project(self.s.H1, before, self.s.twist1)
         accept(*self._plain)
 

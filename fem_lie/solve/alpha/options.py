@@ -8,6 +8,7 @@ from enum import IntEnum
 from fem_lie._arrays import choice, number
 from fem_lie.lie.motions import Parametrisation
 from fem_lie.linear.choice import SkewPart
+from fem_lie.scene import Scene
 from fem_lie.solve.motion.integrator import check_kinds
 from fem_lie.solve.motion.policies import Automatic, RefactorisationPolicy
 
@@ -32,8 +33,7 @@ class ConstraintIndex(IntEnum):
     """Which constraints hold at the end of each step, to the tolerance of the iteration.
 
     ``THREE``: position constraints; velocities satisfy them to second order. ``STABILISED_TWO``:
-    velocity constraints, too, see :mod:`fem_lie.solve.impacts.impulses`. Jointed bodies that touch
-    by impacts then gain no energy and come to rest; joint forces are of first order.
+    velocity constraints, too, see :mod:`fem_lie.solve.impacts.impulses`.
     """
 
     THREE = 3
@@ -51,7 +51,7 @@ class Options:
     parametrisation: Parametrisation = Parametrisation.EXPONENTIAL
     matrix_frame: MatrixFrame = MatrixFrame.LOCAL
     skew_part: SkewPart = SkewPart.DROPPED_IF_SMALL
-    index: ConstraintIndex = ConstraintIndex.THREE
+    index: ConstraintIndex | None = None
     petsc_options_prefix: str = "fem_lie_dynamics_"
 
     def __post_init__(self) -> None:
@@ -63,7 +63,18 @@ class Options:
         # plain numbers are accepted
         choice(self.parametrisation, Parametrisation, "parametrisation")
         choice(self.matrix_frame, MatrixFrame, "matrix_frame")
-        choice(self.index, ConstraintIndex, "index")
+        if self.index is not None:
+            choice(self.index, ConstraintIndex, "index")
         choice(self.skew_part, SkewPart, "skew_part")
         if not self.tolerance > 0:
             raise ValueError(f"expected tolerance > 0, got {self.tolerance}")
+
+    def index_for(self, scene: Scene) -> ConstraintIndex:
+        """The chosen index, or ``STABILISED_TWO`` if a scene has impacts, else ``THREE``.
+
+        Velocities that violate constraints have energy that impacts set free, and keep contacts of
+        bodies at rest moving.
+        """
+        if self.index is not None:
+            return self.index
+        return ConstraintIndex.STABILISED_TWO if scene.impacts else ConstraintIndex.THREE

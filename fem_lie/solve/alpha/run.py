@@ -381,11 +381,11 @@ class Run(Newton):
 
     @property
     def _recorded(self) -> TimeState:
-        """The current state for results; joint forces include the impulses of contacts."""
-        if self._contacts is None:
-            return self._accepted
-        multipliers = self.multipliers + self._contacts.reactions / self.p.h
-        return self._accepted._replace(multipliers=multipliers)
+        """The current state for results; joint forces include impulses over the last step."""
+        impulses = self.impulses
+        if self._contacts is not None:
+            impulses = impulses + self._contacts.reactions
+        return self._accepted._replace(multipliers=self.multipliers + impulses / self.p.h)
 
     def _result(self, history: Recorder) -> Result:
         solver = self.solver

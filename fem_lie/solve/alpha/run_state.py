@@ -64,6 +64,8 @@ class RunState(DividedIntegration[Recorder]):
         p: Parameters of the scheme.
         s: Start and end of a step.
         multipliers: Lagrange multipliers.
+        impulses: Their impulses at the end of the last step, which change velocities so that they
+            satisfy the constraints, see :func:`~fem_lie.solve.impacts.impulses.project`.
         progress: See :data:`fem_lie.solve.alpha.step.loop.PROGRESS`.
         solver: Linear solver of the iteration.
         balance: Energy balance: work and impulses of loads, drives and supports.
@@ -120,7 +122,7 @@ class RunState(DividedIntegration[Recorder]):
         self._changing = unknowns.time_dependent
         # compiled loops set the time of force laws that are in their sum
         self._prescribes = unknowns.prescribes or not equations.arrays.in_one_sum
-        stabilised = options.index == ConstraintIndex.STABILISED_TWO
+        stabilised = options.index_for(equations.scene) == ConstraintIndex.STABILISED_TWO
         self._projects = stabilised and unknowns.constraints > 0
         self._turned = options.matrix_frame == MatrixFrame.INERTIAL
         if self._turned and self._guided:
@@ -128,6 +130,7 @@ class RunState(DividedIntegration[Recorder]):
         self._plain = self.p.plain, self.s.plain
         self.multipliers: Array = np.zeros(m)
         self.scale: Array = np.ones(m)
+        self.impulses: Array = np.zeros(m)
         self._first, s = np.zeros(m), self.s
         self._accepted = TimeState(s.H, s.twist1, s.rate1, self.multipliers)
         self._end_instant = self._accepted._replace(H=s.H1)

@@ -226,7 +226,7 @@ def project(
     scale: Array,
     step: float,
     subtract: Callable[[Array], object],
-) -> None:
+) -> Array:
     """Project the velocities at the end of a step onto the constraints.
 
     Args:
@@ -237,6 +237,9 @@ def project(
         step: Step of difference quotients of drives and prescribed motions.
         subtract: Subtracts a change in the nodes' axes, shape (6 n + m,), from the twists and from
             all other velocities of the scheme.
+
+    Returns:
+        Multipliers ``μ`` without the scale, shape (m,).
     """
     n, velocities = equations.unknowns.moving, np.zeros((len(end.frames), 6))
     drive: Array = np.zeros(1)
@@ -254,7 +257,7 @@ def project(
         speed = float(np.abs(velocities).max(initial=0.0))
         # it decreases by the rotation since the factorisation each time, down to round-off
         if violation <= _CONTRACTION * max(speed, 1e-300) or violation > 0.9 * largest:
-            return
+            break
         largest = violation
         solver.right_hand_side[: 6 * n] = solver.times(change)[: 6 * n]
         solver.right_hand_side[: 6 * n] += B.T @ (scale * impulse)
@@ -263,3 +266,4 @@ def project(
         change[: 6 * n] -= solver.solution[: 6 * n]
         impulse -= solver.solution[6 * n :]
         subtract(solver.solution)
+    return scale * impulse
