@@ -74,6 +74,9 @@ class Options:
 
         Velocities that violate constraints have energy that impacts set free, and keep contacts of
         bodies at rest moving.
+
+        Args:
+            scene: The scene of the run, without its impacts in ``contacts``.
         """
         if self.index is not None:
             return self.index
