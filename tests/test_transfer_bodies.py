@@ -32,7 +32,7 @@ def patches(*cells):
     return fl.mesh.spline_mesh(fl.mesh.smooth_patch(bump, cells))
 
 
-def shifted(mesh):
+def partly_refined(mesh):
     return fl.adaptivity.refine(mesh, [0, 3])
 
 
@@ -59,7 +59,7 @@ BODIES: dict[str, tuple[Callable[[], fl.extend.Body], Callable[[], fl.extend.Bod
         1e-2,
     ),
     "cable, made coarse": (
-        lambda: fl.Cable(shifted(LINE), TUBE),
+        lambda: fl.Cable(partly_refined(LINE), TUBE),
         lambda: fl.Cable(LINE, TUBE),
         2e-2,
     ),
@@ -76,7 +76,7 @@ BODIES: dict[str, tuple[Callable[[], fl.extend.Body], Callable[[], fl.extend.Bod
     "net": (lambda: net(1), lambda: net(2), 1e-2),
     "quadrilaterals, refined": (
         lambda: fl.Shell(SQUARES, THIN),
-        lambda: fl.Shell(shifted(SQUARES), THIN),
+        lambda: fl.Shell(partly_refined(SQUARES), THIN),
         1e-3,
     ),
     "quadrilaterals, another mesh": (
@@ -111,7 +111,7 @@ BODIES: dict[str, tuple[Callable[[], fl.extend.Body], Callable[[], fl.extend.Bod
     ),
     "ANCF beam": (
         lambda: fl.AncfBeam(LINE, TUBE),
-        lambda: fl.AncfBeam(shifted(LINE), TUBE),
+        lambda: fl.AncfBeam(partly_refined(LINE), TUBE),
         1e-3,
     ),
     "membrane": (
