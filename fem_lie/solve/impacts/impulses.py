@@ -190,7 +190,7 @@ class SaddlePoint:
 
     def solve(self, f: Array, g: Array) -> tuple[Array, Array]:
         """Solutions of right-hand sides (6 n,) or (6 n, k), and (m,) or (m, k)."""
-        found = np.empty_like(f)
+        found = np.empty(f.shape)  # rows follow each other, whatever the order of f
         by_node, of_node = (each.reshape(len(f) // 6, 6, -1) for each in (found, f))
         by_node[self._free] = self._inverses @ of_node[self._free]
         if not self._n:
