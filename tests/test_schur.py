@@ -18,15 +18,15 @@ BY_SCHUR = BySchurComplement("cholesky", "cholmod")
 COUNT, M = 30, 5
 
 
-def matrix(rng, *, frames=(), indefinite=False) -> tuple[KKT, np.ndarray]:
+def matrix(rng, *, frames=(), indefinite=False, joints=M) -> tuple[KKT, np.ndarray]:
     """Matrix of a chain of nodes with some constraints; those of ``frames`` are unsymmetric."""
     nodes = np.arange(COUNT)
     pairs = (np.append(nodes[:-1], nodes[1:]), np.append(nodes[1:], nodes[:-1]))
-    touched = [set(rng.integers(0, COUNT, 8).tolist()) for _ in range(M)]
+    touched = [set(rng.integers(0, COUNT, 8).tolist()) for _ in range(joints)]
     held = np.zeros((COUNT, 6), dtype=bool)
     held[0], held[5, 3:] = True, True
     incidences = Incidences.of(touched, COUNT)
-    scales = {"units": np.ones(6 * COUNT), "length": 1.0, "angular": np.zeros(M, dtype=bool)}
+    scales = {"units": np.ones(6 * COUNT), "length": 1.0, "angular": np.zeros(joints, dtype=bool)}
     kkt = KKT([pairs], incidences, held, **scales)
     rows = np.repeat(nodes, np.diff(kkt.indptr))
     whole = rng.normal(size=(COUNT, 6, COUNT, 6))
@@ -40,7 +40,7 @@ def matrix(rng, *, frames=(), indefinite=False) -> tuple[KKT, np.ndarray]:
         whole[7, :, 7] -= 20.0 * np.eye(6)
     blocks = np.array([whole[i, :, j] for i, j in zip(rows, kkt.indices, strict=True)])
     rows = rng.normal(size=(len(incidences.nodes), 6))
-    kkt.fill(blocks, rows.copy(), rows.copy(), np.ones(M))
+    kkt.fill(blocks, rows.copy(), rows.copy(), np.ones(joints))
     return kkt, sp.csr_matrix(kkt.csr).toarray()
 
 
@@ -88,6 +88,17 @@ def test_what_is_indefinite_inside_or_wide_goes_to_the_next(rng):
     kkt, A = matrix(rng, frames=wide)
     solver, found = solved(kkt, [BY_SCHUR, fl.extend.Method("lu", "mumps")])
     assert solver._methods == (fl.extend.Method("lu", "mumps"),)
+    wanted = np.linalg.solve(A, np.arange(1.0, len(A) + 1.0))
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
+
+
+def test_a_matrix_without_dense_rows_goes_to_the_next(rng):
+    """CHOLMOD, asked for solutions of no columns, failed, or wrote to memory of others."""
+    kkt, A = matrix(rng, joints=0)
+    last = fl.extend.Method("lu", "mumps")
+    solver, found = solved(kkt, [BY_SCHUR, last])
+    assert solver._methods == (last,)
+    assert not BY_SCHUR.fits(kkt, solver._own)
     wanted = np.linalg.solve(A, np.arange(1.0, len(A) + 1.0))
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
 

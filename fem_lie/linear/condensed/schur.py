@@ -72,7 +72,7 @@ def _unsymmetric(
 
 
 def dense_rows_of(own: Matrix, count: int) -> Flags | None:
-    """Whether a row is dense, shape (n,), or ``None`` if there are more than :data:`MOST`.
+    """Whether a row is dense, shape (n,), or ``None`` if none is, or more than :data:`MOST`.
 
     Args:
         own: Equilibrated copy.
@@ -94,7 +94,8 @@ def dense_rows_of(own: Matrix, count: int) -> Flags | None:
         if dense.sum() > most:
             return None
         left = left[(left != node).all(axis=1)]
-    return dense
+    # CHOLMOD writes to memory of others if it solves for no columns
+    return dense if dense.any() else None
 
 
 class _Split(NamedTuple):
@@ -190,12 +191,12 @@ class SchurComplement:
         """Factorise.
 
         Raises:
-            ArithmeticError: There are too many dense rows, or the matrix is singular.
+            ArithmeticError: No row or too many are dense, or the matrix is singular.
         """
         own = self._own
         dense = dense_rows_of(own, 6 * (len(self._kkt.indptr) - 1))
         if dense is None:
-            raise ArithmeticError(f"there are more than {MOST} dense rows")
+            raise ArithmeticError(f"there are no dense rows, or more than {MOST}")
         version = self._kkt.version, 0.0
         if self._parts is None or self._version != version or (self._parts.dense != dense).any():
             self._parts, self._version, self._made = _split(own, dense), version, (-1, 0.0)
