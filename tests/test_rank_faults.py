@@ -15,6 +15,7 @@ SOON = [
     ("error", parallel_faults.ANYWHERE, "divided"),
     ("killed", parallel_faults.ANYWHERE, "divided"),
     ("left", parallel_faults.ANYWHERE, "divided"),
+    ("content", parallel_faults.ANYWHERE, "divided"),
 ]
 LATER = [
     (fault, rank, factors)

@@ -8,6 +8,8 @@ import os
 import sys
 import time
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
 from types import TracebackType
@@ -146,8 +148,51 @@ def _end_all(kind: type[BaseException], error: BaseException, at: TracebackType 
     world.Abort(1)
 
 
+@cache
+def _ending() -> MPI.Intracomm:
+    """Communicator of the end of scripts only, which no reduction of a solver uses."""
+    return MPI.COMM_WORLD.Dup()
+
+
+_left: list[str] = []
+"""What this rank did together with others when its script ended by ``SystemExit``."""
+
+
+@contextmanager
+def all_stay(comm: MPI.Intracomm, work: str) -> Iterator[None]:
+    """Work that all ranks do together; a rank whose script ends amid it is an error.
+
+    All ranks enter it together. If all of them end there, that is no error.
+
+    Args:
+        comm: Communicator of the ranks; with one rank there is nothing to do.
+        work: Description of the work, for the message.
+    """
+    if comm.size > 1:
+        _ending()
+    try:
+        yield
+    except SystemExit:
+        if comm.size > 1:
+            _left.append(work)
+        raise
+
+
 def _at_end() -> None:
     """Last synchronisation point."""
+    world = MPI.COMM_WORLD
+    if _left:
+        # others may be in a reduction of the solver, with which no collective may mix
+        if not all_arrive(_ending()):
+            print(
+                f"RanksError: all ranks must do the same work, but rank {world.rank} of "
+                f"{world.size} is at the end of the script, which it left in {_left[0]}; expected "
+                "that all ranks end it, or none",
+                file=sys.stderr,
+                flush=True,
+            )
+            world.Abort(1)
+        return
     try:
         meet("the end of the script")
     except RanksError as error:

@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import instance, number, positive, whole
 from fem_lie.ranks.files import place, read_together, restart_file
-from fem_lie.ranks.together import several
+from fem_lie.ranks.together import all_stay, several
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.scene import Scene
@@ -116,7 +116,8 @@ class Integrator(ABC):
                 store = Checkpoints(place(file), *given)
             else:
                 store = PartsFile(Path(file), *given, equations)
-        return begin(equations).run(plan, progress, store)
+        with all_stay(equations.shared.comm, "a run"):
+            return begin(equations).run(plan, progress, store)
 
     def resume(
         self, scene: Scene, file: str | os.PathLike[str], *, progress: bool | None = None
@@ -152,7 +153,8 @@ class Integrator(ABC):
             store = Checkpoints(path, last.every, last.plan, Fingerprint(equations, self))
         with equations.shared.errors(ValueError):
             store.resume(last)
-        return self._beginning(scene, last.plan)(equations).run(last.plan, progress, store)
+        with all_stay(equations.shared.comm, "a resumed run"):
+            return self._beginning(scene, last.plan)(equations).run(last.plan, progress, store)
 
     def _beginning(self, scene: Scene, plan: Plan) -> Callable[[Equations], Driver[Any]]:
         """Factory of the run of a plan; ``ValueError`` if the scheme does not support the plan."""
