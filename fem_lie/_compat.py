@@ -5,6 +5,7 @@ If a branch is only for 0.9 (or 0.10), a comment says with which version it can 
 
 from __future__ import annotations
 
+import gc
 import inspect
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -305,6 +306,23 @@ def drawn_surface(grid: Any, subdivision: int) -> Any:
     selectable = "algorithm" in inspect.signature(grid.extract_surface).parameters
     options = {"algorithm": "dataset_surface"} if selectable else {}
     return grid.extract_surface(nonlinear_subdivision=subdivision, **options)
+
+
+@contextmanager
+def errors_of_callbacks() -> Iterator[None]:
+    """Context in which PETSc may call functions in Python that raise.
+
+    PETSc for Python describes an error on its way through PETSc by Python objects, while the error
+    is pending. A collection of garbage at that moment drops it, and the process ends with a
+    segmentation fault (petsc4py 3.22). So there is none in this context.
+    """
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collects:
+            gc.enable()
 
 
 @contextmanager

@@ -1,5 +1,7 @@
 """Positive definite matrices with few dense rows: solutions, pivots, and what is refused."""
 
+import gc
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -92,8 +94,25 @@ def test_what_is_indefinite_inside_or_wide_goes_to_the_next(rng):
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
 
 
+def test_errors_within_petsc_survive_a_collection_of_garbage(rng):
+    """PETSc for Python lost them, and the process ended with a segmentation fault."""
+    kkt, A = matrix(rng, indefinite=True)
+    last = fl.extend.Method("lu", "mumps")
+    before = gc.get_threshold()
+    gc.freeze()
+    gc.set_threshold(1, 1, 1)
+    try:
+        solver, found = solved(kkt, [BY_SCHUR, last])
+    finally:
+        gc.set_threshold(*before)
+        gc.unfreeze()
+    assert solver._methods == (last,) and gc.isenabled()
+    wanted = np.linalg.solve(A, np.arange(1.0, len(A) + 1.0))
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
+
+
 def test_a_matrix_without_dense_rows_goes_to_the_next(rng):
-    """CHOLMOD, asked for solutions of no columns, failed, or wrote to memory of others."""
+    """CHOLMOD refuses to solve for no columns."""
     kkt, A = matrix(rng, joints=0)
     last = fl.extend.Method("lu", "mumps")
     solver, found = solved(kkt, [BY_SCHUR, last])

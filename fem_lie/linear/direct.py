@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array
+from fem_lie._compat import errors_of_callbacks
 from fem_lie._state import part_of
 from fem_lie.linear.choice import SMALL, Choice, SkewPart, Solutions, choose
 from fem_lie.linear.equilibrated import (
@@ -221,7 +222,7 @@ class DirectSolver:
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, method.symmetric)
         ksp.setOperators(matrix)
         try:
-            with method.options(self._prefix):
+            with method.options(self._prefix), errors_of_callbacks():
                 ksp.setUp()
         except (PETSc.Error, ArithmeticError, MemoryError) as error:
             raised = error
@@ -357,10 +358,11 @@ class DirectSolver:
     def _solve_scaled(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Solve the equilibrated equations with the last factors."""
         matrix = self._of_all_ranks(self._methods[0])
-        if matrix is None:
-            self._ksp.solve(b, x)
-        else:
-            matrix.solve(self._ksp, b.array, x.array)
+        with errors_of_callbacks():
+            if matrix is None:
+                self._ksp.solve(b, x)
+            else:
+                matrix.solve(self._ksp, b.array, x.array)
 
     @property
     def by_call(self) -> Solution:

@@ -94,7 +94,7 @@ def dense_rows_of(own: Matrix, count: int) -> Flags | None:
         if dense.sum() > most:
             return None
         left = left[(left != node).all(axis=1)]
-    # CHOLMOD writes to memory of others if it solves for no columns
+    # CHOLMOD refuses to solve for no columns
     return dense if dense.any() else None
 
 
