@@ -16,62 +16,29 @@ Reference: linear theory, 400 elements of a string, exact between samples (matri
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from command_line import run
 from diagrams import diagram
-from numpy.polynomial import Polynomial
-from reference.crane import motion
-from scipy.integrate import cumulative_simpson
+from reference.crane import Control, Crane
 
 import fem_lie as fl
 
-TROLLEY, LOAD, LINE, LENGTH, GRAVITY = 100.0, 50.0, 2.0, 10.0, 9.81
-WAY, TIME, PERIOD, PULL, TERMS, SMOOTH = 0.2, 8.0, 0.02, 1.0, 6, 12
+CRANE = Crane(trolley=100.0, load=50.0, line=2.0, length=10.0)
+WAY, TIME, PERIOD, PULL = 0.2, 8.0, 0.02, 1.0
 GAINS = np.array([150.0, 250.0, -200.0])
 """Of the trolley's position and rate, and of the sway."""
 
 
-def weights() -> tuple[np.ndarray, np.ndarray]:
-    """Factors of ``y^(2k)`` in the position of the trolley, of ``y^(2k + 2)`` in the force."""
-    z = np.linspace(0.0, LENGTH, 2001)
-    c, position, force = np.ones_like(z), [], []
-    for _ in range(TERMS):
-        momentum = LOAD * c[0] + LINE * cumulative_simpson(c, x=z, initial=0.0)
-        position.append(c[-1])
-        force.append(TROLLEY * c[-1] + momentum[-1])
-        c = cumulative_simpson(momentum / (GRAVITY * (LOAD + LINE * z)), x=z, initial=0.0)
-    return np.array(position), np.array(force)
-
-
-class Control:
-    """Force on the trolley as a function of time and what is measured."""
-
-    def __init__(self, gains: Sequence[float]) -> None:
-        """Smooth motion of the load from 0 to 1 in unit time, with all derivatives needed."""
-        bump = Polynomial([0.0, 1.0]) ** SMOOTH * Polynomial([1.0, -1.0]) ** SMOOTH
-        rise = bump.integ() / bump.integ()(1.0)
-        self._y, self._gains = [rise.deriv(k) for k in range(2 * TERMS + 1)], np.array(gains)
-        self._position, self._force = weights()
-
-    def __call__(self, time: float, measured: np.ndarray) -> float:
-        """Force, for position and rate of the trolley, and sway of the load."""
-        part = min(time / TIME, 1.0)
-        y = np.array([each(part) * WAY / TIME**k for k, each in enumerate(self._y)])
-        top, rate = self._position @ y[:-1:2], self._position @ y[1::2]
-        return float(self._force @ y[2::2] + self._gains @ ([top, rate, y[0] - top] - measured))
-
-
 def crane(control: Control, pull: float, cells: int) -> fl.Scene:
     """Trolley, cable and load; they start where they hang."""
-    section = fl.Section.from_stiffness([1e7, 1e6, 1e6, 1e-2, 1e-2, 1e-2], mass=LINE)
-    scenes = fl.Scene(gravity=(0, 0, -GRAVITY)), fl.Scene(gravity=(0, 0, -GRAVITY))
+    section = fl.Section.from_stiffness([1e7, 1e6, 1e6, 1e-2, 1e-2, 1e-2], mass=CRANE.line)
+    scenes, low = [fl.Scene(gravity=(0, 0, -CRANE.gravity)) for _ in "ab"], (0, 0, -CRANE.length)
     for scene in scenes:
-        trolley = scene.add(fl.RigidBody(TROLLEY, (1.0, 1.0, 1.0), name="trolley"))
-        line = fl.Beam.straight((0, 0, 0), (0, 0, -LENGTH), section, cells=cells, name="cable")
-        load = fl.RigidBody(LOAD, (1e-2, 1e-2, 1e-2), (0, 0, -LENGTH), name="load")
+        trolley = scene.add(fl.RigidBody(CRANE.trolley, (1.0, 1.0, 1.0), name="trolley"))
+        line = fl.Beam.straight((0, 0, 0), low, section, cells=cells, name="cable")
+        load = fl.RigidBody(CRANE.load, (1e-2, 1e-2, 1e-2), low, name="load")
         scene.add(line)
         scene.add(load)
         centre, end = trolley.point("centre"), load.point("centre")
@@ -101,10 +68,11 @@ def main(
     cases = {"undisturbed": (0.0, 0.0), "pulled": (PULL, 0.0), "feedback": (PULL, 1.0)}
     record, found = {}, {}
     for name, (pull, on) in cases.items():
-        scene, masses = crane(Control(on * GAINS), pull, cells), (TROLLEY, LOAD, LINE)
+        control = Control(CRANE, WAY, TIME, on * GAINS)
+        scene = crane(control, pull, cells)
         result = fl.GeneralisedAlpha().run(scene, duration=duration, step=step, save_every=every)
         found[name] = result.sensor("load")[:-1:every]
-        exact = motion(masses, LENGTH, GRAVITY, pull, Control(on * GAINS), PERIOD, samples)
+        exact = CRANE.motion(pull, control, PERIOD, samples)
         record[f"{name}_error"] = float(np.abs(found[name] - exact).max() / WAY)
         record[f"{name}_left"] = float(np.ptp(found[name][-150:]) / WAY)
     if pictures:
