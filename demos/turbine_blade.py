@@ -18,8 +18,7 @@ from typing import Any
 import numpy as np
 from command_line import run
 from diagrams import COLOURS, diagram
-from reference.blade_tables import LENGTH, STATIONS, G, K, curvature, inertia, position, twist
-from reference.spinning_blade import Blade
+from reference.blade_tables import LENGTH, G, K, eigenvalues, position, twist
 
 import fem_lie as fl
 from fem_lie import lie
@@ -47,15 +46,6 @@ def frequencies(cells: int, spin: np.ndarray, count: int = 8) -> tuple[np.ndarra
     return fl.vibrations(scene, count, spin=spin).frequencies, line
 
 
-def expected(line: fl.Beam, spin: np.ndarray, near: np.ndarray) -> np.ndarray:
-    """Eigenvalues of the reference for the clamp of a beam, in axes of its section."""
-    root, axes = line.frames[0, 0], line.frames[0, 1:]
-    kinks = LENGTH * STATIONS[:, 0]
-    reference = Blade(kinks, lambda s: np.linalg.inv(K(s)), inertia, curvature)
-    steady = reference.steady(np.concatenate([axes @ np.cross(spin, root), axes @ spin]))
-    return np.array([reference.eigenvalue(steady, 1j * each) for each in near])
-
-
 def seen_from_hub(cells: int, duration: float, step: float) -> float:
     """Largest motion of any node, over the length, that starts in the steady state."""
     (still, line), (scene, moving) = blade(cells), blade(cells)
@@ -78,7 +68,7 @@ def main(
     cells: int = 256, duration: float = 20.0, step: float = 0.02, pictures: bool = True
 ) -> dict[str, Any]:
     found, line = frequencies(cells, SPIN)
-    reference = expected(line, SPIN, found)
+    reference = eigenvalues(line.frames[0], SPIN, found)
     if pictures:
         speeds = np.linspace(0.0, 12.0, 7)
         over = [frequencies(64, each / 7.56 * SPIN)[0] / (2 * np.pi) for each in speeds]

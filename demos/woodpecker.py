@@ -61,12 +61,6 @@ def woodpecker() -> tuple[fl.Scene, fl.RigidBody, fl.RigidBody]:
     return scene, sleeve, bird
 
 
-def limit(passages: np.ndarray) -> list[float]:
-    """Speed and rate to which passages tend, whose errors are multiplied by one number each."""
-    first, second = np.diff(passages[-3:, 1:], axis=0)
-    return (passages[-3, 1:] + first**2 / (first - second)).tolist()
-
-
 def main(step: float = 1e-4, duration: float = 0.45, pictures: bool = True) -> dict[str, Any]:
     """Times and states of passages, and the limit cycle: speed of the sleeve, rate of the bird."""
     scene, sleeve, bird = woodpecker()
@@ -85,7 +79,7 @@ def main(step: float = 1e-4, duration: float = 0.45, pictures: bool = True) -> d
     return {
         "passages": found.tolist(),
         "moreau": exact.tolist(),
-        "limit_cycle": limit(found) if len(found) > 2 else [],
+        "limit_cycle": published.limit(found) if len(found) > 2 else [],
         "published": [TOY.start[3], TOY.start[5]],
         "cone_residual": float(result.contacts.cone_residual.max()),
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from reference.spinning_blade import Blade
 from reference.tables import table
 from scipy.interpolate import CubicSpline, interp1d
 
@@ -66,3 +67,11 @@ def position(s: float) -> np.ndarray:
 def twist(s: float) -> float:
     """Rotation of a section about the axis, rad."""
     return float(ANGLE(HEIGHT(s)))
+
+
+def eigenvalues(root: np.ndarray, spin: np.ndarray, near: np.ndarray) -> np.ndarray:
+    """Those next to frequencies (k,), for the frame (4, 3) of the clamped section, (k,)."""
+    blade = Blade(LENGTH * STATIONS[:, 0], lambda s: np.linalg.inv(K(s)), inertia, curvature)
+    x, axes = root[0], root[1:]
+    steady = blade.steady(np.concatenate([axes @ np.cross(spin, x), axes @ spin]))
+    return np.array([blade.eigenvalue(steady, 1j * each) for each in near])

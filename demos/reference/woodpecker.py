@@ -97,3 +97,9 @@ def passages(states: np.ndarray, angle: float = -0.2788) -> np.ndarray:
     part = ((angle - found[k]) / (found[k + 1] - found[k]))[:, np.newaxis]
     both = (1 - part) * states[k] + part * states[k + 1]
     return np.asarray(both[:, [0, 2, 3]])
+
+
+def limit(passages: np.ndarray) -> list[float]:
+    """Speed and rate to which passages tend, whose errors are multiplied by one number each."""
+    first, second = np.diff(passages[-3:, 1:], axis=0)
+    return (passages[-3, 1:] + first**2 / (first - second)).tolist()
