@@ -1,5 +1,9 @@
-"""A run amid which a rank fails: ``mpirun -n N parallel_faults.py FAULT,RANK,SHARED FILE``."""
+"""A run amid which a rank fails: ``mpirun -n N parallel_faults.py FAULT,RANK,SHARED FILE``.
 
+With the fault ``resumed`` it goes on with the run of the file, without a fault.
+"""
+
+import logging
 import os
 import resource
 import signal
@@ -46,6 +50,7 @@ IN_TIME = {
     "killed": (killed, "signal 9 (Killed)"),
     "left": (left, "exited with non-zero status"),
     "content": (content, "at the end of the script"),
+    "content in statics": (content, "at the end of the script, which it left in statics"),
     "full": (full, "File too large: the run has reached time 0.014"),
 }
 """What happens on one rank amid a run, and what the message says."""
@@ -56,32 +61,39 @@ AT_ONCE = {
 }
 """Likewise, once there is a scene, before it is run."""
 
+WITHOUT_RESULTS = {*AT_ONCE, "content in statics"}
+"""Faults before which nothing is written."""
+
 MESSAGES = {name: message for name, (_, message) in (IN_TIME | AT_ONCE).items()}
 
 
-ANYWHERE = -1
-"""The rank that has the load, if the scene is divided: the others do not evaluate it."""
+ALL = -1
+"""Instead of the number of a rank: all of them."""
 
 
-def scene(fault="", rank=ANYWHERE):
-    """The pendulum, pushed; the fault comes on one rank when all have passed ``FAILS_AT``."""
+def scene(fault="", rank=ALL):
+    """The pendulum, pushed everywhere; the fault comes when all have passed ``FAILS_AT``."""
     built, met = parallel_scenes.pendulum(), []
 
     def push(t):
         if t > FAILS_AT and fault in IN_TIME and not met:
             # ranks that solve alone do not wait for each other: without this the first one, which
             # writes, may be at its first step when another one fails, and has written nothing yet
-            met.append(None if rank == ANYWHERE else MPI.COMM_WORLD.Barrier())
-            if rank in (ANYWHERE, MPI.COMM_WORLD.rank):
+            met.append(MPI.COMM_WORLD.Barrier())
+            if rank in (ALL, MPI.COMM_WORLD.rank):
                 IN_TIME[fault][0]()
         return t
 
-    built.add(fl.PointLoad(built.bodies[1].point("end"), force=(0, 0, 1.0), history=push))
+    for beam in built.bodies:
+        # if the scene is divided, each part has some of it
+        built.add(fl.LineLoad(beam, force=(0, 0, 1.0), history=push))
     return built
 
 
-def run(file, fault="", rank=ANYWHERE):
-    """A run with results and checkpoints in a file."""
+def run(file, fault="", rank=ALL):
+    """A run with results and checkpoints in a file, or statics."""
+    if fault.endswith("in statics"):
+        return fl.statics(scene(fault, rank), load_steps=2)
     options = {"step": STEP, "file": file, "checkpoint_every": EVERY, "progress": False}
     return fl.GeneralisedAlpha().run(scene(fault, rank), duration=END, **options)
 
@@ -95,4 +107,8 @@ if __name__ == "__main__":
         parallel_scenes.share_factors()
     if shares == "divided":
         divided_scenes.divide()
-    run(Path(sys.argv[2]), name, int(where))
+    if name == "resumed":
+        logging.basicConfig(level=logging.INFO)  # with what each rank has
+        fl.GeneralisedAlpha().resume(scene(), Path(sys.argv[2]), progress=False)
+    else:
+        run(Path(sys.argv[2]), name, int(where))

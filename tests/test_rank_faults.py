@@ -12,18 +12,25 @@ SOON = [
     ("killed", 0, "shared"),
     ("full", 0, "shared"),
     ("error at once", 1, "own"),
-    ("error", parallel_faults.ANYWHERE, "divided"),
-    ("killed", parallel_faults.ANYWHERE, "divided"),
-    ("left", parallel_faults.ANYWHERE, "divided"),
-    ("content", parallel_faults.ANYWHERE, "divided"),
+    ("error", 1, "divided"),
+    ("killed", 0, "divided"),
+    ("left", 1, "divided"),
+    ("content", 1, "divided"),
+    ("full", 0, "divided"),
 ]
 LATER = [
+    ("content in statics", 1, "divided"),
+    ("full at once", 0, "divided"),
+]
+LATER += [
     (fault, rank, factors)
     for fault in parallel_faults.MESSAGES
     for rank in (0, 1)
     for factors in ("shared", "own")
-    # ranks that solve alone may end as they like
-    if (fault, rank, factors) not in SOON and (fault, factors) != ("content", "own")
+    # ranks that solve alone may end as they like, and statics solve without shared factors
+    if (fault, rank, factors) not in SOON
+    and (fault, factors) != ("content", "own")
+    and fault != "content in statics"
 ]
 
 
@@ -41,7 +48,7 @@ def test_a_fault_on_one_rank_is_the_end_of_all(whole, tmp_path, fault, rank, fac
     code, text = output_of_ranks(parallel_faults, 2, f"{fault},{rank},{factors}", str(file))
     assert code != 0
     assert text.count(parallel_faults.MESSAGES[fault]) == 1, text
-    if fault in parallel_faults.AT_ONCE:
+    if fault in parallel_faults.WITHOUT_RESULTS:
         return
     found = fl.Result.load(file)
     assert parallel_faults.FAILS_AT - 2 * parallel_faults.STEP < found.times[-1]
@@ -55,3 +62,28 @@ def test_a_fault_on_one_rank_is_the_end_of_all(whole, tmp_path, fault, rank, fac
         "run.h5.checkpoint",
         "run.h5.checkpoint.before",
     ]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_a_divided_run_on_a_full_disk_is_resumed_on_other_ranks(whole, tmp_path, ranks):
+    file = tmp_path / "run.h5"
+    code, text = output_of_ranks(parallel_faults, 2, "full,0,divided", str(file))
+    assert code != 0
+    assert text.count(parallel_faults.MESSAGES["full"]) == 1, text
+    code, text = output_of_ranks(parallel_faults, ranks, "resumed,0,divided", str(file))
+    assert code == 0, text
+    assert text.count("of them are shared") == (ranks if ranks > 1 else 0), text
+    resumed = fl.Result.load(file)
+    np.testing.assert_array_equal(resumed.times, whole.times)
+    np.testing.assert_allclose(resumed.frames, whole.frames, rtol=0, atol=1e-9)
+
+
+def test_all_ranks_may_end_within_a_divided_run(tmp_path):
+    file = tmp_path / "run.h5"
+    given = f"content,{parallel_faults.ALL},divided", str(file)
+    code, text = output_of_ranks(parallel_faults, 3, *given)
+    assert code == 0, text
+    assert "Error" not in text
+    assert parallel_faults.MESSAGES["content"] not in text
+    assert 0 < fl.Result.load(file).times[-1] < parallel_faults.END

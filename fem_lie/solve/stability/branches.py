@@ -9,6 +9,7 @@ import numpy as np
 from fem_lie._arrays import Array, instance, number
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.parts.part_scene import divided
+from fem_lie.ranks.together import all_stay
 from fem_lie.results.gathering import of_part
 from fem_lie.results.path import CriticalPoint, Station
 from fem_lie.scene import Scene
@@ -99,7 +100,8 @@ def switch_branch(
         displaced, unit = replace(station, state=model.state()), _REACH * abs(size)
         arc, control = Arc(unit, walker.load, model.dot), Along(pattern, unit, model)
         try:
-            found = walker.step(station, control, size / unit, arc, begin=displaced)
+            with all_stay(model.equations.shared.comm, "a change to a branch"):
+                found = walker.step(station, control, size / unit, arc, begin=displaced)
         except LostError:
             size /= 2
             continue

@@ -35,6 +35,7 @@ from fem_lie._arrays import Array, whole
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.spectra.pencil import padded, pairs_of, solve_factorised
 from fem_lie.parts.part_scene import divided
+from fem_lie.ranks.together import all_stay
 from fem_lie.results.mode_shapes import BucklingModes
 from fem_lie.scene import Scene
 from fem_lie.solve.progress_bars import Stopwatch, step_bar
@@ -314,7 +315,8 @@ def buckling(
     unknowns.check_count(count)
     watch = Stopwatch()
     model.check_start(0.0)
-    with step_bar("buckling", "stage", _STAGES) as show:
+    comm = model.equations.shared.comm
+    with all_stay(comm, "buckling"), step_bar("buckling", "stage", _STAGES) as show:
         _, load = model.forces()
         model.factorise(0.0)
         show("displacements")

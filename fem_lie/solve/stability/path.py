@@ -15,6 +15,7 @@ import numpy as np
 from fem_lie._arrays import instance, number
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.parts.part_scene import divided
+from fem_lie.ranks.together import all_stay
 from fem_lie.results.gathering import gathered
 from fem_lie.results.path import CriticalPoint, CriticalPointType, EquilibriumPath, Station
 from fem_lie.scene import Scene
@@ -86,11 +87,13 @@ def follow_path(
     walker = Walker(model, options.arc_length, abs(ends.factor) if ends.factor else 1.0)
     watch = Stopwatch()
     run = Pursuit(walker, ends, resolution, options.locate, control)
-    run.follow(start, backwards)
+    with all_stay(model.equations.shared.comm, "an equilibrium path"):
+        run.follow(start, backwards)
     if chosen and run.found.at_factor:
         run.found.reason += ", where paths end by default: until=... goes on beyond, to loads above"
         _log.info("%s", run.found.reason)
-    return _result(run, observe or {}, watch.seconds)
+    with all_stay(model.equations.shared.comm, "the result of an equilibrium path"):
+        return _result(run, observe or {}, watch.seconds)
 
 
 def _check_options(

@@ -19,6 +19,7 @@ from fem_lie._arrays import Array, Indices, whole
 from fem_lie.bodies.body import Body
 from fem_lie.linear.spectra.smallest import smallest
 from fem_lie.parts.part_scene import divided
+from fem_lie.ranks.together import all_stay
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.gathering import WholeScene
 from fem_lie.results.vibrations.modes import Modes
@@ -132,7 +133,8 @@ def vibrations(
     equations, state = small_motions(scene, at, rotation, load_steps, part)
     unknowns = equations.unknowns
     unknowns.check_count(count)
-    s, vectors, residuals = smallest(state.pencil(), count, state.rate, petsc_options_prefix)
+    with all_stay(equations.shared.comm, "vibrations"):
+        s, vectors, residuals = smallest(state.pencil(), count, state.rate, petsc_options_prefix)
     own = np.array([state.twists(vector) for vector in vectors])
     whole_scene = WholeScene(equations.info, part)
     lengths = node_lengths(whole_scene.bodies(unknowns.bodies))

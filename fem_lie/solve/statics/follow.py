@@ -16,6 +16,7 @@ from fem_lie.linear.choice import Solutions
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.parts.part_scene import ScenePart, divided
 from fem_lie.ranks.shared_factors import Subdomains
+from fem_lie.ranks.together import all_stay
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.gathering import gathered
 from fem_lie.results.path import EquilibriumState
@@ -83,7 +84,8 @@ def followed(
     model = SceneEquilibrium(scene, prefix, divided(scene, prefix))
     watch = Stopwatch()
     try:
-        path = options.follow(model, levels, model.begin())
+        with all_stay(model.equations.shared.comm, "statics"):
+            path = options.follow(model, levels, model.begin())
     except ConvergenceError as error:
         result = _result(model, error.result, levels, watch.seconds)
         raise ConvergenceError(str(error), result) from None
