@@ -175,3 +175,42 @@ def test_nets_are_refused():
     scene.add(fl.contact.Contact(fl.contact.Sphere(net.point(0), 0.01), floor, CONES))
     with pytest.raises(ValueError, match="Impact is for rigid bodies, beams and shells"):
         run(scene, 1e-3, 1e-4)
+
+
+def test_a_rope_slides_over_a_drum():
+    """Along the drum ``T - ρv² + ρaR/μ`` grows by ``exp(μφ)``, in the tails ``T`` by ``ρa``."""
+    friction, weak, strong, cells, tails, density = 0.3, 1.0, 2.8, 20, 3, 1.0
+    radius = 0.1 + 0.97 * 2e-4
+    tail = tails * np.pi * radius / cells
+
+    def position(s):
+        along = s * (np.pi * radius + 2.0 * tail) - tail
+        angle = min(max(along / radius, 0.0), np.pi)
+        beyond, c, n = along - angle * radius, np.cos(angle), np.sin(angle)
+        return radius * c - beyond * n, radius * n + beyond * c, 0.0
+
+    stiffness = [1e4, 1e4 / 3, 1e4 / 3, 1e-5, 1e-5, 1e-5]
+    section = fl.Section.from_stiffness(stiffness, mass=density, rotary=(1e-4, 1e-4))
+    element = fl.elements.GeodesicBeam(bending_flexibility=False)
+    scene = fl.Scene()
+    rope = fl.Beam.curve(position, section, cells=cells + 2 * tails, formulation=element)
+    scene.add(rope)
+    directions = rope.frames[[0, -1], 1]
+    for name, force in (("start", -weak * directions[0]), ("end", strong * directions[1])):
+        load = fl.PointLoad(rope.point(name), force=force, history=lambda t: min(t / 0.05, 1.0))
+        scene.add(load)
+    drum = fl.contact.Cylinder(fl.ground(), (0, 0, 0.4), 0.1)
+    law = fl.contact.Penalty(1e6, friction=friction)
+    scene.add(fl.contact.Contact(fl.contact.Line(rope, 2e-4), drum, law))
+    count = int(np.ceil(0.15 / (0.9 * EXPLICIT.stable_step(scene))))
+    result = run(scene, 0.15, 0.15 / count)
+    # waves of the first pull have passed
+    slides = result.times > 0.09
+    way = result.position(rope.point("end")) @ directions[1]
+    square, slope, _ = np.polyfit(result.times[slides] - 0.12, way[slides], 2)
+    a, v = 2.0 * square, slope
+    assert v > 0.02
+    along = density * (a * radius / friction - v**2)
+    ratio = (strong - density * tail * a + along) / (weak + density * tail * a + along)
+    assert ratio == pytest.approx(np.exp(friction * np.pi), rel=5e-3)
+    assert result.energy_error < 5e-4
