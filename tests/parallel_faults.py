@@ -56,6 +56,7 @@ IN_TIME = {
 """What happens on one rank amid a run, and what the message says."""
 
 AT_ONCE = {
+    "content at once": (content, "rank 1 at the end of the script"),
     "error at once": (error, "ArithmeticError: no push is known here"),
     "full at once": (full, "File too large"),
 }
@@ -90,6 +91,53 @@ def scene(fault="", rank=ALL):
     return built
 
 
+class Leaving(logging.Handler):
+    """Handler that ends the script of a rank at the first message after one on a division."""
+
+    divided = False
+
+    def emit(self, record):
+        """Wait for the message of a division; leave at the next one."""
+        if self.divided:
+            content()
+        self.divided = "of them are shared" in record.getMessage()
+
+
+def leave_soon(rank):
+    """From the next division on, a rank has no more to do."""
+    log = logging.getLogger("fem_lie")
+    log.setLevel(logging.INFO)
+    if MPI.COMM_WORLD.rank == rank:
+        log.addHandler(Leaving())
+
+
+def branch(rank):
+    """A change to the branch of a path that all have followed."""
+    strut, _ = divided_scenes.strut()
+    found = fl.follow_path(strut, until=divided_scenes.PATHS["strut"][1])
+    leave_soon(rank)
+    fl.stability.switch_branch(strut, found.bifurcations[0])
+
+
+def analysis(study, build):
+    """A study of a scene, which a rank leaves."""
+
+    def started(rank):
+        leave_soon(rank)
+        study(build()[0])
+
+    return started
+
+
+LEFT = {
+    "vibrations": analysis(lambda scene: fl.vibrations(scene, 2), divided_scenes.cantilever),
+    "buckling": analysis(fl.buckling, divided_scenes.strut),
+    "an equilibrium path": analysis(fl.follow_path, divided_scenes.strut),
+    "a change to a branch": branch,
+}
+"""Analyses that a rank leaves once their scene is divided, as messages call them."""
+
+
 def run(file, fault="", rank=ALL):
     """A run with results and checkpoints in a file, or statics."""
     if fault.endswith("in statics"):
@@ -107,7 +155,9 @@ if __name__ == "__main__":
         parallel_scenes.share_factors()
     if shares == "divided":
         divided_scenes.divide()
-    if name == "resumed":
+    if name in LEFT:
+        LEFT[name](int(where))
+    elif name == "resumed":
         logging.basicConfig(level=logging.INFO)  # with what each rank has
         fl.GeneralisedAlpha().resume(scene(), Path(sys.argv[2]), progress=False)
     else:

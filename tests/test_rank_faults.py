@@ -1,5 +1,7 @@
 """One rank fails: all end with one message, and what was written can be read and gone on with."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import parallel_faults
 import pytest
@@ -17,6 +19,7 @@ SOON = [
     ("left", 1, "divided"),
     ("content", 1, "divided"),
     ("full", 0, "divided"),
+    ("content at once", 1, "divided"),
 ]
 LATER = [
     ("content in statics", 1, "divided"),
@@ -30,7 +33,7 @@ LATER += [
     # ranks that solve alone may end as they like, and statics solve without shared factors
     if (fault, rank, factors) not in SOON
     and (fault, factors) != ("content", "own")
-    and fault != "content in statics"
+    and fault not in ("content in statics", "content at once")
 ]
 
 
@@ -87,3 +90,19 @@ def test_all_ranks_may_end_within_a_divided_run(tmp_path):
     assert "Error" not in text
     assert parallel_faults.MESSAGES["content"] not in text
     assert 0 < fl.Result.load(file).times[-1] < parallel_faults.END
+
+
+@pytest.mark.slow
+def test_a_rank_that_leaves_a_divided_analysis_ends_all():
+    """All at once, as the ranks that are left wait for most of the time."""
+
+    def left(name):
+        return output_of_ranks(parallel_faults, 2, f"{name},1,divided")
+
+    with ThreadPoolExecutor() as several:
+        for name, (code, text) in zip(
+            parallel_faults.LEFT, several.map(left, parallel_faults.LEFT), strict=True
+        ):
+            assert code != 0, name
+            assert text.count("RanksError") == 1, text
+            assert f"rank 1 of 2 is at the end of the script, which it left in {name};" in text

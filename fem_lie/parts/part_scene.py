@@ -17,7 +17,7 @@ from fem_lie.bodies.body import Body
 from fem_lie.joints.joint import RedundantConstraints
 from fem_lie.parts.partition import Partition, partition
 from fem_lie.parts.references import Restricted
-from fem_lie.ranks.together import several
+from fem_lie.ranks.together import meet_to_divide, several
 from fem_lie.scene import Scene
 
 
@@ -111,6 +111,7 @@ def divided(
         found = ", ".join(reason for reason, asked_for in reasons.items() if asked_for)
         _log.info("every rank has the whole scene, as these are not divided: %s", found)
         return None
+    meet_to_divide()
     try:
         part = part_of(scene, MPI.COMM_WORLD)
     except ValueError as error:

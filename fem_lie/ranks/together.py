@@ -158,22 +158,36 @@ _left: list[str] = []
 """What this rank did together with others when its script ended by ``SystemExit``."""
 
 
-@contextmanager
-def all_stay(comm: MPI.Intracomm, work: str) -> Iterator[None]:
-    """Work that all ranks do together; a rank whose script ends amid it is an error.
+_divisions = 0
+"""Number of times that all ranks have met to divide a scene."""
 
-    All ranks enter it together. If all of them end there, that is no error.
+
+def meet_to_divide() -> None:
+    """Wait for all ranks before a scene is divided, from when on they work together.
+
+    Raises:
+        RanksError: Another rank does something else, such as ending its script.
+    """
+    global _divisions
+    meet("the division of a scene")
+    _ending()
+    _divisions += 1
+
+
+@contextmanager
+def all_stay(work: str) -> Iterator[None]:
+    """Work in which a scene may be divided; then a rank whose script ends amid it is an error.
+
+    If all ranks end there, that is no error.
 
     Args:
-        comm: Communicator of the ranks; with one rank there is nothing to do.
         work: Description of the work, for the message.
     """
-    if comm.size > 1:
-        _ending()
+    before = _divisions
     try:
         yield
     except SystemExit:
-        if comm.size > 1:
+        if _divisions > before:
             _left.append(work)
         raise
 

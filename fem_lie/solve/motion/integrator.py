@@ -55,6 +55,7 @@ class Integrator(ABC):
     _reports_energy: ClassVar[bool] = False
     """Whether variable steps are chosen by their kinetic energy, and not by their error."""
 
+    @all_stay("a run")
     def run(
         self,
         scene: Scene,
@@ -116,9 +117,9 @@ class Integrator(ABC):
                 store = Checkpoints(place(file), *given)
             else:
                 store = PartsFile(Path(file), *given, equations)
-        with all_stay(equations.shared.comm, "a run"):
-            return begin(equations).run(plan, progress, store)
+        return begin(equations).run(plan, progress, store)
 
+    @all_stay("a resumed run")
     def resume(
         self, scene: Scene, file: str | os.PathLike[str], *, progress: bool | None = None
     ) -> Result:
@@ -153,8 +154,7 @@ class Integrator(ABC):
             store = Checkpoints(path, last.every, last.plan, Fingerprint(equations, self))
         with equations.shared.errors(ValueError):
             store.resume(last)
-        with all_stay(equations.shared.comm, "a resumed run"):
-            return self._beginning(scene, last.plan)(equations).run(last.plan, progress, store)
+        return self._beginning(scene, last.plan)(equations).run(last.plan, progress, store)
 
     def _beginning(self, scene: Scene, plan: Plan) -> Callable[[Equations], Driver[Any]]:
         """Factory of the run of a plan; ``ValueError`` if the scheme does not support the plan."""

@@ -29,6 +29,7 @@ _HALVINGS = 12
 _BESIDE = 0.2  # over the step: a state nearer to the tangent is on the same path
 
 
+@all_stay("a change to a branch")
 def switch_branch(
     scene: Scene,
     critical: CriticalPoint,
@@ -100,8 +101,7 @@ def switch_branch(
         displaced, unit = replace(station, state=model.state()), _REACH * abs(size)
         arc, control = Arc(unit, walker.load, model.dot), Along(pattern, unit, model)
         try:
-            with all_stay(model.equations.shared.comm, "a change to a branch"):
-                found = walker.step(station, control, size / unit, arc, begin=displaced)
+            found = walker.step(station, control, size / unit, arc, begin=displaced)
         except LostError:
             size /= 2
             continue

@@ -287,6 +287,7 @@ _OTHER_SIGN = 100.0  # smallest ratio of spurious factors to those of reversed l
 _STRAINED = 0.05  # largest strain at the load factors for which linear theory is reliable
 
 
+@all_stay("buckling")
 def buckling(
     scene: Scene, count: int = 4, *, petsc_options_prefix: str = "fem_lie_buckling_"
 ) -> BucklingModes:
@@ -315,8 +316,7 @@ def buckling(
     unknowns.check_count(count)
     watch = Stopwatch()
     model.check_start(0.0)
-    comm = model.equations.shared.comm
-    with all_stay(comm, "buckling"), step_bar("buckling", "stage", _STAGES) as show:
+    with step_bar("buckling", "stage", _STAGES) as show:
         _, load = model.forces()
         model.factorise(0.0)
         show("displacements")

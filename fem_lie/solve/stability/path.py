@@ -40,6 +40,7 @@ _MODES = 2
 _log = logging.getLogger(__name__)
 
 
+@all_stay("an equilibrium path")
 def follow_path(
     scene: Scene,
     until: float | PathEnds | None = None,
@@ -87,13 +88,11 @@ def follow_path(
     walker = Walker(model, options.arc_length, abs(ends.factor) if ends.factor else 1.0)
     watch = Stopwatch()
     run = Pursuit(walker, ends, resolution, options.locate, control)
-    with all_stay(model.equations.shared.comm, "an equilibrium path"):
-        run.follow(start, backwards)
+    run.follow(start, backwards)
     if chosen and run.found.at_factor:
         run.found.reason += ", where paths end by default: until=... goes on beyond, to loads above"
         _log.info("%s", run.found.reason)
-    with all_stay(model.equations.shared.comm, "the result of an equilibrium path"):
-        return _result(run, observe or {}, watch.seconds)
+    return _result(run, observe or {}, watch.seconds)
 
 
 def _check_options(

@@ -95,6 +95,7 @@ def scaled(shape: Shape, lengths: Array) -> tuple[Shape, bool]:
 _log = logging.getLogger(__name__)
 
 
+@all_stay("vibrations")
 def vibrations(
     scene: Scene,
     count: int = 6,
@@ -133,8 +134,7 @@ def vibrations(
     equations, state = small_motions(scene, at, rotation, load_steps, part)
     unknowns = equations.unknowns
     unknowns.check_count(count)
-    with all_stay(equations.shared.comm, "vibrations"):
-        s, vectors, residuals = smallest(state.pencil(), count, state.rate, petsc_options_prefix)
+    s, vectors, residuals = smallest(state.pencil(), count, state.rate, petsc_options_prefix)
     own = np.array([state.twists(vector) for vector in vectors])
     whole_scene = WholeScene(equations.info, part)
     lengths = node_lengths(whole_scene.bodies(unknowns.bodies))

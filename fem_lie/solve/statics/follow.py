@@ -71,6 +71,7 @@ def follow_loads(
     return result
 
 
+@all_stay("statics")
 def followed(
     scene: Scene,
     levels: Sequence[float],
@@ -84,8 +85,7 @@ def followed(
     model = SceneEquilibrium(scene, prefix, divided(scene, prefix))
     watch = Stopwatch()
     try:
-        with all_stay(model.equations.shared.comm, "statics"):
-            path = options.follow(model, levels, model.begin())
+        path = options.follow(model, levels, model.begin())
     except ConvergenceError as error:
         result = _result(model, error.result, levels, watch.seconds)
         raise ConvergenceError(str(error), result) from None

@@ -17,7 +17,6 @@ from fem_lie.lie.node_types import advance
 from fem_lie.linear.choice import Solutions
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
 from fem_lie.parts.part_scene import divided
-from fem_lie.ranks.together import all_stay
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.gathering import gathered
 from fem_lie.results.record import FrictionForces
@@ -187,8 +186,7 @@ class LoadSteps(Iterated):
         Raises:
             ConvergenceError: The smallest step failed; its ``result`` holds the states before.
         """
-        comm = self.equations.shared.comm
-        with all_stay(comm, "statics"), load_bar(levels[-1]) as show:
+        with load_bar(levels[-1]) as show:
             return self._run(levels, step, smallest, show)
 
     def _run(

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from fem_lie._arrays import instance, whole
 from fem_lie.linear.direct import ConvergenceError
+from fem_lie.ranks.together import all_stay
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
@@ -99,6 +100,7 @@ class StaticOptions(NamedTuple):
     prefix: str = "fem_lie_statics_"
 
 
+@all_stay("statics")
 def equilibrium(
     scene: Scene,
     levels: Sequence[float],
