@@ -88,7 +88,7 @@ MAY_IMPORT = {
     "contact.laws": {"contact.sides"},
     "contact.rings": {"contact.laws"},
     "contact.pairs": {"contact.rings", "contact.convex", "bodies.shells", "bodies.thin_shells"},
-    "contact.mortar": {"contact.pairs"},
+    "contact.mortar": {"contact.pairs", "bodies.solids", "joints"},
     "contact": {"contact.mortar"},
     "contact.cones": {"lie"},
     "contact.impact": {"contact", "contact.cones"},

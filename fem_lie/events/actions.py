@@ -115,7 +115,8 @@ class _Switch(Action):
         _arrays.instance(self.connection, Connection, name, "a joint, drive or gear")
         if self.connection.bounds is not None:
             raise ValueError(f"{name}: {self.connection.label} is a limit, which switches itself")
-        if not self.connection.size or self.connection.velocity_definitions():
+        linear = self.connection.tie_definition() is not None
+        if not (self.connection.size or linear) or self.connection.velocity_definitions():
             raise ValueError(
                 f"{name}: {self.connection.label} has no constraints of positions, expected a "
                 "joint, drive or gear that has"

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from fem_lie._public_names import public_names
 
 if TYPE_CHECKING:
+    from fem_lie.contact.mortar.tie import Tie
     from fem_lie.events.limit import Limit
     from fem_lie.joints.bushing import Bushing
     from fem_lie.joints.connection import Connection, Coordinate
@@ -56,5 +57,6 @@ __all__ = [
     "Sliding",
     "Spherical",
     "Spring",
+    "Tie",
     "Universal",
 ]

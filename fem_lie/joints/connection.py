@@ -11,8 +11,9 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 
-from fem_lie._arrays import Array, instance
+from fem_lie._arrays import Array, Indices, instance
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body, Point
 from fem_lie.joints.equations import functions as joint_functions
@@ -127,6 +128,28 @@ class BushingDefinition(NamedTuple):
     damping: Array
 
 
+class TieDefinition(NamedTuple):
+    """Definition of equal mean positions of nodes of two bodies, ``Σ D x₁ = Σ M x₂``.
+
+    Attributes:
+        first: Body of the nodes with multipliers.
+        second: The other body.
+        nodes: Node of the first body of each multiplier, shape (p,).
+        adjacent: Pairs of multipliers whose nodes are corners of one facet, in both orders, (a, 2).
+        own: ``D``, weights of the nodes of the first body, rows have the sum 1; shape (p, n).
+        others: ``M``, weights of the nodes of the second body, shape (p, k).
+        areas: Area of each multiplier, shape (p,).
+    """
+
+    first: Body
+    second: Body
+    nodes: Indices
+    adjacent: Indices
+    own: sp.csr_matrix
+    others: sp.csr_matrix
+    areas: Array
+
+
 class FrictionDefinition(NamedTuple):
     """Definition of friction in a joint, see :mod:`~.equations.friction`.
 
@@ -182,7 +205,7 @@ class Connection(ABC):
 
     @property
     def size(self) -> int:
-        """Number of position constraints."""
+        """Number of position constraints in relative motions, see :meth:`definitions`."""
         return 0
 
     def velocity_definitions(self) -> list[VelocityConstraintDefinition]:
@@ -244,6 +267,10 @@ class Connection(ABC):
 
     def bushing_definition(self) -> BushingDefinition | None:
         """Definition of springs and dampers in six components, or ``None``."""
+        return None
+
+    def tie_definition(self) -> TieDefinition | None:
+        """Definition of equal mean positions of two faces, or ``None``."""
         return None
 
     @property

@@ -77,9 +77,9 @@ def divided(
     """The part of a scene that this rank has, if the scene is divided among all ranks.
 
     Small scenes, those that cannot be divided, and those with what is not divided yet (impacts,
-    redundant constraints, joints that have turned before) are not: then all ranks have the whole
-    scene, and the log says why. It is the same with options for subdomains, or for a package that
-    factorises on one rank.
+    ties, redundant constraints, joints that have turned before) are not: then all ranks have the
+    whole scene, and the log says why. It is the same with options for subdomains, or for a package
+    that factorises on one rank.
 
     Args:
         scene: The scene, the same on all ranks.
@@ -103,6 +103,7 @@ def divided(
         **(refused or {}),
         "redundant constraints": scene.redundant is not RedundantConstraints.REFUSE,
         "impacts": bool(scene.impacts),
+        "ties": any(item.tie_definition() for item in scene.connections),
         "joints that have turned before": scene.began.turned is not None,
         f"option {_DOMAINS}": options.hasName(_DOMAINS),
         f"option {_PACKAGE}": options.getString(_PACKAGE, _ON_RANKS) != _ON_RANKS,

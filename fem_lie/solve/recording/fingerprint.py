@@ -86,6 +86,7 @@ class Fingerprint:
                 ("sliding", item.sliding_definition()),
                 ("rolling", item.velocity_definitions()),
                 ("bushing", item.bushing_definition()),
+                ("tie", item.tie_definition()),
             ):
                 self._add(f"{name} of connection {k}", value, f"{name} of {item.label}")
         for k, event in enumerate(scene.events, start=1):

@@ -35,11 +35,13 @@ class ConstrainedFrames(Protocol):
         count: Number of independent frames.
         frames: Initial frames, shape (L, 4, 3).
         still: Whether nothing can move a frame, shape (L,).
+        held: Unknowns of the independent frames that are zero, shape (count, 6).
     """
 
     count: int
     frames: Array
     still: Flags
+    held: Flags
 
     def of(self, point: Point) -> int:
         """Number of the frame of a point."""
@@ -74,6 +76,7 @@ class SystemFrames:
             motions: Frame number of each point with a prescribed motion.
         """
         self.numbering, self.count, self.frames = numbering, numbering.count, frames
+        self.held = held
         self.still = np.append(held.all(axis=1), [True] * (len(frames) - numbering.count))
         self._motions = motions
 

@@ -18,8 +18,9 @@ from fem_lie.system.constraint_sets.on_attachments import OnAttachments, on_atta
 from fem_lie.system.constraint_sets.relative_motions import RelativeMotions
 from fem_lie.system.constraint_sets.rolls import Rolls
 from fem_lie.system.constraint_sets.slides import Slides
+from fem_lie.system.constraint_sets.ties import Ties
 
-KINDS: tuple[type[ConstraintSet], ...] = (RelativeMotions, Slides, Bushings, Rolls)
+KINDS: tuple[type[ConstraintSet], ...] = (RelativeMotions, Slides, Bushings, Ties, Rolls)
 
 
 def sets_of(

@@ -63,6 +63,9 @@ class FramesOnAttachments:
             constrained.frames, self.attachments.locate(constrained.frames)[0]
         )
         free = np.zeros(self.attachments.count, dtype=bool)
+        self.held = np.concatenate(
+            [constrained.held[self.moving], np.zeros((len(free), 6), dtype=bool)]
+        )
         self.still = np.concatenate(
             [constrained.still[self.moving], free, constrained.still[self.fixed]]
         )
