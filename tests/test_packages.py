@@ -138,7 +138,7 @@ MAY_IMPORT = {
     "solve.variational": {"solve.conserving.step", "solve.impacts"},
     "solve.explicit": {"solve.motion", "solve.impacts"},
     "solve.composed": {"solve.conserving", "solve.variational"},
-    "solve.multirate": {"solve.conserving"},
+    "solve.multirate": {"solve.conserving", "solve.explicit"},
     "solve.hamel": {"solve.conserving.midpoint"},
     "solve.trees": {"solve.motion"},
 }

@@ -11,10 +11,12 @@ ground first, then the prescribed motions. Index 3 equations at a time level::
 from __future__ import annotations
 
 import logging
+from collections.abc import Collection
 
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.bodies.body import Body
 from fem_lie.bodies.model import MassMatrix
 from fem_lie.joints.joint import RedundantConstraints
 from fem_lie.lie.motions import Group, Parametrisation
@@ -79,6 +81,7 @@ class System:
         parametrisation: Parametrisation = Parametrisation.EXPONENTIAL,
         group: Group | None = None,
         mass: MassMatrix = MassMatrix.CONSISTENT,
+        lumped: Collection[Body] = (),
         part: ScenePart | None = None,
     ) -> None:
         """Number the unknowns and build the constant parts.
@@ -89,6 +92,7 @@ class System:
             parametrisation: Parametrisation of the increments of :meth:`fill_matrix`.
             group: Group of all frames; default: that of each body.
             mass: Mass matrix.
+            lumped: Bodies whose mass matrix is lumped whatever ``mass`` is.
             part: What this rank has of a scene that is divided; ``None``: the scene is not.
 
         Raises:
@@ -124,7 +128,8 @@ class System:
             raise ValueError("KnifeEdge and RollingDisc constrain velocities: use dynamics")
         self.size = 6 * self.count + self.m
         required = dynamics or bool(scene.gravity.any())
-        self.inertia, damping = inertia_of(scene.bodies, self.numbering, mass, required=required)
+        masses = scene.bodies, self.numbering, mass, lumped
+        self.inertia, damping = inertia_of(*masses, required=required)
         self.floating = floating_of(self.numbering)
         self._gravity = scene.gravity
         z, n = np.zeros, self.count

@@ -86,6 +86,12 @@ class ExplicitRun(Integration[Recorder]):
     """Run of the explicit scheme.
 
     The state between steps is frames and momenta at the same time, and the forces there.
+
+    Attributes:
+        H: Frames of all nodes, ground and prescribed motions.
+        p: Momenta, see :mod:`.nodes`, (n, 6).
+        v: Twists, (n, 6).
+        began: Time before the first step; another one if steps have changed their size.
     """
 
     STATE = attributes(
@@ -107,7 +113,7 @@ class ExplicitRun(Integration[Recorder]):
         self.equations_state = equations.history_variables
         unknowns, known = equations.unknowns, equations.arrays
         n = unknowns.moving
-        self.masses, self.limit, self._n = masses, limit, n
+        self.masses, self.limit, self._n, self.began = masses, limit, n, 0.0
         self._changing = unknowns.time_dependent
         self.H, self.p, self.v = equations.start.frames.copy(), np.zeros((n, 6)), np.zeros((n, 6))
         m = unknowns.m
@@ -202,6 +208,11 @@ class ExplicitRun(Integration[Recorder]):
         """Number of steps made."""
         return int(self.progress.step)
 
+    @property
+    def time(self) -> float:
+        """Time of the current state."""
+        return self.began + self.index * self.h
+
     def start(self) -> None:
         """Compute the initial momenta and forces."""
         if self._joints is not None:
@@ -235,7 +246,7 @@ class ExplicitRun(Integration[Recorder]):
     def restart(self, state: MovingState, common: Mapping[str, Array]) -> None:
         """Restart from the state of a scene that was divided."""
         put_back(self, _COMMON, common)
-        time = self.index * self.h
+        time = self.time
         now = self.equations.prescribed(time)
         now.act()
         self.H[: self._n], self.H[self._n + 1 :] = state.frames, now.frames
@@ -255,10 +266,13 @@ class ExplicitRun(Integration[Recorder]):
     # --- steps ---
 
     def _advance(self, history: Recorder) -> bool:
-        index = self.index
-        last = min(history.next_stop(index), index + self._most)
+        return self._go_towards(history.next_stop(self.index))
+
+    def _go_towards(self, stop: int) -> bool:
+        """Make the next step, or several up to ``stop``; return whether they were made."""
+        last = min(stop, self.index + self._most)
         if self._changing:
-            self.equations.prescribed((index + 1) * self.h).act()
+            self.equations.prescribed(self.began + (self.index + 1) * self.h).act()
         if self._contacts is not None:
             return self._struck(self._contacts)
         if self._joints is not None:
@@ -278,7 +292,7 @@ class ExplicitRun(Integration[Recorder]):
     def _look(self) -> None:
         if self._looks:
             nodes.twists((*self.masses,), self.H, self.p, self.v)
-            self.balance.add(self.h, self.index * self.h, *self._moving)
+            self.balance.add(self.h, self.time, *self._moving)
 
     def _joined(self, joints: Joints) -> bool:
         """Make the next step with joints; return whether it was made."""
@@ -293,7 +307,7 @@ class ExplicitRun(Integration[Recorder]):
         """Make the next step, with impacts at its end; return whether it was made."""
         start, last = self.H.copy(), self.index + 1
         nodes.twists((*self.masses,), self.H, self.p, self.v)
-        contacts.begin(self.H, self.v, self.index * self.h)
+        contacts.begin(self.H, self.v, self.time)
         contacts.history.begin_step(last)
         if self._joints is not None:
             self.progress.step += 1
@@ -308,7 +322,7 @@ class ExplicitRun(Integration[Recorder]):
 
     def _touch(self, contacts: CoupledContacts) -> bool:
         """Apply contact impulses at the end of a step; return whether contacts were solved."""
-        time, n = self.index * self.h, self._n
+        time, n = self.time, self._n
         nodes.twists((*self.masses,), self.H, self.p, self.v)
         changed = contacts.resolve(StepEnd(self.H, self.v, time))
         if contacts.failure:
@@ -354,7 +368,7 @@ class ExplicitRun(Integration[Recorder]):
             if self._convects_axes:
                 self._convect_axes()
             nodes.twists((*self.masses,), self.H, self.p, self.v)
-            history.count, time = self.index, self.index * self.h
+            history.count, time = self.index, self.time
             now = self._moving
             if self._contacts is not None:
                 joined = now.multipliers + self._contacts.reactions / self.h
@@ -385,6 +399,24 @@ def limit_of(equations: Equations, masses: nodes.Masses) -> StableStep:
     limit = stable_step(equations, masses, equations.start.frames)
     _log.info("the largest stable step is %.4g", limit.step)
     return limit
+
+
+def stable_masses(equations: Equations, step: float) -> tuple[nodes.Masses, StableStep]:
+    """Lumped inertia, and the largest stable step; ``ValueError`` if ``step`` is larger.
+
+    Args:
+        equations: Equations with lumped inertia.
+        step: Step size.
+    """
+    masses = masses_of(equations)
+    limit = limit_of(equations, masses)
+    with equations.shared.errors(ValueError):
+        if not step <= limit.step and limit.node >= 0:
+            raise ValueError(
+                f"Explicit: expected a stable step, at most {limit.step:.4g} for the cells "
+                f"around {node_name(equations, limit.node)}, got {step:g}"
+            )
+    return masses, limit
 
 
 @dataclass(frozen=True)
@@ -421,7 +453,16 @@ class Explicit(Integrator):
         equations = self._equations(scene)
         return limit_of(equations, masses_of(equations)).step
 
-    def _equations(self, scene: Scene, part: ScenePart | None = None) -> Equations:
+    def _equations(self, scene: Scene) -> Equations:
+        return self.equations(scene)
+
+    def equations(self, scene: Scene, part: ScenePart | None = None) -> Equations:
+        """Equations of a scene; ``ValueError`` if the scheme does not support the scene.
+
+        Args:
+            scene: The scene.
+            part: What this rank has of it, if it is divided.
+        """
         equations = Equations(
             scene.without_impacts(),
             dynamics=True,
@@ -442,18 +483,10 @@ class Explicit(Integrator):
             "contacts by impacts": any(each.law.impulsive for each in scene.contacts),
         }
         part = divided(scene, _PREFIX, refused)
-        return None if part is None else self._equations(scene, part)
+        return None if part is None else self.equations(scene, part)
 
     def _integration(self, equations: Equations, step: float) -> ExplicitRun:
-        masses = masses_of(equations)
-        limit = limit_of(equations, masses)
-        with equations.shared.errors(ValueError):
-            if not step <= limit.step and limit.node >= 0:
-                raise ValueError(
-                    f"Explicit: expected a stable step, at most {limit.step:.4g} for the cells "
-                    f"around {node_name(equations, limit.node)}, got {step:g}"
-                )
-        return ExplicitRun(equations, step, masses, limit)
+        return ExplicitRun(equations, step, *stable_masses(equations, step))
 
 
 def _refuse(equations: Equations) -> None:

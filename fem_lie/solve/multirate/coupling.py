@@ -131,7 +131,7 @@ class Coupling(Stateful):
     def _close(self, most: int) -> bool:
         """Repeat whole steps until the joints are closed at their end; return whether they are."""
         for domain in self._domains:
-            self._moved[domain.rows] = domain.h * domain.count * domain.s.V[: domain.moving]
+            self._moved[domain.rows] = domain.h * domain.count * domain.rates[: len(domain.rows)]
         λ = (
             2.0 * self.multipliers[0] - self.multipliers[1]
             if self.made > 1
@@ -182,7 +182,7 @@ class Coupling(Stateful):
         H[len(self._at) :] = self._ground
         whole = np.empty_like(self._moved)
         for domain in self._domains:
-            whole[domain.rows] = domain.frames_before[: domain.moving]
+            whole[domain.rows] = domain.before
         H[: len(self._at)] = whole[self._at]
         out, forces = (self._change, np.empty_like(self._forces)), self._forces
         joined(self._kinds, H, self._moved[self._at], self._joints, λ, (out[0], out[1]))
@@ -190,7 +190,7 @@ class Coupling(Stateful):
         for domain in self._domains:
             if not domain.go(forces, self._start):
                 return None
-            self._moved[domain.rows] = domain.moved
+            self._moved[domain.rows] = domain.now - domain.before
         self.tries += 1
         joined(self._kinds, H, self._moved[self._at], self._joints, λ, (out[0], out[1]))
         return np.asarray(self.gap + self._change)

@@ -1,4 +1,4 @@
-"""Domains of different step sizes: subscenes, joints between them, and steps of a domain.
+"""Domains of different steps: what they have in common, subscenes, and joints between them.
 
 Joints between bodies of different step sizes act over a whole step as over a single one.
 Constraints are bilinear in ``q = (x, d₁, d₂, d₃)`` of their nodes, so that with the means ``q̄``
@@ -15,38 +15,99 @@ which is zero.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Protocol, TypeVar
 
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled
-from fem_lie._state import ChangingArrays, attributes
+from fem_lie._state import HasState
 from fem_lie.bodies.body import Body
 from fem_lie.joints.equations.joint_arrays import PackedJoints
 from fem_lie.joints.joint import Joint
 from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.lie.tuples import Vector, combined, cross, dot, load, load_row, plus, scaled, store_row
-from fem_lie.linear.factors import Factors
 from fem_lie.scene import Scene
-from fem_lie.solve.conserving.run import Run
-from fem_lie.solve.conserving.run_state import Options
 from fem_lie.solve.conserving.step.joints import add_joints
-from fem_lie.solve.conserving.step.records import State
 from fem_lie.system.equations import Equations
 
+K = TypeVar("K")
 
-def domains(scene: Scene, counts: Mapping[Body, int]) -> tuple[dict[int, Scene], Scene]:
-    """Subscenes of the bodies with each number of steps, and that of the joints between them.
+
+class Domain(HasState, Protocol):
+    """Bodies with steps of one scheme and one size; a whole step can be repeated from its start.
+
+    Attributes:
+        rows: Indices of its moving nodes among those of the scene.
+        count: Number of steps in a whole step.
+        h: Size of each.
+    """
+
+    rows: Indices
+    count: int
+    h: float
+
+    def start(self) -> None:
+        """Make the state consistent at time 0."""
+
+    def begin(self) -> None:
+        """Save the current state: whole steps start from it until the next call."""
+
+    def go_back(self) -> None:
+        """Restore the saved state."""
+
+    def go(self, forces: Array, start: float) -> bool:
+        """Make a whole step from the saved state; return whether it was made.
+
+        Args:
+            forces: Constant forces on ``(x, d₁, d₂, d₃)`` of all moving nodes of the scene, (n, 4,
+                3). Their work enters the energy balance.
+            start: Time of that state.
+        """
+
+    def resize_whole(self, size: float) -> None:
+        """Set the state as the start of a whole step of another size."""
+
+    @property
+    def now(self) -> Array:
+        """Frames of the current state, (n, 4, 3)."""
+
+    @property
+    def before(self) -> Array:
+        """Frames of the saved state, (n, 4, 3)."""
+
+    @property
+    def rates(self) -> Array:
+        """Rates of (x, d₁, d₂, d₃), then those of products of reduced bodies, (≥ n, 4, 3)."""
+
+    @property
+    def twists(self) -> Array:
+        """Velocities along the axes of the nodes, (n, 6)."""
+
+    @property
+    def so_far(self) -> Array:
+        """Energy balance and impulses up to the current state, (15,)."""
+
+    @property
+    def stored(self) -> float:
+        """Stored energy of cells and contacts."""
+
+    @property
+    def matrices(self) -> int:
+        """Number of matrices factorised."""
+
+
+def domains(scene: Scene, of: Mapping[Body, K]) -> tuple[dict[K, Scene], Scene]:
+    """Subscenes of the bodies with each sort of steps, and that of the joints between them.
 
     Args:
         scene: The scene.
-        counts: Number of steps of bodies in a whole step; others make one.
+        of: Sort of the steps of each body.
 
     Raises:
         ValueError: A connection between two subscenes is not a joint.
     """
-    of = {body: counts.get(body, 1) for body in scene.bodies}
-    parts = {count: _empty(scene) for count in sorted(set(of.values()))}
+    parts = {sort: _empty(scene) for sort in of.values()}
     between = _empty(scene)
     for body in scene.bodies:
         parts[of[body]].add(body)
@@ -142,113 +203,3 @@ def _turning(d: Array, m: Vector) -> Vector:
     # K is symmetric: its rows are its columns
     first = combined(m[0], cross(y, z), m[1], cross(z, x))
     return scaled(whole, plus(first, scaled(m[2], cross(x, y))))
-
-
-class Domain(Run):
-    """Domain with energy-momentum steps; a whole step can be repeated from its start.
-
-    Attributes:
-        rows: Indices of its moving nodes among those of the scene.
-        count: Number of steps in a whole step.
-        before: State at the start of whole steps.
-    """
-
-    STATE = attributes("h")
-
-    before: State
-
-    def __init__(
-        self, options: Options, equations: Equations, whole: float, count: int, rows: Indices
-    ) -> None:
-        """Set up without computing anything.
-
-        Args:
-            options: Options of the scheme.
-            equations: Equations of the bodies and their connections.
-            whole: Size of a whole step.
-            count: Number of steps in it.
-            rows: Indices of moving nodes among those of the scene.
-        """
-        self._acting = np.zeros((equations.unknowns.moving, 4, 3))
-        super().__init__(options, equations, whole / count)
-        self.count, self.rows = count, rows
-        self._own: dict[str, Array] = {}
-        self._changing_state = ChangingArrays(self, ["s"])
-        self._end_forces_before = self._end_forces.saved_state()
-        self._V1, self._first = self.this.V1.copy(), 0
-
-    @property
-    def divides(self) -> bool:
-        """Not supported: whole steps are divided instead."""
-        return False
-
-    def begin(self) -> None:
-        """Save the current state: whole steps start from it until the next call."""
-        self._before = self._changing_state.saved_state()
-        self._own, self._V1, self._first = self.cells.saved_state(), self.this.V1.copy(), self.index
-        self._end_forces_before = self._end_forces.saved_state()
-
-    @property
-    def frames_before(self) -> Array:
-        """Frames of the saved state."""
-        return self._before["s.H"]
-
-    def go_back(self) -> None:
-        """Restore the saved state."""
-        self._changing_state.restore(self._before)
-        self.this.V1[:] = self._V1
-        self.cells.restore(self._own)
-        self._end_forces.restore(self._end_forces_before)
-        progress = self.progress
-        progress.steps = self._first
-        progress.iteration = progress.asked = 0
-        # no matrix is newer than the state
-        self.counts[1] = min(int(self.counts[1]), self._first)
-
-    def go(self, forces: Array, start: float) -> bool:
-        """Make a whole step from the saved state; return whether it converged.
-
-        Args:
-            forces: Constant forces on ``(x, d₁, d₂, d₃)`` of all moving nodes of the scene, (n, 4,
-                3). Their work enters the energy balance.
-            start: Time of that state.
-        """
-        self.go_back()
-        self._acting[:] = forces[self.rows]
-        self._take_loads()
-        last, each = self._first + self.count, 1 if self._changing else self.count
-        while self.index < last:
-            time = start + (self.index - self._first) * self.h
-            if not self._go_to(self.index + each, time, time + self.h):
-                return False
-        return True
-
-    def resize_whole(self, size: float) -> None:
-        """Set the state as the start of a whole step of another size."""
-        self.h = size / self.count
-        self._resize(self.h)
-        self._forget_iteration()
-
-    def _take_loads(self) -> None:
-        super()._take_loads()
-        self.model.loads.dead[: self.moving] += self._acting
-
-    @property
-    def stored(self) -> float:
-        """Stored energy of cells and contacts."""
-        return float(self.s.W.sum()) + self._end_forces.energy + self._end_forces.held
-
-    @property
-    def moved(self) -> Array:
-        """Increments of (x, d₁, d₂, d₃) over a whole step, (n, 4, 3)."""
-        return np.asarray(self.s.H[: self.moving] - self.frames_before[: self.moving])
-
-    # --- checkpoints ---
-
-    def saved_state(self) -> dict[str, Array]:
-        """State with the factors of the matrix, which belong to no particular state."""
-        kept = super().saved_state()
-        return kept if self._factors is None else kept | self._factors.arrays()
-
-    def _frozen_factors(self, kept: Mapping[str, Array]) -> Factors | None:
-        return Factors.of(kept)

@@ -1,54 +1,84 @@
-"""Multi-rate scheme: a step size for each body, and a run of it.
+"""Multi-rate scheme: steps for each body, implicit or explicit, and a run of it.
 
 Stiff or finely meshed bodies make several steps in a whole step, the others one; each is a step of
-the energy-momentum scheme. Joints between them hold at the ends of whole steps, by multipliers that
-act over a whole step: their forces on ``q = (x, d₁, d₂, d₃)`` of the nodes are constant in it, so
-that their work is a product of two increments over the whole step, and the sum over both sides is
-zero (:mod:`fem_lie.solve.multirate.domain`). As the energy of each body changes by this work only,
-the total energy is conserved. Within whole steps the two sides of such a joint separate by the
-order of the whole step squared. Momentum is exact; angular momentum is not, because the mean
-positions of the steps of a body differ from those of the whole step. The scheme is symmetric, of
-second order.
+the energy-momentum scheme or of the explicit one. Joints between them hold at the ends of whole
+steps, by multipliers that act over a whole step: their forces on ``q = (x, d₁, d₂, d₃)`` of the
+nodes are constant in it, so that their work is a product of two increments over the whole step, and
+the sum over both sides is zero (:mod:`fem_lie.solve.multirate.domain`). As the energy of each body
+changes by this work only, none is created or lost between them: the total energy is conserved, or
+as good as explicit steps conserve it. Within whole steps the two sides of such a joint separate by
+the order of the whole step squared: only their mean velocities over it are equal. Momentum is
+exact; angular momentum is not, because the mean positions of the steps of a body differ from those
+of the whole step. The scheme is symmetric, of second order.
 
 Multipliers are found by repeating whole steps. The first guess uses the last two steps; the next
 ones use the response of the joints, which is computed once by a step for each multiplier, and
 Anderson acceleration (:mod:`fem_lie.solve.multirate.coupling`).
 
 Step sizes are options of the scheme, like everything about time integration; the scene describes
-the model. Related work: Prakash & Hjelmstad, IJNME 61 (2004) 2183; Mahjoubi, Gravouil, Combescure &
-Greffet, CMAME 198 (2009) 1069; Leyendecker & Ober-Blöbaum, in Multibody Dynamics (2013) 97
-(constraints at the ends of whole steps only).
+the model. Related work: Gravouil & Combescure, IJNME 50 (2001) 199 (equal velocities at the small
+steps; energy is lost); Prakash & Hjelmstad, IJNME 61 (2004) 2183 (equal velocities at the ends of
+whole steps; none is); Mahjoubi, Gravouil, Combescure & Greffet, CMAME 198 (2009) 1069; Leyendecker
+& Ober-Blöbaum, in Multibody Dynamics (2013) 97 (constraints at the ends of whole steps only).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from fem_lie._arrays import Array, instance, whole
 from fem_lie._state import attributes
 from fem_lie.bodies.body import Body
+from fem_lie.bodies.model import MassMatrix
+from fem_lie.lie.motions import Group
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.results import Result
 from fem_lie.results.record import Record
 from fem_lie.scene import Scene
-from fem_lie.solve.conserving.energy_momentum import EnergyDecaying, EnergyMomentum
+from fem_lie.solve.conserving.energy_momentum import EnergyMomentum
 from fem_lie.solve.conserving.midpoint.products import product_numbers
 from fem_lie.solve.conserving.python_forces.forces import joints_of
 from fem_lie.solve.conserving.run_state import PREFIX, Options
+from fem_lie.solve.explicit.explicit import Explicit
 from fem_lie.solve.motion.consistent import accelerations, check_velocities
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.motion.integrator import Integrator, refuse
+from fem_lie.solve.multirate.conserving import ConservingDomain
 from fem_lie.solve.multirate.coupling import Coupling
 from fem_lie.solve.multirate.domain import Domain, domains, rows_of
+from fem_lie.solve.multirate.explicit import ExplicitDomain
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.result_row import ResultRow
 from fem_lie.system.equations import Equations, TimeState
+
+_DOMAINS: dict[type, Callable[..., Domain]] = {
+    EnergyMomentum: ConservingDomain,
+    Explicit: ExplicitDomain,
+}
+"""Schemes of bodies, and their domains."""
+
+
+class Sort(NamedTuple):
+    """Steps of a body.
+
+    Attributes:
+        steps: Their number in a whole step.
+        scheme: Their scheme.
+    """
+
+    steps: int
+    scheme: EnergyMomentum | Explicit
+
+    @property
+    def lumps(self) -> bool:
+        """Whether their mass matrix is lumped."""
+        return isinstance(self.scheme, Explicit)
 
 
 class MultiRateRun(DividedIntegration[History]):
@@ -61,24 +91,26 @@ class MultiRateRun(DividedIntegration[History]):
         options: Options,
         equations: Equations,
         step: float,
-        parts: Mapping[int, Equations],
+        parts: Mapping[Sort, Equations],
         between: Equations,
     ) -> None:
         """Set up without computing anything.
 
         Args:
-            options: Options of the scheme of all steps.
+            options: Options of whole steps.
             equations: Equations of the whole scene.
             step: Size of whole steps.
-            parts: Equations of the bodies with each number of steps in a whole step.
+            parts: Equations of the bodies with each sort of steps.
             between: Equations of all bodies and the joints between domains.
         """
         super().__init__(options.policy, equations, step)
         self.equations_state = equations.history_variables
         self.options = options
         self._domains = tuple(
-            Domain(options, part, step, count, rows_of(part, equations))
-            for count, part in parts.items()
+            _DOMAINS[type(sort.scheme)](
+                sort.scheme, part, step, sort.steps, rows_of(part, equations)
+            )
+            for sort, part in parts.items()
         )
         bodies = equations.arrays.floating
         self._products = [
@@ -107,7 +139,7 @@ class MultiRateRun(DividedIntegration[History]):
     def frames(self) -> Array:
         """Current frames of all nodes, ground and prescribed motions."""
         for domain in self._domains:
-            self.H[domain.rows] = domain.s.H[: domain.moving]
+            self.H[domain.rows] = domain.now
         return self.H
 
     @property
@@ -147,7 +179,7 @@ class MultiRateRun(DividedIntegration[History]):
         return wanted
 
     def _result(self, history: History) -> Result:
-        factorisations = sum(int(domain.counts[0]) for domain in self._domains)
+        factorisations = sum(domain.matrices for domain in self._domains)
         self.division.report(self.index)
         divided = self.division.divided
         return history.result(factorisations, history.seconds, divided=divided)
@@ -163,12 +195,12 @@ class MultiRateRun(DividedIntegration[History]):
         if equations.unknowns.time_dependent:
             equations.prescribed(self.index * self.h).act()
         for domain, products in zip(self._domains, self._products, strict=True):
-            own = domain.s.V[: domain.moving]
-            V[domain.rows], V[n + products] = own, domain.s.V[domain.moving :]
-            v[domain.rows] = domain.local(own, domain.s.H)
+            own = len(domain.rows)
+            V[domain.rows], V[n + products] = domain.rates[:own], domain.rates[own:]
+            v[domain.rows] = domain.twists
         if Record.FORCES in history.filled and (held or m):
             rates, multipliers = self._end_forces(H, v)
-        balance = np.sum([domain.s.balance for domain in self._domains], axis=0)
+        balance = np.sum([domain.so_far for domain in self._domains], axis=0)
         self._filled.by_both(history, H, (V, v[:n]), multipliers, balance)
         if Record.FORCES in history.filled and held:
             report = equations.report(H, v, rates, multipliers, linearised=False)
@@ -198,14 +230,16 @@ class MultiRate(Integrator):
 
     Bodies with different steps may be connected by joints. Links, springs, drives and contact
     between them raise an error, and so do drives, prescribed motions and time-dependent initial
-    strains. Time-dependent loads are evaluated at the midpoints of the steps of their body.
-    ``result.iterations`` are the tried whole steps; the first column of ``result.balance`` contains
-    the work of loads, and that of multipliers between bodies with different steps, which is
-    round-off.
+    strains. Time-dependent loads are evaluated at the midpoints of the steps of their body, of
+    explicit ones at their ends. ``result.iterations`` are the tried whole steps; the first column
+    of ``result.balance`` contains the work of loads, and that of multipliers between bodies with
+    different steps, which is round-off.
 
     Attributes:
         steps: Number of steps of each of these bodies in a whole step; all others make one.
         scheme: Scheme of the steps; its policy decides for each size of steps.
+        schemes: Scheme of the steps of each of these bodies, ``EnergyMomentum`` or ``Explicit``;
+            that of all others is ``scheme``. Explicit steps have lumped inertia.
 
     Example:
         >>> steel = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
@@ -218,6 +252,10 @@ class MultiRate(Integrator):
         >>> result = scheme.run(scene, duration=5e-4, step=1e-4)
         >>> bool(result.energy_error < 1e-11)
         True
+        >>> mixed = fl.schemes.MultiRate({fine: 50}, schemes={fine: fl.Explicit()})
+        >>> result = mixed.run(scene, duration=5e-4, step=1e-4)
+        >>> bool(result.energy_error < 1e-3)
+        True
     """
 
     _wanted_step: ClassVar[str] = (
@@ -227,6 +265,7 @@ class MultiRate(Integrator):
 
     steps: Mapping[Body, int]
     scheme: EnergyMomentum = field(default_factory=EnergyMomentum)
+    schemes: Mapping[Body, EnergyMomentum | Explicit] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check the options."""
@@ -235,22 +274,39 @@ class MultiRate(Integrator):
             instance(body, Body, "MultiRate: steps", "bodies")
             whole(count, f"MultiRate: steps of {body.label}")
         instance(self.scheme, EnergyMomentum, "MultiRate: scheme", "EnergyMomentum()")
-        if isinstance(self.scheme, EnergyDecaying):
-            raise ValueError(
-                "MultiRate couples steps that conserve energy: expected EnergyMomentum(), got "
-                f"{self.scheme}"
-            )
+        _check_coupled(self.scheme, "MultiRate: scheme")
+        expected = "a mapping such as {body: Explicit()}"
+        instance(self.schemes, Mapping, "MultiRate: schemes", expected)
+        for body, scheme in self.schemes.items():
+            instance(body, Body, "MultiRate: schemes", "bodies")
+            _check_coupled(scheme, f"MultiRate: scheme of {body.label}")
 
-    def _equations(self, scene: Scene) -> Equations:
-        strange = [body.label for body in self.steps if body not in scene.bodies]
+    def _sorts(self, scene: Scene) -> dict[Body, Sort]:
+        """Steps of each body, the largest ones first."""
+        given = (*self.steps, *self.schemes)
+        strange = [body.label for body in given if body not in scene.bodies]
         if strange:
             known = ", ".join(body.label for body in scene.bodies)
             raise ValueError(
                 f"MultiRate: {strange[0]} has steps of its own and is not in the scene; expected "
                 f"bodies among {known}"
             )
-        domains(scene, self.steps)
-        equations = self.scheme.equations(scene)
+        found = {
+            body: Sort(self.steps.get(body, 1), self.schemes.get(body, self.scheme))
+            for body in scene.bodies
+        }
+        return dict(sorted(found.items(), key=lambda of: of[1].steps))
+
+    def _equations(self, scene: Scene) -> Equations:
+        sorts = self._sorts(scene)
+        domains(scene, sorts)
+        equations = Equations(
+            scene,
+            dynamics=True,
+            group=Group.R3xSO3,
+            mass=MassMatrix.WITH_DRILLING,
+            lumped=[body for body, sort in sorts.items() if sort.lumps],
+        )
         unknowns = equations.unknowns
         refuse(
             "MultiRate",
@@ -260,14 +316,15 @@ class MultiRate(Integrator):
                     or len(equations.start.frames) > unknowns.moving + 1
                     or unknowns.strains_change
                 ),
+                "redundant constraints": unknowns.may_be_redundant,
             },
             "EnergyMomentum",
         )
         return equations
 
     def _integration(self, equations: Equations, step: float) -> MultiRateRun:
-        scenes, joints = domains(equations.scene, self.steps)
-        parts = {count: self.scheme.equations(scene) for count, scene in scenes.items()}
+        scenes, joints = domains(equations.scene, self._sorts(equations.scene))
+        parts = {sort: sort.scheme.equations(scene) for sort, scene in scenes.items()}
         between = self.scheme.equations(joints)
         for part in (*parts.values(), between):
             _check_alike(part, equations)
@@ -279,6 +336,15 @@ class MultiRate(Integrator):
         }
         refuse("MultiRate", reasons, "EnergyMomentum")
         return MultiRateRun(self.scheme.options(), equations, step, parts, between)
+
+
+def _check_coupled(scheme: object, name: str) -> None:
+    """Raise ``ValueError`` for a scheme whose steps have no domain."""
+    if type(scheme) not in _DOMAINS:
+        raise ValueError(
+            f"{name}: MultiRate couples steps that conserve energy, and explicit ones: expected "
+            f"EnergyMomentum() or, among schemes, Explicit(), got {scheme}"
+        )
 
 
 def _check_alike(part: Equations, whole: Equations) -> None:

@@ -7,11 +7,13 @@ what is behind them, and solvers use nothing else.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.bodies.body import Body
 from fem_lie.bodies.catalogue import SceneInfo
 from fem_lie.bodies.model import MassMatrix
 from fem_lie.joints.laws import ForceLawError
@@ -146,6 +148,7 @@ class Equations:
         parametrisation: Parametrisation = Parametrisation.EXPONENTIAL,
         group: Group | None = None,
         mass: MassMatrix = MassMatrix.CONSISTENT,
+        lumped: Collection[Body] = (),
         part: ScenePart | None = None,
     ) -> None:
         """Build the equations.
@@ -156,6 +159,7 @@ class Equations:
             parametrisation: Parametrisation of increments.
             group: Group of all frames; default: that of each body.
             mass: Mass matrix.
+            lumped: Bodies whose mass matrix is lumped whatever ``mass`` is.
             part: What this rank has of the scene, if it is divided; states are those of the part.
 
         Raises:
@@ -175,6 +179,7 @@ class Equations:
             parametrisation=parametrisation,
             group=group,
             mass=mass,
+            lumped=lumped,
             part=part,
         )
         self.shared = self._system.shared

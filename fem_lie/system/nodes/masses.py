@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit.packed_arrays import Frames, Numbers2, Sixes
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.model import MassMatrix
@@ -43,7 +43,12 @@ class Loads(NamedTuple):
 
 
 def inertia_of(
-    bodies: Iterable[Body], numbering: Numbering, kind: MassMatrix, *, required: bool
+    bodies: Iterable[Body],
+    numbering: Numbering,
+    kind: MassMatrix,
+    lumped: Collection[Body] = (),
+    *,
+    required: bool,
 ) -> tuple[Inertia, Inertia]:
     """Mass matrix and mass-proportional damping matrix on (x, d₁, d₂, d₃) of the master nodes.
 
@@ -51,6 +56,7 @@ def inertia_of(
         bodies: Bodies of the scene.
         numbering: Numbering of their nodes.
         kind: Which mass matrix.
+        lumped: Bodies whose mass matrix is lumped whatever ``kind`` is.
         required: Whether elements without inertia are an error; otherwise they have no mass.
 
     Returns:
@@ -94,10 +100,13 @@ def inertia_of(
     r, c = np.concatenate(rows), np.concatenate(columns)
     inertia = _on_masters(numbering, r, c, mass)
     damped = _on_masters(numbering, r, c, damping) if damps else Inertia.none()
-    if kind is not MassMatrix.LUMPED:
+    chosen = np.full(numbering.count, kind is MassMatrix.LUMPED)
+    for body in lumped:
+        chosen[numbering.master_map.master[numbering.nodes[body]]] = True
+    if not chosen.any():
         return inertia, damped
     kinds = numbering.kinds
-    return _lumped(inertia, kinds), _lumped(damped, kinds) if damps else damped
+    return _lumped(inertia, kinds, chosen), _lumped(damped, kinds, chosen) if damps else damped
 
 
 def _mass_of(inertia: NodalInertia, kind: MassMatrix) -> Array:
@@ -153,8 +162,8 @@ def _on_masters(numbering: Numbering, r: Indices, c: Indices, given: list[Array]
     return Inertia(np.searchsorted(key // count, np.arange(count + 1)), key % count, G)
 
 
-def _lumped(inertia: Inertia, kinds: Indices) -> Inertia:
-    """Lumped mass matrix, one block per node, for schemes that solve no equations.
+def _lumped(inertia: Inertia, kinds: Indices, chosen: Flags) -> Inertia:
+    """Mass matrix with one block for each of some nodes, for schemes that solve no equations.
 
     The blocks of a row are summed for frames and positions, so that mass, first moments and
     rigid-body inertia are conserved. Position gradients keep their diagonal, scaled as the mass of
@@ -165,6 +174,7 @@ def _lumped(inertia: Inertia, kinds: Indices) -> Inertia:
     Args:
         inertia: Mass matrix of the moving nodes.
         kinds: Types of the nodes, shape (n,).
+        chosen: Nodes whose blocks are lumped, shape (n,); inertia does not couple them with others.
     """
     count = len(kinds)
     rows, columns = inertia.pairs
@@ -180,4 +190,8 @@ def _lumped(inertia: Inertia, kinds: Indices) -> Inertia:
     gained = np.divide(whole[sloped, 0, 0], mass, out=np.zeros_like(mass), where=mass > 0.0)
     diagonal = gained[:, np.newaxis] * own[sloped].diagonal(axis1=1, axis2=2)
     whole[sloped] = diagonal[:, :, np.newaxis] * np.eye(4)
-    return Inertia(np.arange(count + 1), np.arange(count), whole)
+    nodes, others = np.flatnonzero(chosen), ~chosen[rows]
+    r, c = np.concatenate([nodes, rows[others]]), np.concatenate([nodes, columns[others]])
+    order = np.lexsort((c, r))
+    blocks = np.concatenate([whole[nodes], inertia.blocks[others]])[order]
+    return Inertia(np.searchsorted(r[order], np.arange(count + 1)), c[order], blocks)
