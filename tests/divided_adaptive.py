@@ -39,6 +39,7 @@ def driven():
 
 
 ALPHA = fl.GeneralisedAlpha(tolerance=1e-12)
+CONSERVING, DECAYING = fl.EnergyMomentum(), fl.EnergyDecaying(radius=0.6)
 
 
 def chosen(tolerance, refinement=1):
@@ -52,6 +53,10 @@ RUNS = {
     "net": (divided_scenes.net, ALPHA, chosen(0.03)),
     "sliders": (divided_scenes.sliders, ALPHA, chosen(10.0)),
     "jump": (lambda: pushed(divided_scenes.linked), ALPHA, 2e-3),
+    "driven, decaying": (driven, DECAYING, chosen(1e-2)),
+    "linkage, conserving": (divided_conserving.linkage, CONSERVING, chosen(1e-2, refinement=2)),
+    "net, decaying": (divided_scenes.net, DECAYING, chosen(0.03)),
+    "jump, conserving": (lambda: pushed(divided_scenes.linked), CONSERVING, 2e-3),
 }
 """Scene, scheme and choice of steps."""
 
@@ -76,14 +81,16 @@ def numbers(found, points):
 
 
 def runs(folder):
-    """Results of all runs, in memory, and resumed from a checkpoint of a file."""
+    """Results of all runs, from files and some in memory, and resumed from a checkpoint."""
     found = {}
     for name, (build, scheme, step) in RUNS.items():
         scene, points = build()
         given = {"duration": DURATION, "step": step, "progress": False}
-        found[name] = numbers(scheme.run(scene, **given), points)
+        if name.startswith("jump"):
+            found[f"{name}, in memory"] = numbers(scheme.run(scene, **given), points)
         file = folder / f"{name}.h5"
-        scheme.run(scene, file=file, checkpoint_every=EVERY, **given)
+        run = scheme.run(scene, file=file, checkpoint_every=EVERY, **given)
+        found[name] = numbers(run, points)
         resumed = scheme.resume(scene, killed(file), progress=False)
         found[f"{name}, resumed"] = numbers(resumed, points)
     return {f"{run}: {what}": each for run, own in found.items() for what, each in own.items()}

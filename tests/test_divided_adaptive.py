@@ -9,6 +9,13 @@ ALLOWED = {"joint forces": 1e-8, "impulses": 1e-8, "measured errors": 1e-8}
 """What contains round-off of positions times a stiffness, and differences of two runs; of others
 1e-10 of the largest."""
 
+OVER_STEP = {
+    **{"velocity": 5e-9, "rotation errors": 1e-8, "joint forces": 1e-9, "impulses": 1e-9},
+    "translation errors": 1e-3,
+}
+"""Likewise of conserving schemes: what is found from differences over a step contains round-off
+that nothing damps, and errors depend on the age of the frozen matrix, which that may change."""
+
 
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory):
@@ -26,7 +33,9 @@ def test_parts_choose_the_steps_of_one_rank_and_are_resumed(alone, tmp_path, ran
             run, what = name.split(": ")
             of = alone[f"{run}: energies"] if what == "balance" else expected
             size = np.abs(of).max(initial=0.0)
-            allowed = ALLOWED.get(what, 1e-10) * size
+            conserves = run.split(", ")[1:2] in (["conserving"], ["decaying"])
+            rules = OVER_STEP if conserves else ALLOWED
+            allowed = rules.get(what.rstrip(" 012"), 1e-10) * size
             given = {"rtol": 0, "atol": allowed, "err_msg": name}
             np.testing.assert_allclose(found[name], expected, **given)
 

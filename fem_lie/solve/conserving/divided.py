@@ -26,7 +26,11 @@ from fem_lie.system.equations import Equations
 
 
 class AllRanks:
-    """Callbacks of compiled steps; all of them are collective."""
+    """Callbacks of compiled steps; all of them are collective.
+
+    Attributes:
+        solver: Solver of all ranks together.
+    """
 
     def __init__(self, equations: Equations, model: Model, this: Step, prefix: str) -> None:
         """Set up on all ranks together, without computing anything.
@@ -38,7 +42,8 @@ class AllRanks:
             prefix: Prefix of PETSc's options.
         """
         self._shared, self._addresses, self._this = equations.shared, model.addresses, this
-        self._solver = DirectSolver(equations.matrix, prefix)
+        self._matrix, self._prefix, self._factor = equations.matrix, prefix, 1.0
+        self.solver = DirectSolver(equations.matrix, prefix)
         actions = {
             SUM: self._sum,
             TURNINGS: self._sum_turnings,
@@ -56,8 +61,28 @@ class AllRanks:
         Raises:
             SingularMatrixError: It is singular; on all ranks.
         """
-        self._solver.factorise()
+        self.solver.factorise()
         return Factors.none()
+
+    def use(self, solver: DirectSolver | None, factor: float = 1.0) -> None:
+        """Solve with another solver from now on.
+
+        Args:
+            solver: The solver, with or without factors; ``None``: a new one without.
+            factor: Factor of its solutions.
+        """
+        self.solver = DirectSolver(self._matrix, self._prefix) if solver is None else solver
+        self._factor = factor
+
+    def solution(self, r: Array) -> Array:
+        """Solution with the present factors, without the factor of :meth:`use`.
+
+        Args:
+            r: Right-hand side, the sum of all ranks at shared nodes, shape (size,).
+        """
+        self.solver.right_hand_side[:] = r
+        self.solver.solve()
+        return self.solver.solution
 
     def check(self) -> None:
         """Raise the error of a callback, if there was one."""
@@ -87,11 +112,8 @@ class AllRanks:
         common[:] = self._shared.total(common)
 
     def _solve(self) -> None:
-        work, solver = Solution(*self._this.r).work, self._solver
-        solver.right_hand_side[:] = work
+        work = Solution(*self._this.r).work
         try:
-            solver.solve()
+            work[:] = self._factor * self.solution(work)
         except SingularMatrixError:
             work[:] = float("nan")  # the step fails
-        else:
-            work[:] = solver.solution

@@ -55,7 +55,7 @@ from fem_lie.solve.conserving.variable import ConservingSteps
 from fem_lie.solve.motion.integrator import Integrator, check_until_round_off, refuse
 from fem_lie.solve.motion.policies import Automatic, RefactorisationPolicy
 from fem_lie.solve.motion.variable_steps import Stepper
-from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan
+from fem_lie.solve.recording.plan import ChosenSteps, Plan
 from fem_lie.solve.step_control import Control
 from fem_lie.system.equations import Equations
 
@@ -160,12 +160,8 @@ class EnergyMomentum(Integrator):
         return self.equations(scene)
 
     def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
-        """Equations of the part of this rank, for equal steps without secants."""
-        refused = {
-            "steps of different sizes": not isinstance(plan, EqualSteps),
-            "secants": self.policy.secants > 0,
-        }
-        part = divided(scene, PREFIX, refused)
+        """Equations of the part of this rank, for runs without secants."""
+        part = divided(scene, PREFIX, {"secants": self.policy.secants > 0})
         return None if part is None else self.equations(scene, part)
 
     def equations(self, scene: Scene, part: ScenePart | None = None) -> Equations:
@@ -195,7 +191,8 @@ class EnergyMomentum(Integrator):
         self, scene: Scene, plan: ChosenSteps
     ) -> Callable[[Equations, Control], Stepper[Any]]:
         def begin(equations: Equations, control: Control) -> ConservingSteps:
-            if any(term.over_step is not None for term in equations.arrays.terms):
+            contact = any(term.over_step is not None for term in equations.arrays.terms)
+            if equations.shared.any(contact):
                 raise ValueError(
                     "conserving schemes support contacts by penalty with constant steps only: "
                     "expected the step size as a number and a scene without discontinuities"

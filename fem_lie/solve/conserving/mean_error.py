@@ -36,7 +36,7 @@ from fem_lie.lie.node_types.node_type import axes
 from fem_lie.lie.tuples import load, rotate, rotate_back
 from fem_lie.solve.conserving.midpoint.products import accelerations, add_inertia
 from fem_lie.solve.conserving.midpoint.reduced_bodies import PackedBodies
-from fem_lie.solve.motion.step_log import StepError, largest
+from fem_lie.solve.motion.step_log import LargestError, StepError
 from fem_lie.system.equations import TimeState
 
 if TYPE_CHECKING:
@@ -74,6 +74,7 @@ class MeanError:
         self._q = np.zeros((len(mass.indptr) - 1, 4, 3))
         self._twist, self._still = np.zeros((2, n, 6))
         self._r, self._ones = np.zeros(unknowns.size), np.ones(unknowns.m)
+        self._inertia, self._largest = np.zeros((n, 6)), LargestError(equations)
         start = TimeState(equations.start.frames, self._twist, self._still, np.zeros(unknowns.m))
         self._found = equations.residual(start, self._ones, self._r)
 
@@ -106,7 +107,7 @@ class MeanError:
         factor = h * h / 12.0 * mass
         _compare(self._kinds, start.H, end.H, before.reshape(-1, 6), factor, forces)
         self._q[:] = delta - 0.5 * h * (start.V + end.V)
-        add_inertia(self._kinds, self._mass, self._bodies, end.H, self._q, -mass, forces)
+        self._add_inertia(end.H, -mass, forces)
         forces[equations.unknowns.held] = 0.0
         r[size:] = 0.0
 
@@ -123,14 +124,20 @@ class MeanError:
         equations.residual(now, self._ones, self._r, self._found)
         accelerations(self._kinds, self._bodies, at.H, twist, self._q)
         self._q[:] = A - self._q
-        forces = self._r[: self._size].reshape(-1, 6)
-        add_inertia(self._kinds, self._mass, self._bodies, at.H, self._q, 1.0, forces)
+        self._add_inertia(at.H, 1.0, self._r[: self._size].reshape(-1, 6))
         return self._r
 
+    def _add_inertia(self, H: Array, factor: float, forces: Array) -> None:
+        """Add ``factor Lᵀ G q`` of all parts of a divided scene at frames ``H``, (n, 6)."""
+        own = self._inertia
+        own[:] = 0.0
+        add_inertia(self._kinds, self._mass, self._bodies, H, self._q, factor, own)
+        self._equations.shared.sum(own)
+        forces += own
+
     def of(self, dx: Array) -> StepError:
-        """The error, from the solution of these equations."""
-        parts = dx[: self._size].reshape(-1, 6)
-        return StepError(*largest(parts, self._equations.unknowns.lengths))
+        """The error, from the solution of these equations, the same on all ranks."""
+        return self._largest.of(dx[: self._size].reshape(-1, 6))
 
 
 @compiled

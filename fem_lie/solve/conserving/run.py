@@ -37,15 +37,20 @@ interrupted."""
 _CANCELLED = 1e-13
 """Relative error of energies, over the largest one of a run, above which a warning is logged."""
 
-_COMMON = (
-    *("decisions", "division", "progress", "counts", "size", "unpredicted"),
-    *("s.filter_state", "s.sizes", "_end_forces.debt"),
-)
-"""State that all ranks of a divided scene have in common."""
-
 
 class Run(Steps):
     """Run with constant steps."""
+
+    _common: tuple[str, ...] = (
+        *("decisions", "division", "progress", "counts", "size", "unpredicted"),
+        *("s.filter_state", "s.sizes", "_end_forces.debt"),
+    )
+    """State that all ranks of a divided scene have in common."""
+
+    @property
+    def _now(self) -> float:
+        """Time of the current state, on the later side of a discontinuity."""
+        return self.index * self.h
 
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
@@ -232,7 +237,7 @@ class Run(Steps):
         of_joints = np.stack([s.multipliers, *s.earlier, s.gap, self.model.scale])
         of_cells = self._cell_state.pairs, self._cell_state.values
         moving = MovingState(s.H[:n], motion, of_joints, s.balance, *of_cells)
-        return saved(self, _COMMON) | moving._asdict()
+        return saved(self, self._common) | moving._asdict()
 
     @property
     def cell_pairs(self) -> Indices:
@@ -246,8 +251,8 @@ class Run(Steps):
 
     def restart(self, state: MovingState, common: Mapping[str, Array]) -> None:
         """Restart from the state of a scene that was divided, with a new matrix."""
-        put_back(self, _COMMON, common)
-        equations, s, n, time = self.equations, self.s, self.moving, self.index * self.h
+        put_back(self, self._common, common)
+        equations, s, n, time = self.equations, self.s, self.moving, self._now
         s.H[:n], s.H[n + 1 :] = state.frames, equations.prescribed(time).frames
         digits = state.motion[:6].reshape(3, 2, n, 6).swapaxes(1, 2).reshape(3, n, 4, 3)
         s.rest[:], s.V[:n], s.w[:n] = digits

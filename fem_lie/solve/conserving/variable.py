@@ -12,6 +12,7 @@ h becomes ``r h``::
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,6 +40,18 @@ _USUAL = 4
 """Usual iterations of a step with a matrix recent enough for the error estimate."""
 
 
+class _Frozen(NamedTuple):
+    """Frozen matrix of a step size.
+
+    Attributes:
+        factors: Factors for the compiled steps.
+        solver: Solver of all ranks together, if the scene is divided.
+    """
+
+    factors: Factors
+    solver: DirectSolver | None
+
+
 class ConservingSteps(Run):
     """Conserving scheme with variable steps; see :class:`~.variable_steps.Stepper`."""
 
@@ -52,7 +65,7 @@ class ConservingSteps(Run):
         """Set up without computing anything; ``control`` holds the level of the step size."""
         super().__init__(options, equations, control.size)
         self.control = control
-        self.levels = Levels[Factors](rigid=equations.unknowns.rigid)
+        self.levels = Levels[_Frozen](rigid=equations.unknowns.rigid)
         self._scales = dict[int, Array]()
         self._error = MeanError(equations, self.model.inertia, self.model.bodies)
         self._solution = np.zeros((3, equations.unknowns.size))
@@ -94,27 +107,32 @@ class ConservingSteps(Run):
         if abs(r - 1.0) > 1e-12:
             self._resize(h)
         self.levels.use(4.0 / ((1.0 + self.options.dissipation * s.filter_state.active) * h) ** 2)
-        self._factors = self.levels.present
-        if self._factors is not None:
+        present, factor, self._factors = self.levels.present, self.levels.factor, None
+        if present is not None:
             self.model.scale[:] = self.levels.scale()
-            factor = self.levels.factor
-            self._factors = self._factors._replace(diagonal=factor * self._factors.diagonal)
+            own, solver = present
+            self._factors = own._replace(diagonal=factor * own.diagonal)
+            if self._ranks is not None:
+                self._ranks.use(solver, factor)
 
     def _factorise(self) -> None:
         level = self.control.level
         if level not in self._scales:
             self._scales[level] = self._fill_here(None)
         self.model.scale[:] = self._scales[level]
-        self.levels.release()
+        replaced = self.levels.release()
+        if self._ranks is not None:
+            self._ranks.use(None if replaced is None else replaced.solver)
         super()._factorise()
         self.progress.fewest = _USUAL
         assert self._factors is not None
-        self.levels.keep(self._factors, self.model.scale)
+        solver = None if self._ranks is None else self._ranks.solver
+        self.levels.keep(_Frozen(self._factors, solver), self.model.scale)
 
     def pass_event(self, time: float, restitution: Array | None = None) -> None:
         """Reset the filter state; driven unknowns get their new velocity by an impulse."""
         assert restitution is None, "conserving schemes have no limits"
-        s = self.s
+        s, self._end = self.s, time
         s.filter_state.active, s.filter_state.length, s.w[:], s.w_F[:], s.sizes[:] = (
             0.0,
             0.0,
@@ -131,7 +149,7 @@ class ConservingSteps(Run):
     def _restart_rates(self, time: float) -> None:
         """Accelerations after a discontinuity, for reactions."""
         equations, s, n = self.equations, self.s, self.moving
-        self._end, v = time, equations.start.velocities.copy()
+        v = equations.start.velocities.copy()
         v[:n] = self.local(s.V[:n], s.H)
         solver = DirectSolver(equations.matrix, PREFIX)
         found = accelerations(equations, solver, s.H, v, time, self.size)[0]
@@ -168,6 +186,12 @@ class ConservingSteps(Run):
 
     # --- steps ---
 
+    _common = (*Run._common, "_end")
+
+    @property
+    def _now(self) -> float:
+        return self._end
+
     @property
     def divides(self) -> bool:
         """Not supported: the step size control chooses smaller steps."""
@@ -203,16 +227,19 @@ class ConservingSteps(Run):
         ends = End(before["s.H"], V, start + side(start, h)), End(s.H, s.V, end - side(end, h))
         r, y, x = self._solution
         self._error.load(h, *ends, self.this.moved, s.multipliers, self.levels.mass, r)
-        factors = self.levels.present
-        assert factors is not None
-        solve(factors.plain, r, y, x)
+        present = self.levels.present
+        assert present is not None
+        if self._ranks is None:
+            solve(present.factors.plain, r, y, x)
+        else:
+            x[:] = self._ranks.solution(r)
         return self._error.of(x)
 
     def recorder(
         self, plan: ChosenSteps, progress: bool | None, store: Checkpoints | None
     ) -> GrowingHistory:
         """Create the history of results."""
-        return GrowingHistory(self.equations.info, plan, progress, store)
+        return GrowingHistory(self.equations.info, plan, progress, store, self.equations.part)
 
     def leave_balance(self) -> None:
         """No effect: the energy balance is part of the sums of a step."""
@@ -222,7 +249,7 @@ class ConservingSteps(Run):
 
     def refactorise_at(self, time: float) -> None:
         """Drop all matrices and factorise that of the current state."""
-        self.levels = Levels[Factors](rigid=self.levels.rigid)
+        self.levels = Levels[_Frozen](rigid=self.levels.rigid)
         self._scales.clear()
         self._factors = None
 

@@ -9,6 +9,7 @@ from tqdm import tqdm
 
 from fem_lie._arrays import Array
 from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.parts.part_scene import ScenePart
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import NEAR, ChosenSteps, EqualSteps
 from fem_lie.solve.recording.recorder import History, Recorder
@@ -105,9 +106,10 @@ class GrowingHistory(Growing):
         plan: ChosenSteps,
         progress: bool | None,
         store: Checkpoints | None,
+        part: ScenePart | None = None,
     ) -> None:
         """As :class:`~.recorder.History`."""
-        super().__init__(info, _any_number(plan), False, store)
+        super().__init__(info, _any_number(plan), False, store, part)
         self._grow_with(plan, progress)
 
 
