@@ -22,6 +22,7 @@ import numpy as np
 
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled
+from fem_lie.ranks.shared_nodes import SharedNodes
 
 _ALIKE = 1e-8
 """A change is left out if less than this fraction of its square is orthogonal to newer ones."""
@@ -35,16 +36,28 @@ class Secants:
             (n,).
     """
 
-    def __init__(self, most: int, measure: Array, *, growth: float = 1.0) -> None:
+    def __init__(
+        self,
+        most: int,
+        measure: Array,
+        shared: SharedNodes | None = None,
+        *,
+        growth: float = 1.0,
+    ) -> None:
         """Start without any pair.
 
         Args:
             most: Largest number of pairs.
             measure: Norm weights of the unknowns, in lengths of the model; zero for multipliers;
                 shape (n,).
+            shared: Nodes that other ranks have, too, if corrections are those of a part of a
+                scene: six unknowns for each of its nodes come first.
             growth: Ratio of successive corrections above which all pairs are dropped.
         """
-        self.measure, self._growth = measure, growth
+        self.measure, self._growth, self._shared = measure.copy(), growth, shared
+        if shared is not None:
+            own = self.measure[: 6 * len(shared.owned)].reshape(-1, 6)
+            own[~shared.owned] = 0.0
         self._made, self._changed = np.zeros((2, most, len(measure)))
         self._last, self._count = np.zeros((2, len(measure))), -1
 
@@ -59,7 +72,7 @@ class Secants:
         pairs are dropped.
         """
         made, changed, last = self._made, self._changed, self._last
-        if self._count >= 0 and _grows(self.measure, g, last[1], self._growth):
+        if self._count >= 0 and self._size(g) > self._growth * self._size(last[1]):
             self.forget()
         if self._count >= 0:
             # the newest pair comes first
@@ -68,33 +81,49 @@ class Secants:
         self._count = min(self._count + 1, len(made))
         last[1] = g
         if self._count > 0:
-            mix(self.measure, made[: self._count], changed[: self._count], g)
+            products = _products(self.measure, changed[: self._count], g)
+            if self._shared is not None:
+                products = self._shared.total(products)
+            _mix(products, made[: self._count], changed[: self._count], g)
         last[0] = g
 
+    def _size(self, g: Array) -> float:
+        """Largest entry of a correction (n,) of all ranks, in lengths of the model."""
+        own = _largest(self.measure, g)
+        return own if self._shared is None else self._shared.largest(own)
+
 
 @compiled
-def _grows(measure: Array, g: Array, before: Array, growth: float) -> bool:
-    now = then = 0.0
+def _largest(measure: Array, g: Array) -> float:
+    found = 0.0
     for i in range(g.shape[0]):
-        now = max(now, abs(g[i]) * measure[i])
-        then = max(then, abs(before[i]) * measure[i])
-    return now > growth * then
+        found = max(found, abs(g[i]) * measure[i])
+    return found
 
 
 @compiled
-def mix(measure: Array, made: Array, changed: Array, g: Array) -> None:
-    """Replace in ``g`` (n,) the part spanned by ``changed`` (p, n) by the same sum of ``made``.
-
-    Changes that are nearly linear combinations of newer ones are left out.
-    """
+def _products(measure: Array, changed: Array, g: Array) -> Array:
+    """Products of the changes (p, n), lower triangle, and with ``g`` (n,), last; (p, p + 1)."""
     p, n = changed.shape
-    L, b, kept = np.zeros((p, p)), np.zeros(p), np.zeros(p, dtype=np.bool_)
+    found = np.zeros((p, p + 1))
     for j in range(p):
         for k in range(j + 1):
             for i in range(n):
-                L[j, k] += measure[i] ** 2 * changed[j, i] * changed[k, i]
+                found[j, k] += measure[i] ** 2 * changed[j, i] * changed[k, i]
         for i in range(n):
-            b[j] += measure[i] ** 2 * changed[j, i] * g[i]
+            found[j, p] += measure[i] ** 2 * changed[j, i] * g[i]
+    return found
+
+
+@compiled
+def _mix(products: Array, made: Array, changed: Array, g: Array) -> None:
+    """Replace in ``g`` (n,) the part spanned by ``changed`` (p, n) by the same sum of ``made``.
+
+    Changes that are nearly linear combinations of newer ones are left out. ``products`` (p, p + 1)
+    are those of :func:`_products`.
+    """
+    p, n = changed.shape
+    L, b, kept = products[:, :p].copy(), products[:, p].copy(), np.zeros(p, dtype=np.bool_)
     # Cholesky factors, row by row
     for j in range(p):
         square = L[j, j]

@@ -84,11 +84,8 @@ class GeneralisedAlpha(Options, Integrator):
         return equations
 
     def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
-        """Equations of the part of this rank, for runs without secants."""
-        refused = {
-            "secants": self.policy.secants > 0,
-        }
-        part = divided(scene.without_impacts(), self.petsc_options_prefix, refused)
+        """Equations of the part of this rank."""
+        part = divided(scene.without_impacts(), self.petsc_options_prefix)
         return None if part is None else self._equations(scene, part)
 
     def _free(self, scene: Scene) -> bool:

@@ -159,7 +159,7 @@ class RunState(DividedIntegration[Recorder]):
         self._secants: Secants | None = None
         if options.policy.secants > 0:
             sizes = np.append(np.repeat(scaling, 3), np.zeros(m))
-            self._secants = Secants(options.policy.secants, sizes)
+            self._secants = Secants(options.policy.secants, sizes, equations.shared)
 
     # --- start ---
 

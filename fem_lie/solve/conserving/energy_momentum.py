@@ -160,8 +160,8 @@ class EnergyMomentum(Integrator):
         return self.equations(scene)
 
     def _divided_equations(self, scene: Scene, plan: Plan) -> Equations | None:
-        """Equations of the part of this rank, for runs without secants."""
-        part = divided(scene, PREFIX, {"secants": self.policy.secants > 0})
+        """Equations of the part of this rank."""
+        part = divided(scene, PREFIX)
         return None if part is None else self.equations(scene, part)
 
     def equations(self, scene: Scene, part: ScenePart | None = None) -> Equations:

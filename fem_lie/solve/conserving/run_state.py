@@ -165,7 +165,8 @@ class RunState(DividedIntegration[History]):
         self._each: bool = equations.shared.any(each)
         self._renews = equations.shared.any(self._python_forces.joints is not None)
         if options.policy.secants > 0:
-            self._python_forces.learn(Secants(options.policy.secants, self._node_measure))
+            given = options.policy.secants, self._node_measure, equations.shared
+            self._python_forces.learn(Secants(*given))
         self._packed = Packed(self.model, self.s, self.this)
         self.progress = corrections.PROGRESS()
         self._progress_at = PackedArrays((self.progress,)).addresses

@@ -248,8 +248,7 @@ class Steps(RunState):
 
     def _retry(self) -> bool:
         """Repeat the failed step from its start, with new matrices until it converges fast."""
-        # secants of all ranks are not known
-        if self.model.vectors and self._ranks is None and self._make_with_secants():
+        if self.model.vectors and self._make_with_secants():
             return True
         # without a prediction contacts are those at the start of the step
         predicted_first = self._python_forces.touching and not self.model.vectors
@@ -270,7 +269,8 @@ class Steps(RunState):
         in which no matrix helps.
         """
         kept = self._python_forces.learns
-        self._python_forces.learn(Secants(_LEARNT, self._node_measure, growth=_SPIRALS))
+        given = _LEARNT, self._node_measure, self.equations.shared
+        self._python_forces.learn(Secants(*given, growth=_SPIRALS))
         self.progress.excess = np.inf
         each, self._each = self._each, True
         made = self._make((self.options.max_iterations + 1, np.inf), still=False)
