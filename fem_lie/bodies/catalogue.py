@@ -52,6 +52,8 @@ class BodyInfo(Summarised):
             files of results without node types.
         undeformed: Frames of its nodes in the undeformed configuration, shape (n, 4, 3); ``None``
             for files of results without them.
+        element: Name of the class of its formulation; empty if it has none, and for files of
+            results without it.
     """
 
     name: str
@@ -65,6 +67,7 @@ class BodyInfo(Summarised):
     thickness: Array = field(default_factory=lambda: np.empty(0))
     node_types: Indices | None = None
     undeformed: Array | None = None
+    element: str = ""
 
     @classmethod
     def of(cls, body: Body, nodes: Indices) -> BodyInfo:
@@ -82,12 +85,19 @@ class BodyInfo(Summarised):
             thickness=model.thickness,
             node_types=_recorded_kinds(model),
             undeformed=model.frames.copy(),
+            element=element_of(model),
         )
 
 
 def box_corners(edges: Array) -> Array:
     """Corners of a box about the origin with edges along the axes, shape (8, 3)."""
     return 0.5 * edges * np.array(list(product((-1.0, 1.0), repeat=3)))
+
+
+def element_of(model: BodyModel) -> str:
+    """Name of the class of a body's formulation; empty if it has none."""
+    formulation = getattr(model, "formulation", None)
+    return "" if formulation is None else type(formulation).__name__
 
 
 def _recorded_kinds(model: BodyModel) -> Indices:

@@ -184,6 +184,8 @@ def part_of(scene: Scene, comm: MPI.Intracomm) -> ScenePart:
     bodies, nodes = _bodies(scene, found, comm.rank)
     restricted = Restricted(bodies)
     part = copy(scene)
+    if scene.began.state is not None:
+        part.began = scene.began._replace(state=scene.began.state.restricted(bodies))
     ours = {body for body in scene.bodies if body in bodies or found.pieces.get(body) == comm.rank}
     part.bodies = [
         bodies[body][0] if body in bodies else body for body in scene.bodies if body in ours

@@ -309,7 +309,7 @@ _OF_SOME_BODIES = "outline", "corners", "node_types", "undeformed"
 
 
 def _write_body(group: Any, body: BodyInfo) -> None:
-    group.attrs.update({"name": body.name, "kind": body.kind})
+    group.attrs.update({"name": body.name, "kind": body.kind, "element": body.element})
     group["nodes"], group["cells"] = body.nodes, body.cells
     group["faces"], group["thickness"] = body.faces, body.thickness
     group["point_names"] = list(body.points) or np.empty(0, dtype="S1")
@@ -327,6 +327,7 @@ def _read_body(group: Any) -> BodyInfo:
     return BodyInfo(
         name=group.attrs["name"],
         kind=group.attrs["kind"],
+        element=group.attrs.get("element", ""),
         nodes=group["nodes"][()],
         cells=group["cells"][()],
         faces=group["faces"][()],

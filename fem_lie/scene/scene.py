@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar
 
@@ -15,6 +16,7 @@ from fem_lie._arrays import Array, choice, instance, shown, vector
 from fem_lie._summary import Summarised
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.bodies.initial_state import InitialState
 from fem_lie.bodies.model import Holds
 from fem_lie.contact.contact import Contact
 from fem_lie.events.controller import ContinuousController, Controller
@@ -69,11 +71,13 @@ class Began(NamedTuple):
         factor: Load factor of the equilibrium in which the bodies are.
         turned: Joint history variables that frames do not determine, such as full turns; default:
             those of the initial configuration.
+        state: State of the bodies, instead of their own; default: theirs.
     """
 
     time: float = 0.0
     factor: float = 0.0
     turned: Array | None = None
+    state: InitialState | None = None
 
 
 def require_scene(value: object) -> None:
@@ -371,6 +375,18 @@ class Scene(Summarised):
         by_controllers = {item: 1.0 for each in self.controllers for item in each.actuators}
         by_events = self.initial_factors.items()
         return by_controllers | {k: 1.0 if start is None else start for k, start in by_events}
+
+    def starting_from(self, state: InitialState) -> Scene:
+        """The scene with its items, whose runs and statics start from a state of its bodies.
+
+        Args:
+            state: The state.
+        """
+        scene = copy(self)
+        scene.began = self.began._replace(state=state)
+        # the shared setup is one of bodies that start from their own frames
+        scene.family = None
+        return scene
 
     def without_impacts(self) -> Scene:
         """Copy of the scene without contacts by impacts, which act at ends of steps only.

@@ -44,7 +44,8 @@ from fem_lie.results.record import Record
 from fem_lie.results.states import require_states, state_number
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import Began, require_scene
-from fem_lie.system.equations import Equations, TimeState
+from fem_lie.solve.starting import rotating, starting_from, violated
+from fem_lie.system.equations import Equations
 
 _SAME = 1e-15  # relative to the momenta
 _LOST = 1e-13  # relative size of conditions that count as linearly dependent
@@ -122,7 +123,6 @@ def mass_matrix(equations: Equations, H: Array) -> sp.csr_matrix:
 
 
 _ENOUGH = 4  # number of new nodes from which only these are corrected
-_VIOLATED = 1e-6  # relative to the length of the model, or rad
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -236,7 +236,10 @@ def transfer(
         began = began._replace(turned=connections.history_from(_joint_turns(result, at, scene)))
     connections.remember(began.turned)
     changes = equations.report(H, v[: equations.unknowns.moving])
-    _check_joints(equations, H)
+    if text := violated(equations, H):
+        raise ValueError(
+            f"{text} on the new mesh: its point was not a node; give it a named point of the mesh"
+        )
     frames, twists = changes.frames, changes.twists
     twists[equations.unknowns.masters] = v[: equations.unknowns.moving]
     for body, own in equations.unknowns.bodies.items():
@@ -274,11 +277,7 @@ def _twists(result: Result | StaticResult, at: int, name: str) -> Array:
     """Twists of the nodes of a body at a state; those of an equilibrium of its steady rotation."""
     own = result.info.body(name).nodes
     if not isinstance(result, Result):
-        kinds = result.info.node_types[own]
-        # centrifugal forces have the load factor
-        return result.steady_rotation.velocities(
-            kinds, result.frames[at, own], np.sqrt(result.factors[at])
-        )
+        return rotating(result, at, own)
     v = np.array(result.velocities[at])
     gradients = result.info.gradient_nodes
     if np.isin(gradients, own).any():
@@ -324,34 +323,12 @@ def _kept(
     return with_momenta(equations, H, v, momenta, changed, wanted)
 
 
-def _check_joints(equations: Equations, H: Array) -> None:
-    """Refuse joints that are violated after the change of meshes, for any unit of length."""
-    unknowns, r = equations.unknowns, np.empty(equations.unknowns.size)
-    still = np.zeros((len(H), 6))
-    state = TimeState(H, still, still[: unknowns.moving], np.zeros(unknowns.m))
-    equations.residual(state, np.ones(unknowns.m), r)
-    violations = np.abs(r[6 * unknowns.moving :])
-    sizes = violations / np.where(unknowns.angular, 1.0, unknowns.length)
-    if sizes.max(initial=0.0) > _VIOLATED:
-        worst = int(sizes.argmax())
-        joint = equations.info.joints[int(equations.arrays.owner[worst])]
-        unit = "rad" if unknowns.angular[worst] else f"of a model of the size {unknowns.length:.1e}"
-        raise ValueError(
-            f"{joint.name} is violated by {violations[worst]:.1e} {unit} on the new mesh: its "
-            "point was not a node; give it a named point of the mesh"
-        )
-
-
 def _joint_turns(
     result: Result | StaticResult, at: int, scene: Scene
 ) -> Mapping[tuple[str, str], float]:
     """Full rotations of joints up to a state, from all earlier states."""
-    equations = Equations(scene, dynamics=isinstance(result, Result))
-    H = equations.start.frames.copy()
-    before = result.info.renumbered(result.frames[: at + 1], equations.unknowns.bodies)
-    for frames in before:
-        H[: equations.unknowns.moving] = frames[equations.unknowns.masters]
-        equations.history_variables.accept(H)
+    started = starting_from(scene, result, at)
+    equations = Equations(started, dynamics=isinstance(result, Result))
     return equations.history_variables.turns
 
 

@@ -20,6 +20,7 @@ from fem_lie._arrays import instance, number, positive, whole
 from fem_lie.ranks.files import place, read_together, restart_file
 from fem_lie.ranks.together import all_stay, several
 from fem_lie.results import Result
+from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.record import Record
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import require_scene
@@ -31,6 +32,7 @@ from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.parts_file import PartsFile
 from fem_lie.solve.recording.plan import ChosenSteps, EqualSteps, Plan, Saving
 from fem_lie.solve.recording.whole_state import is_whole
+from fem_lie.solve.starting import starting_from, violated
 from fem_lie.solve.step_control import ConstantStep, Control, StepChoice, number_of_steps
 from fem_lie.solve.symmetric_steps import SymmetricStep
 from fem_lie.system.equations import Equations
@@ -68,8 +70,9 @@ class Integrator(ABC):
         progress: bool | None = None,
         file: str | os.PathLike[str] | None = None,
         checkpoint_every: int | None = None,
+        start: StaticResult | None = None,
     ) -> Result:
-        """Integrate from the bodies' initial frames and velocities.
+        """Integrate from the bodies' initial frames and velocities, or from an equilibrium.
 
         Args:
             scene: Bodies, joints, loads and contacts.
@@ -92,14 +95,24 @@ class Integrator(ABC):
                 reads them from there. :meth:`resume` can then continue after an interruption.
             checkpoint_every: Steps between two checkpoints; default: a hundredth of all, or of the
                 duration if the step size changes. Such a run refactorises after each checkpoint.
+            start: Equilibrium, the last state of a result of :func:`~fem_lie.statics` or of a path
+                of the same bodies, from which the motion starts at time 0, with the velocities of
+                the bodies along the axes of their nodes, and in addition those of the steady
+                rotation of the equilibrium (``spin``). Loads, supports and joints need not be those
+                of the equilibrium, but it must satisfy the joints, drives and prescribed motions at
+                time 0. Default: bodies start where they were made.
 
         Raises:
-            ValueError: Invalid options or scene, before anything is computed.
+            ValueError: Invalid options or scene, or an equilibrium of other bodies, meshes or
+                elements, before anything is computed; an equilibrium that violates a joint.
             ConvergenceError: A step failed; its ``result`` holds the states computed so far.
             OSError: Results cannot be written, for example to a full disk; the message names the
                 file and the time that was reached. Results written before can be read.
         """
         require_scene(scene)
+        if start is not None:
+            instance(start, StaticResult, "start", "a result of statics or of a path")
+            scene = starting_from(scene, start)
         positive(duration, "duration")
         instance(save_every, int | np.integer, "save_every", "a whole number")
         self._refuse_switches(scene)
@@ -110,6 +123,8 @@ class Integrator(ABC):
                 raise ValueError("checkpoint_every needs a file to which results go")
         begin, store = self._beginning(scene, plan), None
         equations = self._divided_equations(scene, plan) or self._equations(scene)
+        if start is not None:
+            _check_joints(equations)
         if file is not None:
             every = plan.checkpoint_interval(checkpoint_every)
             given = every, plan, Fingerprint(equations, self)
@@ -126,7 +141,8 @@ class Integrator(ABC):
         """Restart an interrupted run from its last checkpoint, to the same end.
 
         Args:
-            scene: The scene as it was given to :meth:`run`.
+            scene: The scene as it was given to :meth:`run`; an equilibrium from which the run
+                started is in the file.
             file: The file given to :meth:`run`.
             progress: Show a bar; default: if standard error is a terminal.
 
@@ -143,6 +159,7 @@ class Integrator(ABC):
         require_scene(scene)
         path = Path(file)
         last = read_together(path, partial(Last.of, path))
+        scene = last.starting(scene)
         if is_whole(last.kept):
             part = self._divided_equations(scene, last.plan)
             equations = part or self._equations(scene)
@@ -229,6 +246,17 @@ def refuse(scheme: str, unsupported: Mapping[str, bool], instead: str = "General
     for what, present in unsupported.items():
         if present:
             raise ValueError(f"{scheme} does not support {what}: use {instead}")
+
+
+def _check_joints(equations: Equations) -> None:
+    """Raise ``ValueError`` on all ranks if the start violates a joint."""
+    text = violated(equations, equations.start.frames)
+    with equations.shared.errors(ValueError):
+        if text:
+            raise ValueError(
+                f"start: expected a state that satisfies all joints, but {text} (drives without a "
+                "function hold their coordinates)"
+            )
 
 
 def check_kinds(tolerance: float, max_iterations: int, policy: RefactorisationPolicy) -> None:

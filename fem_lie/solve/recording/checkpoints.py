@@ -29,9 +29,11 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._state import HasState
 from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.bodies.initial_state import InitialState
 from fem_lie.results import file as results_file
 from fem_lie.results.files.storage import ResultRows, write_all
 from fem_lie.results.record import ContactSteps, FrictionForces, StepHistory
+from fem_lie.scene import Scene
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.plan import Plan, unpacked
 from fem_lie.solve.recording.whole_state import MovingState
@@ -44,6 +46,10 @@ the first one."""
 
 FRICTION = "friction"
 """Name of the friction forces of all states so far."""
+
+
+_START = "start."
+"""Prefix of the state of the bodies from which the run started, if it is not their own."""
 
 
 class Last(NamedTuple):
@@ -79,6 +85,32 @@ class Last(NamedTuple):
             raise ValueError(f"{str(used)!r} is not a checkpoint of this version")
         every, made = (int(number) for number in kept.pop("progress"))
         return cls(used, every, made, unpacked(kept), kept)
+
+    def starting(self, scene: Scene) -> Scene:
+        """The scene that starts as the run did.
+
+        Args:
+            scene: The scene as it was given to the run.
+
+        Raises:
+            ValueError: It has another number of nodes.
+        """
+        if _START + "frames" not in self.kept:
+            return scene
+        frames, velocities = (self.kept[_START + name] for name in ("frames", "velocities"))
+        return scene.starting_from(InitialState.of(frames, velocities, scene.bodies))
+
+
+def start_of(scene: Scene) -> dict[str, Array]:
+    """State of the bodies from which runs of a scene start, if it is not their own.
+
+    It is what :meth:`Last.starting` reads.
+    """
+    state = scene.began.state
+    if state is None:
+        return {}
+    frames, velocities = state.arrays(scene.bodies)
+    return {_START + "frames": frames, _START + "velocities": velocities}
 
 
 class Restartable(HasState, Protocol):
@@ -120,7 +152,7 @@ class Checkpoints:
         Raises:
             ValueError: The plan cannot be written.
         """
-        self._packed_plan = plan.packed()
+        self._constant = plan.packed() | start_of(fingerprint.scene)
         self._path, self.every, self.plan, self._fingerprint = path, every, plan, fingerprint
         self.row, self.state, self.seconds = 0, dict[str, Array](), 0.0
         self._until, self._at = 0.0, 0.0
@@ -230,7 +262,7 @@ class Checkpoints:
             "row": np.array(row),
             "seconds": np.array(seconds),
         }
-        own |= self._packed_plan
+        own |= self._constant
         packed, kept = BytesIO(), own | state
         # the directory of an archive has no checksum: lost entries would not be noticed
         kept[_NAMES] = np.array(sorted(kept))

@@ -30,6 +30,7 @@ class Fingerprint:
     """Fingerprint that a checkpoint must match.
 
     Attributes:
+        scene: The whole scene.
         parts: Text or digest of each part of scene and scheme, by name.
     """
 
@@ -43,7 +44,7 @@ class Fingerprint:
             scheme: Scheme; its options are attributes.
         """
         part = equations.part
-        scene = whole_scene(equations.scene, part)
+        self.scene = scene = whole_scene(equations.scene, part)
         self.parts: dict[str, str] = {}
         self._shown: dict[str, str] = {}
         self._bytes = CanonicalBytes(scene.bodies)
@@ -77,6 +78,11 @@ class Fingerprint:
             self._add(
                 f"drilling of body {k}", scene.has_drilling(body), f"drilling of {body.label}"
             )
+        if scene.began.state is not None:
+            for name, value in zip(
+                ("frames", "velocities"), scene.began.state.arrays(scene.bodies), strict=True
+            ):
+                self._add(f"{name} at the start", value)
         for k, item in enumerate((*scene.joints, *scene.connections), start=1):
             for name, value in (
                 ("constraint definitions", (type(item), item.size, item.definitions())),

@@ -101,6 +101,9 @@ class Newton:
 
 _SMALLEST = 1e-3  # smallest increment of the preload
 _FARTHEST = 1e3  # larger increments, over their units, have diverged
+_FROM_START = (
+    0.5 * np.pi
+)  # the same from a start, whose elements may be bent far: they would invert
 _NEAR = 1e-2  # the same near a converged state
 
 _log = logging.getLogger(__name__)
@@ -134,6 +137,8 @@ class LoadSteps(Iterated):
         self.residual: float = 0.0
         self.last: float = 0.0
         self._lost, self._factor = "", 0.0
+        # fraction of the forces that are out of balance at a start, and these
+        self._left, self._unbalanced, self._farthest = 0.0, np.zeros_like(self._r), _FARTHEST
         self._criterion: Criterion = Polishing(_NEAR)
         equations.history_variables.update_stress(self.H)
         now = TimeState(self.H, self._zero, self._zero, self.multipliers)
@@ -192,8 +197,9 @@ class LoadSteps(Iterated):
     def _run(
         self, levels: Sequence[float], step: float, smallest: float, show: Reach
     ) -> StaticResult:
-        reached, now = self.equations.scene.began.factor, step
-        if reached and not self.solve(reached):
+        began, now = self.equations.scene.began, step
+        reached = began.factor if began.state is None else levels[0]
+        if reached and not self._balance(reached, smallest):
             raise self._failure(reached, reached)
         strained = not reached and self.equations.unknowns.preloaded
         for level in levels:
@@ -219,6 +225,31 @@ class LoadSteps(Iterated):
                 _log.info("step to load factor %g failed, halved to %g", target, now)
         return self.result()
 
+    def _balance(self, factor: float, smallest: float) -> bool:
+        """Go from the start to equilibrium at a load factor, and record it; return whether.
+
+        If Newton's method fails, forces out of balance at the start are removed part by part.
+
+        Args:
+            factor: The load factor.
+            smallest: Smallest part.
+        """
+        removed, part, self._farthest = 0.0, 1.0, _FROM_START
+        self._act(factor)
+        self._unbalanced = self._r.copy()
+        while part >= smallest:
+            target = min(1.0, removed + part)
+            self._left = 1.0 - target
+            if target == 1.0 and self.solve(factor):
+                self._farthest = _FARTHEST
+                return True
+            if target < 1.0 and self._reach(factor) is not None:
+                removed, part = target, 2.0 * part
+            else:
+                part /= 2.0
+                _log.info("step from the start failed, forces are removed in parts of %g", part)
+        return False
+
     def _preload(self, smallest: float) -> None:
         """Preload the springs step by step, without loads; on failure the state is restored."""
         history, part, step = self.equations.history_variables, 0.0, 0.5
@@ -235,8 +266,13 @@ class LoadSteps(Iterated):
                 return
 
     def _failure(self, reached: float, target: float) -> ConvergenceError:
+        where = (
+            f"from load factor {reached:g} to {target:g}"
+            if reached < target
+            else f"near the start at load factor {target:g}"
+        )
         text = (
-            f"no equilibrium from load factor {reached:g} to {target:g}: after {self.iterations} "
+            f"no equilibrium {where}: after {self.iterations} "
             f"iterations the residual is {self.residual:.2e} and the last increment "
             f"{self.last:.2e} (tolerance {self._options.tolerance:g}). "
         )
@@ -317,7 +353,7 @@ class LoadSteps(Iterated):
         now.act(factor, preload)
         self.H[self._moving + 1 :] = now.frames
         self._factor, self._lost = factor, ""
-        self._criterion = QuadraticRate(self._options.tolerance, _FARTHEST)
+        self._criterion = QuadraticRate(self._options.tolerance, self._farthest)
         ended = iterate(self, self._options.max_iterations)
         self.iterations, self.last = ended.iterations, ended.size
         if ended.converged:
@@ -396,6 +432,8 @@ class LoadSteps(Iterated):
         v = self._rotation.velocities(equations.unknowns.kinds, H, np.sqrt(factor))
         now = TimeState(H, v, zero, self.multipliers)
         equations.residual(now, self._scale, self._r, self._found, linearised=True)
+        if self._left:
+            self._r -= self._left * self._unbalanced
         self.residual = equations.shared.largest(float(np.abs(self._r).max(initial=0.0)))
         plan = Plan(zero, self._scale, steady=bool(self._rotation))
         equations.fill(now, self._found, plan)

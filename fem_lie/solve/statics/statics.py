@@ -14,8 +14,10 @@ from fem_lie._arrays import instance, whole
 from fem_lie.linear.direct import ConvergenceError
 from fem_lie.ranks.together import all_stay
 from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.history import Result
 from fem_lie.scene import Scene
 from fem_lie.scene.rotation import Rotation
+from fem_lie.solve.starting import starting_from
 from fem_lie.solve.statics.arc_length import ArcLength
 from fem_lie.solve.statics.follow import beyond, followed, in_proportion
 from fem_lie.solve.statics.load_steps import LoadSteps, Newton
@@ -40,8 +42,9 @@ def statics(
     load_steps: int | None = None,
     newton: Newton | None = None,
     petsc_options_prefix: str = "fem_lie_statics_",
+    start: StaticResult | Result | None = None,
 ) -> StaticResult:
-    """Equilibrium under the loads, reached from the unloaded configuration.
+    """Equilibrium under the loads, reached from the unloaded configuration or from another state.
 
     Loads without history grow in proportion to the load factor, 1 at the full loads; histories,
     drives and prescribed motions are evaluated at the load factor. Steps are divided so that no
@@ -64,6 +67,9 @@ def statics(
     then belong to the rotating frame, like a hub. Centrifugal forces grow with the load factor, the
     angular velocity with its square root. Mass damping (``Damping.mass``) acts as drag.
 
+    From ``start`` on, Newton's method goes to equilibrium at the first of the load factors. If it
+    fails, forces that are out of balance at the start are removed part by part. Load steps follow.
+
     Args:
         scene: The scene.
         levels: Increasing positive load factors of the requested states; load steps also return
@@ -73,13 +79,21 @@ def statics(
         load_steps: Number of equal steps to begin with; default: see above.
         newton: Options of load steps; plain Newton excludes other methods.
         petsc_options_prefix: Prefix for the choice of the linear solver.
+        start: Result of statics, of a path or of a motion of the same bodies, whose last state is
+            the start instead of the unloaded configuration: to find equilibria that are far from
+            it, or one of several. Loads, supports and joints may be others; drives without a
+            function hold their coordinates.
 
     Raises:
-        ValueError: Invalid scene or options; no inertia, or gravity or forces fixed in space that
+        ValueError: Invalid scene or options; a start of other bodies, meshes or elements; no
+            inertia, or gravity or forces fixed in space that
             are not parallel to the axis, with ``spin``.
         ConvergenceError: The smallest step failed, or nothing resists a rigid motion of some body;
             its ``result`` holds the states before.
     """
+    if start is not None:
+        instance(start, StaticResult | Result, "start", "a result of statics, a path or dynamics")
+        scene = starting_from(scene, start)
     options = StaticOptions(load_steps, newton, petsc_options_prefix)
     result = equilibrium(scene, levels, Rotation.of(spin, about), options)
     warn_if_unstable(result)
@@ -134,7 +148,8 @@ def equilibrium(
     tension_only = any(body.model.tension_only for body in scene.bodies)
     has_friction = any(contact.has_friction for contact in scene.contacts)
     if (
-        tension_only
+        scene.began.state is not None
+        or tension_only
         or has_friction
         or not chosen.linearised_stress
         or rotation

@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.bodies.initial_state import InitialState
 from fem_lie.bodies.model import MassMatrix
+from fem_lie.joints.connection import LostBranchError
 from fem_lie.joints.laws import ForceLawError
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.saddle_point import KKT
@@ -190,12 +192,31 @@ class Equations:
         nodal, began = self._system.nodal_data, self.scene.began
         self.start = Start(nodal.start_frames, nodal.velocities, self._system.frames)
         self._system.connections.remember(began.turned)
+        if began.state is not None:
+            self._follow(began.state)
         self.arrays = SystemArrays.of(self._system)
         self.matrix: KKT = self._system.kkt
         self.supports: Supports = self._system.supports
         self.info: SceneInfo = self._info()
         self.history_variables = HistoryVariables(self._system, self._terms, part)
         self._still = np.zeros((self.unknowns.moving, 6))
+
+    def _follow(self, start: InitialState) -> None:
+        """Let joints count their turns along the states that led to the start, and drives hold."""
+        connections, unknowns = self._system.connections, self.unknowns
+        number: Indices = np.empty(unknowns.total, dtype=np.int64)
+        for body, own in unknowns.bodies.items():
+            number[own] = start.nodes[body]
+        H, masters = self.start.frames.copy(), number[unknowns.masters]
+        counts = connections.first.turns or len(connections.sets) > 1
+        # joints that count may be on one rank only
+        with self.shared.errors(LostBranchError):
+            for frames in start.path if counts else ():
+                H[: unknowns.moving] = frames[masters]
+                connections.accept(H)
+        for item in connections.items:
+            if item.holds and item.active:
+                connections.switch(item, self.start.frames, active=True)
 
     def _info(self) -> SceneInfo:
         """Bodies and joints in the numbering of all nodes."""

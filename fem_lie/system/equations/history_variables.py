@@ -61,6 +61,8 @@ class HistoryVariables:
         whole = whole_scene(system.scene, part)
         self._items: Mapping[Any, Any] | None = None if part is None else part.items
         self._switched, scaled = whole.switched, whole.scaled
+        # drives that hold a start have targets of their own
+        self._retargeted = bool(self._switched) or whole.began.state is not None
         self._acting = np.array([item.active for item in self._switched], dtype=np.float64)
         self._scaled, self._factors = list(scaled), np.array(list(scaled.values()))
         for item, factor in scaled.items():
@@ -217,12 +219,13 @@ class HistoryVariables:
         """Which constraints act, and factors."""
         of_items = {"acting": self._acting.copy()} if self._switched else {}
         of_items |= {"factors": self._factors.copy()} if self._scaled else {}
-        return Activity(self._connections.activity if self._switched else {}, of_items)
+        return Activity(self._connections.activity if self._retargeted else {}, of_items)
 
     @activity.setter
     def activity(self, kept: Activity) -> None:
-        if self._switched:
+        if self._retargeted:
             self._connections.activity = kept.of_constraints
+        if self._switched:
             self._acting[:] = kept.of_items["acting"]
         for item, factor in zip(self._scaled, kept.of_items.get("factors", ()), strict=True):
             self.scale(item, float(factor))

@@ -25,6 +25,7 @@ from fem_lie._jit import compiled
 from fem_lie.bodies.body import Body, Point
 from fem_lie.bodies.canonical import CanonicalBytes, data_of_body
 from fem_lie.bodies.catalogue import BodyInfo
+from fem_lie.bodies.initial_state import InitialState
 from fem_lie.bodies.model import NO_HOLDS, Holds
 from fem_lie.bodies.points import require_node
 from fem_lie.forms.assembly import BodyTerm
@@ -171,7 +172,11 @@ class Numbering:
     """
 
     def __init__(
-        self, bodies: Sequence[Body], links: Sequence[RigidLink] = (), holds: Holds = NO_HOLDS
+        self,
+        bodies: Sequence[Body],
+        links: Sequence[RigidLink] = (),
+        holds: Holds = NO_HOLDS,
+        state: InitialState | None = None,
     ) -> None:
         """Build the assemblies and number their nodes.
 
@@ -179,6 +184,7 @@ class Numbering:
             bodies: All bodies.
             links: Rigid links between points.
             holds: Items that act on the rotations of the bodies' nodes.
+            state: State of the bodies from which solvers start; default: their own.
 
         Raises:
             ValueError: Frames or velocities of a body are invalid; initial velocities of linked
@@ -216,12 +222,13 @@ class Numbering:
                 first += len(nodes)
             start += total
         self.total = start
-        self._attach(links)
+        self._attach(links, state)
 
-    def _attach(self, links: Sequence[RigidLink]) -> None:
+    def _attach(self, links: Sequence[RigidLink], state: InitialState | None) -> None:
         frames, velocities = np.empty((self.total, 4, 3)), np.empty((self.total, 6))
         # one array for both if they are equal
-        elsewhere = any(body.model.start_frames is not None for body in self.nodes)
+        moved = any(body.model.start_frames is not None for body in self.nodes)
+        elsewhere = moved or state is not None
         start_frames = np.empty_like(frames) if elsewhere else frames
         groups, kinds = np.empty((2, self.total), dtype=np.int64)
         supports, own = np.empty((self.total, 3, 3)), np.empty(self.total, dtype=bool)
@@ -239,6 +246,10 @@ class Numbering:
             start_frames[nodes] = (
                 body.frames if body.model.start_frames is None else body.model.start_frames
             )
+            if state is not None:
+                rows = state.nodes[body]
+                start_frames[nodes] = state.path[-1, rows]
+                velocities[nodes] = state.velocities[rows]
             groups[nodes], kinds[nodes] = body.model.group, body.model.node_types
             held[nodes], separates_director[nodes] = body.model.held, body.model.separates_director
             own[nodes], separates_rotation[nodes] = (
@@ -395,7 +406,7 @@ def numbered(scene: Scene) -> Numbering:
     twice = [name for name, count in Counter(b.name for b in scene.bodies).items() if count > 1]
     if twice:
         raise ValueError(f"the scene has several bodies named {twice[0]!r}")
-    return Numbering(scene.bodies, scene.links, scene.held_rotations())
+    return Numbering(scene.bodies, scene.links, scene.held_rotations(), scene.began.state)
 
 
 def _mark(scene: Scene) -> bytes:
