@@ -27,29 +27,21 @@ import fem_lie as fl
 
 CRANE = Crane(trolley=100.0, load=50.0, line=2.0, length=10.0)
 WAY, TIME, PERIOD, PULL = 0.2, 8.0, 0.02, 1.0
-GAINS = np.array([150.0, 250.0, -200.0])
-"""Of the trolley's position and rate, and of the sway."""
+GAINS = np.array([150.0, 250.0, -200.0])  # of the trolley's position and rate, and of the sway
 
 
-def crane(control: Control, pull: float, cells: int) -> fl.Scene:
-    """Trolley, cable and load; they start where they hang."""
+def crane(control: Control, pull: float, cells: int) -> tuple[fl.Scene, fl.StaticResult]:
+    """Trolley, cable and load, and where they hang while the load is pulled."""
     section = fl.Section.from_stiffness([1e7, 1e6, 1e6, 1e-2, 1e-2, 1e-2], mass=CRANE.line)
-    scenes, low = [fl.Scene(gravity=(0, 0, -CRANE.gravity)) for _ in "ab"], (0, 0, -CRANE.length)
-    for scene in scenes:
-        trolley = scene.add(fl.RigidBody(CRANE.trolley, (1.0, 1.0, 1.0), name="trolley"))
-        line = fl.Beam.straight((0, 0, 0), low, section, cells=cells, name="cable")
-        load = fl.RigidBody(CRANE.load, (1e-2, 1e-2, 1e-2), low, name="load")
-        scene.add(line)
-        scene.add(load)
-        centre, end = trolley.point("centre"), load.point("centre")
-        hook = {"axis": (0, 1, 0), "second": (1, 0, 0)}
-        scene.add(fl.joints.Universal(centre, line.point("start"), **hook))
-        scene.add(fl.joints.RigidLink(line.point("end"), end))
-    still, scene = scenes
-    still.add(fl.Clamp(still.bodies[0].point("centre")))
-    still.add(fl.PointLoad(still.bodies[2].point("centre"), force=(pull, 0, 0)))
+    scene, low = fl.Scene(gravity=(0, 0, -CRANE.gravity)), (0, 0, -CRANE.length)
+    trolley, load = (CRANE.trolley, 3 * (1.0,)), (CRANE.load, 3 * (1e-2,), low)
+    centre, end = (scene.add(fl.RigidBody(*body)).point("centre") for body in (trolley, load))
+    line = scene.add(fl.Beam.straight((0, 0, 0), low, section, cells=cells, name="cable"))
+    scene.add(fl.joints.Universal(centre, line.point("start"), axis=(0, 1, 0), second=(1, 0, 0)))
+    scene.add(fl.joints.RigidLink(line.point("end"), end))
+    held = scene.with_loads(fl.PointLoad(end, force=(pull, 0, 0)))
+    held.add(fl.Clamp(centre))
     rail = scene.add(fl.joints.Prismatic(fl.ground(), centre, axis=(1, 0, 0)))
-    fl.adaptivity.transfer(fl.statics(still), still, scene)
     drive = scene.add(fl.PointLoad(centre, force=(1, 0, 0)))
 
     def update(state: fl.schemes.State, _: np.ndarray) -> tuple[float, list[float]]:
@@ -58,22 +50,22 @@ def crane(control: Control, pull: float, cells: int) -> fl.Scene:
 
     scene.add(fl.schemes.Controller(update, [drive], PERIOD))
     scene.add(fl.schemes.Sensor("load", lambda state: state.position(end)[0]))
-    return scene
+    return scene, fl.statics(held)
 
 
 def main(
     cells: int = 20, step: float = 5e-3, duration: float = 16.0, pictures: bool = True
 ) -> dict[str, Any]:
-    every, samples = round(PERIOD / step), round(duration / PERIOD)
+    every, samples, scheme = round(PERIOD / step), round(duration / PERIOD), fl.GeneralisedAlpha()
     cases = {"undisturbed": (0.0, 0.0), "pulled": (PULL, 0.0), "feedback": (PULL, 1.0)}
     record, found = {}, {}
     for name, (pull, on) in cases.items():
         control = Control(CRANE, WAY, TIME, on * GAINS)
-        scene = crane(control, pull, cells)
-        result = fl.GeneralisedAlpha().run(scene, duration=duration, step=step, save_every=every)
+        scene, start = crane(control, pull, cells)
+        result = scheme.run(scene, duration=duration, step=step, save_every=every, start=start)
         found[name] = result.sensor("load")[:-1:every]
-        exact = CRANE.motion(pull, control, PERIOD, samples)
-        record[f"{name}_error"] = float(np.abs(found[name] - exact).max() / WAY)
+        error = found[name] - CRANE.motion(pull, control, PERIOD, samples)
+        record[f"{name}_error"] = float(np.abs(error).max() / WAY)
         record[f"{name}_left"] = float(np.ptp(found[name][-150:]) / WAY)
     if pictures:
         with diagram("crane.png") as axes:
