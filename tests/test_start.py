@@ -224,7 +224,7 @@ def other_element():
     return scene_of(body)
 
 
-def rubbing():
+def with_friction():
     scene = beam()
     ball = fl.contact.Sphere(scene.bodies[0].point("end"), 0.01)
     floor = fl.contact.Plane(fl.ground(), (0, 0, 1), at=(0, 0, -2.0))
@@ -242,7 +242,7 @@ def rubbing():
          "a result of a Rod, got one of a Beam"),
         (lambda: scene_of(fl.Beam.straight((0, 0, 0), (1.1, 0, 0), SECTION, cells=5, name="beam")),
          "got another one: node 5 was at"),
-        (rubbing, "contacts without friction"),
+        (with_friction, "contacts without friction"),
     ],
 )  # fmt: skip
 def test_other_scenes_are_refused(build, message):
