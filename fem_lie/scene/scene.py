@@ -376,18 +376,6 @@ class Scene(Summarised):
         by_events = self.initial_factors.items()
         return by_controllers | {k: 1.0 if start is None else start for k, start in by_events}
 
-    def starting_from(self, state: InitialState) -> Scene:
-        """The scene with its items, whose runs and statics start from a state of its bodies.
-
-        Args:
-            state: The state.
-        """
-        scene = copy(self)
-        scene.began = self.began._replace(state=state)
-        # the shared setup is one of bodies that start from their own frames
-        scene.family = None
-        return scene
-
     def without_impacts(self) -> Scene:
         """Copy of the scene without contacts by impacts, which act at ends of steps only.
 
@@ -491,3 +479,17 @@ class Scene(Summarised):
     def _check_rotations(self, item: Holding) -> None:
         for body, hold in held_by(item):
             body.model.has_drilling([hold])
+
+
+def started(scene: Scene, state: InitialState) -> Scene:
+    """The scene with its items, whose runs and statics start from a state of its bodies.
+
+    Args:
+        scene: The scene, which does not change.
+        state: The state.
+    """
+    found = copy(scene)
+    found.began = scene.began._replace(state=state)
+    # the shared setup is one of bodies that start from their own frames
+    found.family = None
+    return found

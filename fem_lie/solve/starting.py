@@ -7,8 +7,6 @@ velocities and loads at the start.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
@@ -18,15 +16,15 @@ from fem_lie.bodies.initial_state import InitialState
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
 from fem_lie.scene import Scene
-from fem_lie.scene.scene import require_scene
+from fem_lie.scene.scene import require_scene, started
 from fem_lie.system.equations import Equations, TimeState
 
 _SAME = 1e-9  # distance of the same nodes in two scenes, relative to the size of the body
 _VIOLATED = 1e-6  # relative to the length of the model, or rad
 
 
-def starting_from(scene: Scene, result: Result | StaticResult, state: int = -1) -> Scene:
-    """A scene whose runs and statics start from a state of a result of the same bodies.
+def starting_from(scene: Scene, result: Result | StaticResult) -> Scene:
+    """A scene whose runs and statics start from the last state of a result of the same bodies.
 
     Bodies are matched by name. Velocities are those of the bodies along the axes of their nodes,
     and in addition those of the steady rotation of an equilibrium.
@@ -34,27 +32,37 @@ def starting_from(scene: Scene, result: Result | StaticResult, state: int = -1) 
     Args:
         scene: The scene; its loads, supports and joints need not be those of the result.
         result: Result of statics, of a path or of dynamics.
-        state: Index of the state.
 
     Raises:
         ValueError: Bodies, meshes or elements differ from those of the result, or contacts have
             friction, whose displacements before slip no result has.
     """
     require_scene(scene)
-    nodes = _matched(scene, result)
+    _check_bodies(scene, result)
     for contact in scene.contacts:
         if contact.has_friction:
             raise ValueError(
                 f"start: expected contacts without friction, whose elastic displacements no result "
                 f"has, got {contact.label}"
             )
-    last = range(len(result.frames))[state]
+    return at_state(scene, result, len(result.frames) - 1)
+
+
+def at_state(scene: Scene, result: Result | StaticResult, state: int) -> Scene:
+    """A scene that starts from a state of its own result, see :func:`starting_from`.
+
+    Args:
+        scene: The scene.
+        result: The result.
+        state: Index of the state, not negative.
+    """
+    nodes = {body: result.info.body(body.name).nodes for body in scene.bodies}
     velocities = np.zeros((result.frames.shape[1], 6))
     for body, own in nodes.items():
         velocities[own] = body.velocities
         if isinstance(result, StaticResult) and result.steady_rotation:
-            velocities[own] += rotating(result, last, own)
-    return scene.starting_from(InitialState(result.frames[: last + 1], velocities, nodes))
+            velocities[own] += rotating(result, state, own)
+    return started(scene, InitialState(result.frames[: state + 1], velocities, nodes))
 
 
 def rotating(result: StaticResult, state: int, nodes: Indices) -> Array:
@@ -70,8 +78,8 @@ def rotating(result: StaticResult, state: int, nodes: Indices) -> Array:
     return result.steady_rotation.velocities(kinds, H, np.sqrt(result.factors[state]))
 
 
-def _matched(scene: Scene, result: Result | StaticResult) -> Mapping[Body, Indices]:
-    """Numbers of the nodes of each body in a result of the same bodies."""
+def _check_bodies(scene: Scene, result: Result | StaticResult) -> None:
+    """Raise ``ValueError`` unless a result has a state of the bodies of a scene."""
     before = {body.name: body for body in result.info.bodies}
     given = [body.name for body in scene.bodies]
     if set(before) != set(given):
@@ -82,7 +90,6 @@ def _matched(scene: Scene, result: Result | StaticResult) -> Mapping[Body, Indic
         raise ValueError("start: expected a result with a state, got one without any")
     for body in scene.bodies:
         _check_same(body, before[body.name])
-    return {body: before[body.name].nodes for body in scene.bodies}
 
 
 def _check_same(body: Body, before: BodyInfo) -> None:

@@ -44,7 +44,7 @@ from fem_lie.results.record import Record
 from fem_lie.results.states import require_states, state_number
 from fem_lie.scene import Scene
 from fem_lie.scene.scene import Began, require_scene
-from fem_lie.solve.starting import rotating, starting_from, violated
+from fem_lie.solve.starting import at_state, rotating, violated
 from fem_lie.system.equations import Equations
 
 _SAME = 1e-15  # relative to the momenta
@@ -327,8 +327,7 @@ def _joint_turns(
     result: Result | StaticResult, at: int, scene: Scene
 ) -> Mapping[tuple[str, str], float]:
     """Full rotations of joints up to a state, from all earlier states."""
-    started = starting_from(scene, result, at)
-    equations = Equations(started, dynamics=isinstance(result, Result))
+    equations = Equations(at_state(scene, result, at), dynamics=isinstance(result, Result))
     return equations.history_variables.turns
 
 

@@ -34,6 +34,7 @@ from fem_lie.results import file as results_file
 from fem_lie.results.files.storage import ResultRows, write_all
 from fem_lie.results.record import ContactSteps, FrictionForces, StepHistory
 from fem_lie.scene import Scene
+from fem_lie.scene.scene import started
 from fem_lie.solve.recording.fingerprint import Fingerprint
 from fem_lie.solve.recording.plan import Plan, unpacked
 from fem_lie.solve.recording.whole_state import MovingState
@@ -98,7 +99,7 @@ class Last(NamedTuple):
         if _START + "frames" not in self.kept:
             return scene
         frames, velocities = (self.kept[_START + name] for name in ("frames", "velocities"))
-        return scene.starting_from(InitialState.of(frames, velocities, scene.bodies))
+        return started(scene, InitialState.of(frames, velocities, scene.bodies))
 
 
 def start_of(scene: Scene) -> dict[str, Array]:
