@@ -128,6 +128,15 @@ def test_slider_crank_friction():
 
 
 @pytest.mark.slow
+def test_bicycle():
+    """Roots at 5 m/s, and the speeds at which weave and capsize neither grow nor decay."""
+    found = main("bicycle")
+    assert found["weave_error"] < 3e-4 and found["capsize_error"] < 2e-3
+    assert abs(main("bicycle", speed=4.29238253634)["weave"]) < 5e-4
+    assert abs(main("bicycle", speed=6.02426201539)["capsize"]) < 2e-3
+
+
+@pytest.mark.slow
 def test_stick_slip():
     """Period and slips in closed form, with errors of second order; nothing is lost by sticking."""
     coarse, fine = (main("stick_slip", step=step) for step in (2e-3, 1e-3))

@@ -41,7 +41,7 @@ GROUPS = {
     "Mechanisms": (
         "four_bar double_four_bar bricard governor slider_crank truss_deployment "
         "hoop_antenna rolling_disc rod_in_box deployed_panels inverted_pendulum crane "
-        "slider_crank_friction stick_slip woodpecker squeezer"
+        "slider_crank_friction stick_slip woodpecker squeezer bicycle"
     ),
     "Motion": (
         "double_pendulum heavy_top free_rigid_body tumbling_body rotating_beam spin_up "
