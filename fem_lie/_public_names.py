@@ -91,8 +91,9 @@ def public_names(namespace: str) -> tuple[Callable[[str], Any], Callable[[], lis
         return _loaded(namespace, name)
 
     def names() -> list[str]:
-        """What there is, imported or not."""
-        return sorted({*vars(sys.modules[namespace]), *origins(namespace)})
+        """Public names, imported or not, and what every module has."""
+        every = {name for name in vars(sys.modules[namespace]) if name.startswith("__")}
+        return sorted(every | set(origins(namespace)))
 
     return load, names
 

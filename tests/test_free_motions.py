@@ -233,3 +233,55 @@ def test_a_free_body_under_loads_has_small_vibrations():
         fl.statics(scene)
     found = fl.vibrations(scene, 7).frequencies
     assert np.sum(found < 1e-3 * found[-1]) == 4
+
+
+def bars_on_strings() -> fl.Scene:
+    """A tensegrity of three bars, held as a whole; each may spin about its own axis."""
+    scene, turn, held = fl.Scene(), 2 * np.pi / 3, np.radians(140.0)
+    ring = turn * np.arange(3)
+    low = np.column_stack([np.cos(ring), np.sin(ring), 0 * ring])
+    top = np.column_stack([np.cos(ring + held), np.sin(ring + held), 2 + 0 * ring])
+    bars = [fl.RigidBody.cylinder(1.0, 0.01, *ends) for ends in zip(low, top, strict=True)]
+    feet = [scene.add(bar).point(x) for bar, x in zip(bars, low, strict=True)]
+    heads = [bar.point(x) for bar, x in zip(bars, top, strict=True)]
+    for k in range(3):
+        after = (k + 1) % 3
+        pairs = (feet[k], feet[after]), (heads[k], heads[after]), (heads[k], feet[after])
+        for a, b in pairs:
+            rest = 0.9 * np.linalg.norm(a.position - b.position)
+            scene.add(fl.loads.ForceLaw((a, b), fl.loads.TensionOnly(1e3, rest)))
+    scene.add(fl.joints.Spherical(fl.ground(), feet[0], at=low[0]))
+    scene.add(fl.joints.InPlane(fl.ground(), feet[2], at=low[2], axis=(0, 0, 1)))
+    along = low[1] - low[0]
+    for axis in ((0, 0, 1), np.cross(along, (0, 0, 1))):
+        scene.add(fl.joints.InPlane(fl.ground(), feet[1], at=low[1], axis=axis))
+    return scene
+
+
+def test_spins_of_bars_under_unbalanced_preloads_are_named():
+    """They change no energy, but forces that are not balanced move with the bars."""
+    with pytest.raises(fl.ConvergenceError, match="nothing resists 3 rigid motions of rigidbody"):
+        fl.statics(bars_on_strings())
+
+
+@pytest.mark.parametrize("kind", [fl.Beam, fl.Cable])
+def test_free_motions_of_a_ring_are_no_instability(kind):
+    """Bent from a straight cable, it vibrates in its plane as a ring that was made round.
+
+    Torsion makes the modes across the plane the slowest ones of a ring of a beam.
+    """
+    steel, radius = fl.Material(2.1e11, 0.3, 7850.0), 0.2
+    wire = fl.Section.circle(1e-3, steel)
+
+    def circle(s: float) -> tuple[float, float, float]:
+        angle = 2 * np.pi * s
+        return radius * np.cos(angle), radius * np.sin(angle), 0.0
+
+    scene = fl.Scene()
+    ring = scene.add(kind.curve(circle, wire, cells=40))
+    assert list(ring.model.point_names) == ["start"]
+    frequencies = fl.vibrations(scene, 10).frequencies[6:]
+    exact = 6 / np.sqrt(5) / radius**2 * np.sqrt(wire.stiffness[5, 5] / wire.inertia[0, 0])
+    across = exact * np.sqrt(5 / 5.3)
+    expected = [across, across, exact, exact] if kind is fl.Beam else [exact, exact]
+    np.testing.assert_allclose(frequencies[: len(expected)], expected, rtol=1e-4)

@@ -167,20 +167,10 @@ class Spline(NamedTuple):
         It is closed if the end has the position and derivative of the start.
         """
         u, positions, rates = self
-        n, speeds = len(positions), np.linalg.norm(rates, axis=1)
-        gaps = np.abs(positions[-1] - positions[0]).max(), np.abs(rates[-1] - rates[0]).max()
-        near = (
-            gaps[0] <= _SAME * np.ptp(positions, axis=0).max() and gaps[1] <= _SAME * speeds.max()
-        )
-        closed = n > 3 and bool(near)
-        kept = n - 1 if closed else n
-        number = np.arange(n) % kept
-        cells = np.column_stack([number[:-1], number[1:]])
-        tangents, spans = rates / speeds[:, np.newaxis], np.diff(u)[:, np.newaxis]
-        along = np.stack([tangents[:-1], tangents[1:]], axis=1)
-        names = {"start": np.array([0])} | ({} if closed else {"end": np.array([n - 1])})
-        slopes = spans * np.column_stack([speeds[:-1], speeds[1:]])
-        return LineMesh(positions[:kept], cells, along, {}, names, slopes=slopes)
+        speeds = np.linalg.norm(rates, axis=1, keepdims=True)
+        closed = _closed(positions, rates / speeds.max())
+        slopes = np.diff(u)[:, np.newaxis] * np.column_stack([speeds[:-1], speeds[1:]])
+        return _chain(positions, rates / speeds, closed=closed, slopes=slopes)
 
 
 def _divided(knots: Array, cells: int) -> Array:
@@ -260,6 +250,8 @@ def curve(
 ) -> LineMesh:
     """Smooth curve, divided at equal steps of its parameter, with points "start" and "end".
 
+    It is closed, without "end", if the end has the position and tangent of the start.
+
     Args:
         function: Point at ``s``, shape (3,); s from 0 to 1.
         cells: Number of cells.
@@ -278,7 +270,8 @@ def curve(
     if not speed.min() > 1e-10 * speed.max():
         raise ValueError(f"the curve has no tangent at s = {s[speed.argmin()]:g}")
     _refuse_kinks(function, np.asarray(s, dtype=np.float64))
-    return _chain(points, along / speed)
+    tangents = along / speed
+    return _chain(points, tangents, closed=_closed(points, tangents))
 
 
 def _refuse_kinks(function: Callable[[float], npt.ArrayLike], s: Array) -> None:
@@ -304,11 +297,22 @@ def _turn(function: Callable[[float], npt.ArrayLike], a: float, b: float) -> flo
     return float(np.arctan2(sine, first @ second))
 
 
-def _chain(points: Array, tangents: Array) -> LineMesh:
-    number = np.arange(len(points) - 1)
-    cells = np.column_stack([number, number + 1])
-    ends = {"start": np.array([0]), "end": number[-1:] + 1}
-    return LineMesh(points, cells, tangents[cells], {}, ends)
+def _closed(points: Array, tangents: Array) -> bool:
+    """Whether a smooth line of three cells or more ends where, and as, it begins."""
+    gap, turn = np.abs(points[-1] - points[0]).max(), np.abs(tangents[-1] - tangents[0]).max()
+    return len(points) > 3 and bool(gap <= _SAME * np.ptp(points, axis=0).max() and turn <= _SAME)
+
+
+def _chain(
+    points: Array, tangents: Array, *, closed: bool = False, slopes: Array | None = None
+) -> LineMesh:
+    """Cells between successive points; the last point of a closed line is the first."""
+    kept = len(points) - closed
+    number = np.arange(len(points)) % kept
+    along = np.stack([tangents[:-1], tangents[1:]], axis=1)
+    names = {"start": number[:1]} | ({} if closed else {"end": number[-1:]})
+    cells = np.column_stack([number[:-1], number[1:]])
+    return LineMesh(points[:kept], cells, along, {}, names, slopes=slopes)
 
 
 def _slope(function: Callable[[float], npt.ArrayLike], s: float) -> Array:

@@ -29,6 +29,7 @@ from fem_lie.solve.refactorisation import Refactorisation
 from fem_lie.solve.statics.unstable import (
     HELD,
     POLISHED,
+    UNKNOWN,
     FreeMotions,
     FreeRigidMotions,
     FreeStartError,
@@ -154,6 +155,7 @@ class LoadSteps(Iterated):
         self._friction: list[Array | None] = []
         self._failed, self._failed_steps = 0, 0
         self._to_check = free is FreeRigidMotions.REFUSED
+        self._may_be_free = not self._to_check
         self._watch = Stopwatch()
 
     def result(self) -> StaticResult:
@@ -305,6 +307,7 @@ class LoadSteps(Iterated):
         # second derivatives along motions depend on coordinates unless forces are balanced there
         if len(free) and search.balanced(free, self._r):
             free = search.unresisted(free, none)
+        free = free if len(free) else search.symmetries(allowed)
         return f"In the first state {search.freedom(free)}" if len(free) else ""
 
     def _act(self, factor: float) -> None:
@@ -416,6 +419,11 @@ class LoadSteps(Iterated):
         if found > 0:
             self._factorise(factor)
             found = negative_pivots(self.equations, self._solver)
+        if found > 0 and self._may_be_free:
+            search = FreeMotions(self.equations)
+            # the sign of their pivots is that of round-off
+            if len(search.unresisted(search.allowed(self.H), self._r)):
+                return UNKNOWN
         return found
 
     def _factorise(self, factor: float) -> None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
+import scipy.sparse.linalg
 
 from fem_lie._arrays import Array
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 _SOFT = 1e-6  # compliance of constraints, over that of the stiffest spring
 
 UNKNOWN = -1
-"""Number of negative pivots of a matrix that cannot be factorised."""
+"""Number of negative pivots where the matrix cannot be factorised, or rigid motions are free."""
 
 
 def negative_pivots(equations: Equations, solver: DirectSolver) -> int:
@@ -125,6 +126,7 @@ POLISHED = 3
 
 _BALANCED = 1e-9  # over norms of motion and forces: a smaller work is round-off
 
+_ROUND_OFF = 1e-12  # forces over motions and the norm of the stiffness
 _RESIDUAL = 10.0  # times the work of unbalanced forces: less is due to unfinished iteration
 
 
@@ -156,6 +158,14 @@ class FreeStartError(ConvergenceError):
 
     Another loading method may still find one to which the structure moves, such as a pendulum.
     """
+
+
+def _kernel(A: sp.csr_matrix, Z: Array) -> Array:
+    """Combinations of the rows ``Z`` that ``A`` maps to round-off, as rows."""
+    _, _, V = np.linalg.svd(A @ Z.T, full_matrices=False)
+    rows = V @ Z
+    sizes = np.linalg.norm(A @ rows.T, axis=0) / np.linalg.norm(rows, axis=1)
+    return np.asarray(rows[sizes <= _ROUND_OFF * scipy.sparse.linalg.norm(A)])
 
 
 class FreeMotions:
@@ -193,6 +203,23 @@ class FreeMotions:
         small = _ULPS * (sizes * (abs(K) @ sizes.T).T).sum(axis=1)
         small += _RESIDUAL * self._unknowns.owned(sizes) @ np.abs(weight * r[free])
         return np.asarray(motions[np.abs(stiffness) <= self._unknowns.total(small)])
+
+    def symmetries(self, Z: Array) -> Array:
+        """The motions of ``Z`` that change no energy, wherever the scene is, balanced or not.
+
+        Those of the scene in space leave all forces in the nodes' frames as they are: ``K z = 0``.
+        Those of a body in its own frame, such as the spin of a bar about the line between its
+        hinges, have a zero force in all states: ``zᵀ K = 0``. None are sought on several ranks.
+
+        Args:
+            Z: See :meth:`allowed`.
+        """
+        if self._equations.shared.several:
+            return Z[:0]
+        free = self._free
+        W = sp.diags(self._weight[free])
+        K = (W @ tangent_csr(self._equations)[free][:, free] @ W).tocsr()
+        return max(_kernel(K, Z), _kernel(K.T, Z), key=len)
 
     def balanced(self, Z: Array, r: Array) -> bool:
         """Whether forces with residual ``r`` do no work along the motions of ``Z``."""
