@@ -35,6 +35,7 @@ WRONG = {
     "point": [(0, 0, 1), np.zeros(3), "tip", None, 3, BEAM, JOINT.angle],
     "coordinate": [JOINT, "angle", None, 3, END],
     "beam": [END, "bar", None, BODY, SHELL],
+    "beam or a shell": [END, "bar", None, BODY],
     "shell": [SHELL.point("00"), "plate", None, BODY, BEAM],
     "number": ["three", None, (1, 2), object(), NAN, INF, 1j],
     "optional number": ["three", (1, 2), object(), NAN, INF, 1j],
@@ -230,15 +231,15 @@ CASES: dict[str, tuple] = {
     ),
     "Temperature": (
         fl.loads.Temperature,
-        dict(beam=(BEAM, "beam"), rise=(1.0, "number"), expansion=(1e-5, "number")),
+        dict(loaded=(BEAM, "beam or a shell"), rise=(1.0, "number"), expansion=(1e-5, "number")),
     ),
     "Eigenstrain": (
         fl.loads.Eigenstrain,
-        dict(beam=(BEAM, "beam"), strain=(np.zeros(6), "vector")),
+        dict(loaded=(BEAM, "beam or a shell"), strain=(np.zeros(6), "vector")),
     ),
     "PreStress": (
         fl.loads.PreStress,
-        dict(beam=(BEAM, "beam"), resultant=(np.zeros(6), "vector")),
+        dict(loaded=(BEAM, "beam or a shell"), resultant=(np.zeros(6), "vector")),
     ),
     "EdgeLoad": (
         fl.loads.EdgeLoad,

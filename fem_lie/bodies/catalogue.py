@@ -170,12 +170,14 @@ class SceneInfo(Summarised):
         joints: All joints.
         mass: Total mass; 0 if a body has no known inertia.
         supports: Held nodes.
+        strained: Names of the bodies with loads that are stress-free strains.
     """
 
     bodies: tuple[BodyInfo, ...]
     joints: tuple[JointInfo, ...] = ()
     mass: float = 0.0
     supports: SupportInfo = field(default_factory=SupportInfo)
+    strained: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, bodies: Sequence[Body]) -> SceneInfo:

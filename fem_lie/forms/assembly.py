@@ -6,7 +6,7 @@ only the nodal frames are updated before each call, by one compiled loop.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -120,13 +120,13 @@ class BodyTerm(Term):
                 term.stress_update.clear_stress()
 
     def set_eigenstrain(self, values: Array) -> None:
-        """Set the eigenstrains of the bodies' cells, one body after the other, shape (m, 6).
+        """Set the eigenstrains of the bodies' cells, one body after the other, shape (m, s).
 
         Raises:
             NotImplementedError: The bodies have no eigenstrain.
         """
         raise NotImplementedError(
-            f"{type(self).__name__} ({self.label}) has no eigenstrain: expected bodies along lines"
+            f"{type(self).__name__} ({self.label}) has no eigenstrain: expected beams or shells"
         )
 
 
@@ -162,7 +162,7 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress, LocalUnknowns):
         forms: LocalFrameForms,
         order: Indices,
         cell_order: Indices,
-        eigenstrain: fem.Function | None,
+        eigenstrain: Callable[[Array], None] | None,
     ) -> None:
         """Pack the forms and allocate the matrices.
 
@@ -171,12 +171,14 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress, LocalUnknowns):
             forms: Forms of the element in local frames.
             order: See :class:`BodyTerm`.
             cell_order: See :class:`BodyTerm`.
-            eigenstrain: DG0 function of eigenstrains in the forms, or ``None`` without.
+            eigenstrain: Sets the eigenstrains of all cells of the mesh, shape (m, s), in the forms;
+                ``None`` without.
         """
         every, entities = frames.function.function_space.dofmap.list, forms.entities
         cells, pattern = every[entities.cells], Pattern.of(every, len(order))
         super().__init__(cells, order, cell_order, pattern.restricted(entities.cells, len(every)))
-        self._frames, self._forms, self._eigenstrain = frames, forms, eigenstrain
+        self._frames, self._forms, self._set_strains = frames, forms, eigenstrain
+        self._strained: Array = np.empty((0, 0))
         self._nonlinear = not forms.local_is_linear
         if not forms.has_energy:
             self.load = self.turning = True
@@ -321,9 +323,11 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress, LocalUnknowns):
         return form.matrix(H, self._pattern, self._unknowns)
 
     def set_eigenstrain(self, values: Array) -> None:
-        """Set the eigenstrains of the bodies' cells, one body after the other, shape (m, 6)."""
-        assert self._eigenstrain is not None
-        self._eigenstrain.x.array.reshape(-1, 6)[self.cell_order] = values
+        """Set the eigenstrains of the bodies' cells, one body after the other, shape (m, s)."""
+        assert self._set_strains is not None
+        self._strained = np.empty_like(values)
+        self._strained[self.cell_order] = values
+        self._set_strains(self._strained)
         self._residual.pack()
         self._energy.pack()
 
@@ -355,10 +359,8 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress, LocalUnknowns):
         """Restore the initial state, without eigenstrain."""
         super().reset(values)
         self._forms.increment.x.array[:] = 0.0
-        if self._eigenstrain is not None:
-            self._eigenstrain.x.array[:] = 0.0
-            self._residual.pack()
-            self._energy.pack()
+        if len(self._strained):
+            self.set_eigenstrain(np.zeros_like(self._strained))
 
     @property
     def local(self) -> LocalUnknowns | None:

@@ -191,7 +191,8 @@ def add(path: Path, record: StepHistory | ContactSteps | FrictionForces) -> None
 
 
 def _write_info(file: Any, info: SceneInfo) -> None:
-    file.create_group(NAMES).attrs["mass"] = info.mass
+    names = file.create_group(NAMES)
+    names.attrs["mass"], names.attrs["strained"] = info.mass, list(info.strained)
     for i, body in enumerate(info.bodies):
         _write_body(file.create_group(f"bodies/{i}"), body)
     for i, joint in enumerate(info.joints):
@@ -287,6 +288,8 @@ def _with_info(file: Any, arrays: dict[str, Array], numbers: dict[str, float], m
         tuple(_read_joint(group) for group in _groups(file, "joints")),
         float(mass),
         SupportInfo(**{f.name: file[f"supports/{f.name}"][()] for f in fields(SupportInfo)}),
+        # files of earlier versions have no such loads on shells
+        tuple(map(str, file[NAMES].attrs.get("strained", ()))),
     )
     return Stored(arrays, numbers, info, steps, contacts, friction)
 

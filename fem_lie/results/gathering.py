@@ -119,6 +119,7 @@ class Gathering:
             joints=self._joints(),
             mass=float(part.comm.allreduce(info.mass)),
             supports=self._held(),
+            strained=info.strained,
         )
         ways: dict[str, Callable[[Array], Array]] = {
             "frames": self.of_nodes,

@@ -32,6 +32,7 @@ from fem_lie._arrays import (
 )
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
+from fem_lie.bodies.shells.shell import Shell
 from fem_lie.forms.term import Term
 
 History = Callable[[float], float]
@@ -92,11 +93,11 @@ class Sum(Protocol):
         """
 
     def add_strain(self, body: Body, strain: Array) -> None:
-        """Add a stress-free strain (Γ, κ) of each cell of a body, shape (m, 6).
+        """Add a stress-free strain of each cell of a body.
 
         Args:
             body: A body of the scene.
-            strain: Strain of each cell, shape (m, 6).
+            strain: Strain of each cell, shape (m, s), as of :meth:`StrainLoad.strains`.
         """
 
     def add_term(self, term: Term) -> None:
@@ -227,24 +228,24 @@ class NodalLoad(Load):
 
 
 class StrainLoad(Load):
-    """Base class of loads that are a stress-free strain of a beam.
+    """Base class of loads that are a stress-free strain of a beam or a shell.
 
     Attributes:
-        beam: The beam.
+        loaded: The beam or shell.
         cells: Name of a group of cells; default: all.
     """
 
-    carrier = Carrier("beam", Beam, "a Beam")
-    beam: Beam
+    carrier = Carrier("loaded", Beam | Shell, "a Beam or a Shell")
+    loaded: Beam | Shell
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` if an argument has a wrong type.
 
         Raises:
-            ValueError: The elements of the beam have no bending strain.
+            ValueError: The elements of the body do not take stress-free strains.
         """
         super().__post_init__()
-        self.beam.model.formulation.require_bends(f"a strain ({type(self).__name__})")
+        self.loaded.model.require_eigenstrain(f"a strain ({type(self).__name__})")
 
     def contribute(self, to: Sum) -> None:
         """Add the strain.
@@ -252,21 +253,54 @@ class StrainLoad(Load):
         Args:
             to: Sum of all loads, to which this one is added.
         """
-        to.add_strain(self.beam, self.strains())
+        to.add_strain(self.loaded, self.strains())
 
     @abstractmethod
     def strains(self) -> Array:
-        """Stress-free strain (Γ, κ) of each cell of the body, shape (m, 6)."""
+        """Stress-free strain of each cell of the body.
+
+        Its shape is (m, 6) for the (Γ, κ) of a beam and (m, 8) for the strains of a shell.
+        """
 
     def _in_cells(self, strain: npt.ArrayLike) -> Array:
-        """The strain, (6,) or (m, 6), in the loaded cells and zero in the others, shape (m, 6)."""
-        values, cells = (
-            np.zeros((len(self.beam.model.stiffness), 6)),
-            self.beam.model.cells_of(self.cells),
-        )
+        """The strain, (s,) or (m, s), in the loaded cells and zero in the others, shape (m, s)."""
+        model = self.loaded.model
         given = np.asarray(strain, dtype=np.float64)
+        values, cells = np.zeros(model.stiffness.shape[:2]), model.cells_of(self.cells)
         values[cells] = np.broadcast_to(given, values.shape)[cells]
         return values
+
+    def _components(self, name: str) -> Array:
+        """A vector argument with a component for each strain of the body, shape (s,)."""
+        what = f"{name} of the {type(self).__name__} on {self.where}"
+        return vector(getattr(self, name), self.loaded.model.stiffness.shape[1], what)
+
+
+def strained_bodies(loads: Sequence[Load]) -> set[Body]:
+    """Bodies with loads that are stress-free strains.
+
+    Args:
+        loads: Loads of a scene.
+    """
+    return {load.body for load in loads if isinstance(load, StrainLoad)}
+
+
+def strains_of(loads: Sequence[Load], body: Beam | Shell, times: Array, factors: Array) -> Array:
+    """Stress-free strains of the cells of a body by all loads, shape (T, m, s).
+
+    Args:
+        loads: Loads of the scene.
+        body: The body, with m cells.
+        times: Times at which histories are evaluated, shape (T,).
+        factors: Factors of loads without history, shape (T,).
+    """
+    total = np.zeros((len(times), *body.model.stiffness.shape[:2]))
+    for number, load in enumerate(loads):
+        if isinstance(load, StrainLoad) and load.body is body:
+            given = load.history
+            amplitude = factors if given is None else amplitudes({number: given}, times)[:, 0]
+            total += amplitude[:, np.newaxis, np.newaxis] * load.strains()
+    return total
 
 
 def histories(loads: Sequence[Load]) -> dict[int, History]:

@@ -1,16 +1,16 @@
-"""Strain loads on beams: eigenstrain, temperature, prestress."""
+"""Strain loads on beams and shells: eigenstrain, temperature, prestress."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array, vector
+from fem_lie._arrays import Array, number, numbers
 from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.shells.shell import Shell
 from fem_lie.scene.load import StrainLoad
 
 if TYPE_CHECKING:
@@ -19,11 +19,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Eigenstrain(StrainLoad):
-    """A stress-free strain of a beam, such as growth or an actuator.
+    """A stress-free strain of a beam or a shell, such as growth or an actuator.
 
     Attributes:
-        beam: The loaded beam.
-        strain: (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃), curvatures in rad per length.
+        loaded: The beam or shell.
+        strain: Of a beam (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃), curvatures in rad per length; of a shell
+            (E₁₁, E₂₂, 2E₁₂, K₁₁, K₂₂, 2K₁₂, γ₁, γ₂) in the axes of its section, where E is Green's
+            strain and a positive K extends the side of the director.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
 
@@ -38,29 +40,34 @@ class Eigenstrain(StrainLoad):
         1
     """
 
-    components = MappingProxyType({"strain": 6})
-
-    beam: Beam
+    loaded: Beam | Shell
     strain: npt.ArrayLike
     cells: str | None = None
     history: History | None = None
 
+    def check(self) -> None:
+        """Raise ``ValueError`` if a component is not finite or there is no such group of cells."""
+        super().check()
+        self._components("strain")
+
     def strains(self) -> Array:
-        """Stress-free strain of each cell, shape (m, 6)."""
+        """Stress-free strain of each cell, shape (m, s)."""
         return self._in_cells(self.strain)
 
 
 @dataclass(frozen=True, eq=False)
 class Temperature(StrainLoad):
-    """Temperature change of a beam, linear over the section.
+    """Temperature change of a beam or a shell, linear over the section.
 
-    A point (y, z) of the section is warmer by ``rise + gradient · (y, z)``.
+    A point (y, z) of the section of a beam is warmer by ``rise + gradient · (y, z)``, a point of a
+    shell at the distance z from its mid-surface, towards the director, by ``rise + gradient z``.
 
     Attributes:
-        beam: The loaded beam.
-        rise: Temperature change at the axis.
-        expansion: Coefficient of thermal expansion, per temperature.
-        gradient: Temperature gradient along e₂ and e₃, shape (2,), temperature per length.
+        loaded: The beam or shell.
+        rise: Temperature change at the axis or mid-surface.
+        expansion: Coefficient of thermal expansion in all directions, per temperature.
+        gradient: Temperature gradient, temperature per length: of a beam along e₂ and e₃, shape
+            (2,), of a shell along the director, one number; default: none.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
 
@@ -75,34 +82,40 @@ class Temperature(StrainLoad):
         1
     """
 
-    components = MappingProxyType({"gradient": 2})
-
-    beam: Beam
+    loaded: Beam | Shell
     rise: float
     expansion: float
-    gradient: npt.ArrayLike = (0.0, 0.0)
+    gradient: npt.ArrayLike | None = None
     cells: str | None = None
     history: History | None = None
 
     def check(self) -> None:
         """Raise ``ValueError`` if an argument is not finite or there is no such group of cells."""
         super().check()
-        vector([self.rise, self.expansion], 2, f"rise and expansion of {self.beam.label}")
+        self._strain()
 
     def strains(self) -> Array:
-        """Stress-free strain of each cell, shape (m, 6): ε = α ΔT(y, z) = Γ₁ + z κ₂ − y κ₃."""
-        y, z = np.asarray(self.gradient, dtype=np.float64)
-        strain = self.expansion * np.array([self.rise, 0, 0, 0, z, -y])
-        return self._in_cells(strain)
+        """Stress-free strain of each cell, shape (m, s)."""
+        return self._in_cells(self._strain())
+
+    def _strain(self) -> Array:
+        """Strain of a section, shape (s,)."""
+        where = f"of the Temperature on {self.where}"
+        expansion = number(self.expansion, f"expansion {where}")
+        rise = number(self.rise, f"rise {where}")
+        what = f"gradient {where}"
+        gradient = 0.0 if self.gradient is None else numbers(self.gradient, what)
+        return self.loaded.model.thermal_strain(expansion, rise, gradient, what)
 
 
 @dataclass(frozen=True, eq=False)
 class PreStress(StrainLoad):
-    """Initial stress resultants of a beam: force and moment of the section in the unloaded state.
+    """Initial stress resultants of a beam or a shell in the unloaded state.
 
     Attributes:
-        beam: The loaded beam.
-        resultant: (N₁, N₂, N₃, M₁, M₂, M₃) in the section's frame.
+        loaded: The beam or shell.
+        resultant: Of a beam force and moment (N₁, N₂, N₃, M₁, M₂, M₃) in the section's frame; of a
+            shell (N₁₁, N₂₂, N₁₂, M₁₁, M₂₂, M₁₂, Q₁, Q₂) per length in the axes of its section.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
 
@@ -117,15 +130,18 @@ class PreStress(StrainLoad):
         1
     """
 
-    components = MappingProxyType({"resultant": 6})
-
-    beam: Beam
+    loaded: Beam | Shell
     resultant: npt.ArrayLike
     cells: str | None = None
     history: History | None = None
 
+    def check(self) -> None:
+        """Raise ``ValueError`` if a component is not finite or there is no such group of cells."""
+        super().check()
+        self._components("resultant")
+
     def strains(self) -> Array:
-        """Stress-free strain of each cell that causes the resultants, −D⁻¹ (N, M), shape (m, 6)."""
+        """Stress-free strain of each cell that causes the resultants, −D⁻¹ S, shape (m, s)."""
         resultant = np.asarray(self.resultant, dtype=np.float64)
-        strain = np.linalg.solve(self.beam.model.element_stiffness, -resultant[:, np.newaxis])
+        strain = np.linalg.solve(self.loaded.model.element_stiffness, -resultant[:, np.newaxis])
         return self._in_cells(strain[..., 0])

@@ -45,7 +45,11 @@ def in_one_line(
 
 
 def catalogue(
-    numbering: Numbering, joints: tuple[JointInfo, ...], supported: Indices, mass: float
+    numbering: Numbering,
+    joints: tuple[JointInfo, ...],
+    supported: Indices,
+    mass: float,
+    strained: tuple[str, ...],
 ) -> SceneInfo:
     """Bodies and joints in the numbering of all nodes, for results.
 
@@ -54,12 +58,13 @@ def catalogue(
         joints: Joints in the numbering of all nodes.
         supported: Master nodes that clamps and bodies support.
         mass: Mass of all bodies.
+        strained: Names of the bodies with loads that are stress-free strains.
     """
     master_map = numbering.master_map
     nodes: Indices = np.flatnonzero(np.isin(master_map.master, supported))
     rows = np.searchsorted(supported, master_map.master[nodes])
     supports = SupportInfo(master_map.masters[supported], nodes, rows)
-    return SceneInfo(numbering.bodies(), joints, mass, supports)
+    return SceneInfo(numbering.bodies(), joints, mass, supports, strained)
 
 
 def refuse(redundant: Indices, connections: Connections) -> None:

@@ -87,7 +87,7 @@ class _Case:
         of_body = (body in members for members in self._numbering.members)
         number = next(number for number, found in enumerate(of_body) if found)
         strains = [
-            strain if other is body else np.zeros((len(other.model.cells_of()), 6))
+            strain if other is body else np.zeros((len(other.model.cells_of()), strain.shape[1]))
             for other in self._numbering.members[number]
         ]
         self.strains.append((number, np.concatenate(strains)))

@@ -23,6 +23,7 @@ from fem_lie.results.states import nodes_in
 from fem_lie.results.stresses.element_forces import ElementForces
 from fem_lie.results.stresses.nodal_values import extrapolation, unit
 from fem_lie.results.stresses.section_forces import SectionForces, section_forces
+from fem_lie.results.stresses.shell_resultants import require_no_strains
 from fem_lie.results.stresses.shell_stress import ShellStress, integration
 from fem_lie.scene import Scene
 from fem_lie.sections.orientation import middle_frames
@@ -61,6 +62,7 @@ def shell_hierarchical(
             f"hierarchical errors need {corners + 2} nodes or more, {shell.label} has "
             f"{len(shell.frames)}: use RecoveryEstimate()"
         )
+    require_no_strains(result, shell, "errors of shells cannot be estimated")
     nodes, cut = nodes_in(result.info, shell), Cut.of(shell)
     patches = Patches.of(cut)
     return [_cut_errors(cut, patches, result.frames[step][nodes]) for step in steps]

@@ -32,7 +32,11 @@ from fem_lie.results.history import Result
 from fem_lie.results.stresses.element_forces import without_jumps
 from fem_lie.results.stresses.nodal_values import CellPoints
 from fem_lie.results.stresses.section_forces import SectionForces, section_forces
-from fem_lie.results.stresses.shell_resultants import Resultants, resultant_series
+from fem_lie.results.stresses.shell_resultants import (
+    Resultants,
+    require_no_strains,
+    resultant_series,
+)
 from fem_lie.results.stresses.shell_stress import ShellStress, in_axes, integration
 from fem_lie.scene import Scene
 
@@ -96,6 +100,7 @@ def shell_fields(
     Raises:
         ValueError: The shell is not in that result, or there is no such state.
     """
+    require_no_strains(result, shell, "errors of shells cannot be estimated")
     series = resultant_series(result, shell, states=steps)
     rule, _ = integration(shell)
     shapes = CellPoints.of(shell.model.cut_mesh, rule).shapes

@@ -68,7 +68,11 @@ class BeamAssembly(Assembly):
         stiffness, density, slopes = map(gathered, ("stiffness", "density", "slopes"))
         data = CellData(lengths, stiffness, density, eigenstrain, viscosity, slopes)
         forms = formulation.forms(nodal, data)
-        super().__init__(nodal, forms, order, np.argsort(permutation), eigenstrain)
+
+        def set_strains(values: Array) -> None:
+            eigenstrain.x.array[:] = values.ravel()
+
+        super().__init__(nodal, forms, order, np.argsort(permutation), set_strains)
         # cables, whose nodes have no frames, may be created stretched
         if formulation.node_type is NodeType.FRAME:
             self.require_no_stress(formulation)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fem_lie import lie
-from fem_lie._arrays import Array, flag, instance
+from fem_lie._arrays import Array, flag, instance, vector
 from fem_lie.bodies.beams.line_body import LineBody, LineModel, Placed, SmoothLine
 from fem_lie.bodies.beams.sectioned import (
     Sections,
@@ -83,6 +83,29 @@ class BeamModel(LineModel):
         """Effective section stiffness of each element in its formulation, shape (m, 6, 6)."""
         a, b = self.frames[self.elements[:, :2]].transpose(1, 0, 2, 3)
         return self.formulation.effective_stiffness(self.stiffness, lie.se3_relative(a, b))
+
+    def require_eigenstrain(self, what: str) -> None:
+        """Raise ``ValueError`` if the elements do not take stress-free strains.
+
+        Args:
+            what: What the user asked for, for the message.
+        """
+        self.formulation.require_bends(what)
+
+    def thermal_strain(
+        self, expansion: float, rise: float, gradient: Array | float, what: str
+    ) -> Array:
+        """Stress-free strain of a section that is warmer by ``rise + gradient · (y, z)``, (6,).
+
+        Args:
+            expansion: Coefficient of thermal expansion.
+            rise: Temperature change at the axis.
+            gradient: Temperature gradient along e₂ and e₃, shape (2,), or 0.
+            what: Name of the gradient, for messages.
+        """
+        # ε(y, z) = Γ₁ + z κ₂ − y κ₃
+        y, z = vector(gradient if np.any(gradient) else np.zeros(2), 2, what)
+        return expansion * np.array([rise, 0, 0, 0, z, -y])
 
     def rotation_limit(self) -> RotationLimit:
         """Limit of the relative rotation of the frames at both ends of each element."""
@@ -267,6 +290,8 @@ class Beam(LineBody):
         name: str = "",
     ) -> Beam:
         """Beam along the curve ``function(s)``, s from 0 to 1, with points "start" and "end".
+
+        If it ends where and in the direction in which it begins, it is closed and has no "end".
 
         Args:
             function: Position, shape (3,), as a function of the parameter from 0 to 1.

@@ -122,7 +122,7 @@ class SurfaceAssembly(Assembly):
         forms = first.formulation.forms(shell_cells, stiffness)
         self.mesh, self.stress = mesh, first.formulation.stress(shell_cells, forms, stiffness)
         cell_order = np.argsort(permutation)
-        super().__init__(nodal, forms, order, cell_order, None)
+        super().__init__(nodal, forms, order, cell_order, shell_cells.set_eigenstrain)
         self.require_no_stress(first.formulation)
         # a bubble makes W_ss depend on frames: updates between iterates follow it
         plain = first.formulation.quadratic and measures.intermediate is None

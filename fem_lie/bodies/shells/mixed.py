@@ -96,6 +96,15 @@ class MixedShellModel(SurfaceNodes):
         """
         yield from ((part.model, part.nodes) for part in self.present(holds))
 
+    def require_eigenstrain(self, what: str) -> None:
+        """Raise ``ValueError``: strains belong to cells of one type.
+
+        Args:
+            what: What the user asked for, for the message.
+        """
+        cells = " and ".join(f"{part.mesh.cell}s" for part in self.mesh.parts)
+        raise ValueError(f"{what} needs cells of one type, but {self.label} has {cells}")
+
     @property
     def contents(self) -> list[Any]:
         """Data of the parts on which the equations depend."""

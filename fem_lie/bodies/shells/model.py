@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import basix
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Indices, number
 from fem_lie.bodies.model import NO_HOLDS, HeldRotation, Holds, RotationLimit
 from fem_lie.bodies.shells.assembly import (
     SurfaceAssembly,
@@ -86,6 +86,44 @@ class ShellModel(SurfaceNodes, CellsOnSurface):
     def assembly_key(self) -> Hashable:
         """Key of shells that are assembled together: same formulation, damping and cell type."""
         return type(self), self.formulation, self.damping, self.mesh.cell, self.mesh.degree
+
+    def require_eigenstrain(self, what: str) -> None:
+        """Raise ``ValueError`` if the elements do not take stress-free strains.
+
+        Args:
+            what: What the user asked for, for the message.
+        """
+        self.formulation.require_eigenstrain(what)
+
+    def thermal_strain(
+        self, expansion: float, rise: float, gradient: Array | float, what: str
+    ) -> Array:
+        """Stress-free strain of a section that is warmer by ``rise + gradient z``, shape (8,).
+
+        Args:
+            expansion: Coefficient of thermal expansion, in all directions.
+            rise: Temperature change at the mid-surface.
+            gradient: Temperature gradient along the director.
+            what: Name of the gradient, for messages.
+        """
+        extension, slope = expansion * rise, expansion * number(gradient, what)
+        # Green's strain of the fibres, linear in z
+        membrane, bending = extension + 0.5 * extension**2, (1.0 + extension) * slope
+        return np.array([membrane, membrane, 0, bending, bending, 0, 0, 0])
+
+    @property
+    def element_stiffness(self) -> Array:
+        """Section stiffness of each cell, shape (m, 8, 8).
+
+        Raises:
+            ValueError: The law is the user's, not that of the section.
+        """
+        if not self.formulation.quadratic:
+            raise ValueError(
+                f"{self.label}: stress resultants of a law of the user are not linear in the "
+                "strains: give the strains themselves, fl.loads.Eigenstrain"
+            )
+        return self.stiffness
 
     def restricted(self, cells: Indices, holds: Sequence[HeldRotation]) -> tuple[Any, Indices]:
         """Model of some of its cells, with the drilling rotations and their stiffness of all.

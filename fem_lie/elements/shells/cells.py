@@ -126,6 +126,7 @@ class ShellCells:
         now, then = (self._surface(y, self._jacobian, here) for y in (self.y, unloaded))
         self._measures, self._now, self._then = measures, now, then
         self._strain_0 = self.at_points(self._cartesian(then))
+        self._unloaded_strain = self._strain_0.x.array.reshape(len(nodal), -1, 8).copy()
         self.strain = self._cartesian(now) - self._strain_0
         self.drilling = None
         if drilling_stiffness is not None:
@@ -137,6 +138,11 @@ class ShellCells:
     def jacobian(self) -> fem.Function:
         """Jacobian ``J_αi = X,α·e_i`` at the cells' centres."""
         return self._jacobian
+
+    def set_eigenstrain(self, values: Array) -> None:
+        """Set a stress-free strain of each cell, constant in the cell, shape (cells, 8)."""
+        strain = self._unloaded_strain + values[:, np.newaxis]
+        self._strain_0.x.array[:] = strain.ravel()
 
     def cellwise(self, values: Array) -> fem.Function:
         """DG0 function of given values per cell, shape ``(cells, …)``."""

@@ -31,10 +31,26 @@ class ShellFormulation(ABC):
         measures: Strain measures; default: the usual ones for the cells of the mesh.
         whole_frames: Whether cells have six unknowns per node; otherwise five, and the drilling
             rotation is a term of its own.
+        takes_eigenstrain: Whether the energy is a function of the strains of
+            :class:`~fem_lie.elements.shells.cells.ShellCells`, from which stress-free strains are
+            subtracted.
     """
 
     measures: StrainMeasures | None = None
     whole_frames: ClassVar[bool] = False
+    takes_eigenstrain: ClassVar[bool] = False
+
+    def require_eigenstrain(self, what: str) -> None:
+        """Raise ``ValueError`` if the element does not take stress-free strains.
+
+        Args:
+            what: What the user asked for, for the message.
+        """
+        if not self.takes_eigenstrain:
+            raise ValueError(
+                f"{what} is not available for {type(self).__name__}: use HellingerReissner(), "
+                "HuWashizu() or DisplacementBased()"
+            )
 
     @property
     def quadratic(self) -> bool:
@@ -109,6 +125,8 @@ class HellingerReissner(ShellFormulation):
     Stress resultants have 14 parameters per quadrilateral, 15 per triangle.
     """
 
+    takes_eigenstrain: ClassVar[bool] = True
+
     def defaults(self) -> dict[tuple[str, int], StrainMeasures]:
         """Assumed strains for an independent stress field."""
         return _MIXED
@@ -132,6 +150,7 @@ class _OfAnyLaw(ShellFormulation):
         law: Energy per area as a UFL function of the eight strains; default: that of the section.
     """
 
+    takes_eigenstrain: ClassVar[bool] = True
     law: Law | None = None
 
     @property

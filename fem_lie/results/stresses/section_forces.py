@@ -40,7 +40,7 @@ from fem_lie.results.stresses.element_forces import (
 )
 from fem_lie.results.stresses.fields import Fields, check_name
 from fem_lie.scene import Scene
-from fem_lie.scene.load import StrainLoad, amplitudes
+from fem_lie.scene.load import strains_of
 from fem_lie.scene.scene import require_scene
 from fem_lie.sections.section import Section
 
@@ -171,7 +171,8 @@ def section_forces(
     dynamic = isinstance(result, Result)
     times = (result.times if isinstance(result, Result) else result.factors)[rows]
     frames = result.frames[rows][:, nodes]
-    strains = _strains(scene, beam, times, np.ones(len(times)) if dynamic else times)
+    factors = np.ones(len(times)) if dynamic else times
+    strains = strains_of(scene.loads, beam, times, factors)
     elements, velocities = ElementForces(beam), None
     if isinstance(result, Result) and elements.viscous:
         velocities = result.velocities[rows][:, nodes]
@@ -180,17 +181,6 @@ def section_forces(
         elements.set_eigenstrain(strains[k])
         values[:] = elements.at_ends(frames[k], None if velocities is None else velocities[k])
     return SectionForces(beam, times, frames, strains, ends, single_forces(scene, beam), elements)
-
-
-def _strains(scene: Scene, beam: Beam, times: Array, factors: Array) -> Array:
-    """Eigenstrains at these times, shape (T, m, 6)."""
-    total = np.zeros((len(times), len(beam.model.elements), 6))
-    for number, load in enumerate(scene.loads):
-        if isinstance(load, StrainLoad) and load.body is beam:
-            given = load.history
-            amplitude = factors if given is None else amplitudes({number: given}, times)[:, 0]
-            total += amplitude[:, np.newaxis, np.newaxis] * load.strains()
-    return total
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -15,6 +15,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import cast
 
 import dolfinx
 import numpy as np
@@ -26,6 +27,8 @@ from fem_lie.bodies.shells.shell import Shell, numbers_in_whole, require_one_typ
 from fem_lie.mesh.surfaces import KINK_ANGLE
 from fem_lie.pictures.page.colours import NodalColours, at_nodes
 from fem_lie.pictures.stage import SI, Canvas, Units
+from fem_lie.results.equilibrium import StaticResult
+from fem_lie.results.history import Result
 from fem_lie.results.states import States, nodes_in, require_states, state_number
 from fem_lie.results.stresses.nodal_values import (
     DISCONTINUOUS,
@@ -44,6 +47,9 @@ from fem_lie.results.stresses.shell_stress import (
     StressPoints,
 )
 from fem_lie.results.stresses.shell_values import LARGEST_JUMP, ResultantValues
+from fem_lie.scene import Scene
+from fem_lie.scene.load import strains_of
+from fem_lie.scene.scene import require_scene
 
 
 def resultants(
@@ -53,6 +59,7 @@ def resultants(
     *,
     along: Along | None = None,
     kink_angle: float = KINK_ANGLE,
+    scene: Scene | None = None,
 ) -> Resultants:
     """Stress resultants of a shell in one state of a result.
 
@@ -64,14 +71,16 @@ def resultants(
             position; default: the axes of the sections (``Shell.axes``).
         kink_angle: Largest angle, rad, between neighbouring cells across which nodal values are
             averaged.
+        scene: The scene that was solved; needed if the shell has stress-free strains there, such
+            as a :class:`~fem_lie.loads.Temperature`.
 
     Raises:
-        ValueError: The shell is not in that result, there is no such state, or ``along`` is normal
-            to the surface somewhere.
+        ValueError: The shell is not in that result, there is no such state, ``along`` is normal to
+            the surface somewhere, or stress-free strains of the shell are not known.
     """
     require_states(result)
     chosen = [state_number(state, len(result.frames))]
-    (found,) = _of_states(result, shell, chosen, along, kink_angle)
+    (found,) = _of_states(result, shell, chosen, along, kink_angle, scene)
     return found
 
 
@@ -82,6 +91,7 @@ def resultant_series(
     states: Sequence[int] | None = None,
     along: Along | None = None,
     kink_angle: float = KINK_ANGLE,
+    scene: Scene | None = None,
 ) -> list[Resultants]:
     """Stress resultants of a shell in several states of a result.
 
@@ -91,11 +101,12 @@ def resultant_series(
         states: Numbers of the states; default: all.
         along: Direction of the first axis, see :func:`resultants`.
         kink_angle: Angle between normals, rad, above which resultants are not averaged.
+        scene: The scene that was solved, see :func:`resultants`.
     """
     require_states(result)
     count = len(result.frames)
     chosen = range(count) if states is None else [state_number(state, count) for state in states]
-    return _of_states(result, shell, chosen, along, kink_angle)
+    return _of_states(result, shell, chosen, along, kink_angle, scene)
 
 
 def resultant_colours(
@@ -126,6 +137,7 @@ def _of_states(
     states: range | list[int],
     along: Along | None,
     kink_angle: float,
+    scene: Scene | None,
 ) -> list[Resultants]:
     instance(shell, Shell, "shell", "a Shell")
     require_one_type(shell, "resultants()")
@@ -134,10 +146,46 @@ def _of_states(
         stress_points = StressPoints.in_sections(shell, kink_angle)
     else:
         stress_points = StressPoints.of(shell, along, kink_angle)
-    stress = ShellStress.of(shell)
+    stress, strains = ShellStress.of(shell), _strains(result, shell, states, scene)
+    moved = [result.frames[state][nodes] for state in states]
     return [
-        Resultants.of(shell, stress_points, result.frames[state][nodes], stress) for state in states
+        Resultants.of(shell, stress_points, frames, stress(frames, own))
+        for frames, own in zip(moved, strains, strict=True)
     ]
+
+
+def _strains(
+    result: States, shell: Shell, states: range | list[int], scene: Scene | None
+) -> Sequence[Array | None]:
+    """Stress-free strains of the shell in some states, each (m, 8) or none."""
+    if scene is None:
+        require_no_strains(result, shell, "stress resultants need scene=...")
+        return [None] * len(states)
+    require_scene(scene)
+    rows = np.array(states, dtype=np.int64)
+    times: Array
+    factors: Array
+    if isinstance(result, Result):
+        times, factors = result.times[rows], np.ones(len(rows))
+    else:
+        times = cast(StaticResult, result).factors[rows]
+        factors = times.copy()
+    return list(strains_of(scene.loads, shell, times, factors))
+
+
+def require_no_strains(result: States, shell: Shell, otherwise: str) -> None:
+    """Raise ``ValueError`` if a shell has loads that are stress-free strains.
+
+    Args:
+        result: A result of the scene with these loads.
+        shell: The shell.
+        otherwise: What is needed, or impossible, then, for the message.
+    """
+    if whole_of(shell).name in result.info.strained:
+        raise ValueError(
+            f"{otherwise}: {shell.label} has stress-free strains in the scene of this result "
+            "(Temperature, Eigenstrain, PreStress)"
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)

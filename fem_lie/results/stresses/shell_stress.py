@@ -197,9 +197,15 @@ class ShellStress:
         self._noise = 1e-12 * float((1.0 / self._scale[..., :3]).max())
         self.compliance = np.linalg.inv(shell.model.stiffness)
 
-    def __call__(self, frames: Array) -> Array:
-        """Stress resultants at frames, shape (m, g, 8)."""
+    def __call__(self, frames: Array, strains: Array | None = None) -> Array:
+        """Stress resultants at frames, shape (m, g, 8).
+
+        Args:
+            frames: Frames of the nodes, shape (n, 4, 3).
+            strains: Stress-free strain of each cell, shape (m, 8); default: none.
+        """
         assembly = self._assembly
+        assembly.set_eigenstrain(np.zeros((len(assembly.cells), 8)) if strains is None else strains)
         H = np.empty_like(frames)
         H[assembly.order] = frames
         # so that a state has bitwise the same values whatever was evaluated before

@@ -37,7 +37,6 @@ from fem_lie.results.stresses.nodal_values import (
 from fem_lie.results.stresses.shell_stress import (
     QUANTITIES,
     Quantity,
-    ShellStress,
     StressPoints,
     in_axes,
     integration,
@@ -77,17 +76,16 @@ class ResultantValues(Fields):
         shell: Shell,
         stress_points: StressPoints,
         frames: Array,
-        stress: ShellStress,
+        raw: Array,
     ) -> Kind:
-        """Evaluate at given frames of the shell's nodes.
+        """Values at given frames of the shell's nodes.
 
         Args:
             shell: The shell.
             stress_points: Points at which the stress is evaluated.
             frames: Nodal frames, shape (n, 4, 3).
-            stress: Stress resultants of the cells; default: by the constitutive law.
+            raw: Components at the integration points in the axes of the sections, (m, g, 8).
         """
-        raw = stress(frames)
         rule, _ = integration(shell)
         nodal = np.einsum("kg,mgi->mki", extrapolation(shell.model.cut_mesh, rule), raw)
         return cls(

@@ -23,6 +23,7 @@ from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.linear.saddle_point import KKT
 from fem_lie.parts.part_scene import ScenePart
 from fem_lie.scene import Scene
+from fem_lie.scene.load import strained_bodies
 from fem_lie.scene.rotation import Rotation
 from fem_lie.system import describe
 from fem_lie.system.balance import EnergyBalance
@@ -223,7 +224,8 @@ class Equations:
         system = self._system
         mass = float(system.inertia.blocks[:, 0, 0].sum())
         joints = system.connections.info()
-        return describe.catalogue(system.numbering, joints, system.supported, mass)
+        strained = tuple(sorted(body.name for body in strained_bodies(self.scene.loads)))
+        return describe.catalogue(system.numbering, joints, system.supported, mass, strained)
 
     @property
     def system(self) -> System:
