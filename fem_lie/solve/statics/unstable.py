@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
-import scipy.sparse.linalg
 
 from fem_lie._arrays import Array
 from fem_lie.linear.direct import ConvergenceError, DirectSolver
@@ -162,10 +161,13 @@ class FreeStartError(ConvergenceError):
 
 def _kernel(A: sp.csr_matrix, Z: Array) -> Array:
     """Combinations of the rows ``Z`` that ``A`` maps to round-off, as rows."""
-    _, _, V = np.linalg.svd(A @ Z.T, full_matrices=False)
+    forces = A @ Z.T
+    if not np.isfinite(forces).all():
+        return Z[:0]
+    _, _, V = np.linalg.svd(forces, full_matrices=False)
     rows = V @ Z
-    sizes = np.linalg.norm(A @ rows.T, axis=0) / np.linalg.norm(rows, axis=1)
-    return np.asarray(rows[sizes <= _ROUND_OFF * scipy.sparse.linalg.norm(A)])
+    sizes = np.abs(A @ rows.T).max(axis=0) / np.abs(rows).max(axis=1)
+    return np.asarray(rows[sizes <= _ROUND_OFF * abs(A).max()])
 
 
 class FreeMotions:
