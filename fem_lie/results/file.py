@@ -288,8 +288,8 @@ def _with_info(file: Any, arrays: dict[str, Array], numbers: dict[str, float], m
         tuple(_read_joint(group) for group in _groups(file, "joints")),
         float(mass),
         SupportInfo(**{f.name: file[f"supports/{f.name}"][()] for f in fields(SupportInfo)}),
-        # files of earlier versions have no such loads on shells
-        tuple(map(str, file[NAMES].attrs.get("strained", ()))),
+        # files of earlier versions name none
+        tuple(map(str, file[NAMES].attrs.get("strained", ()))) if NAMES in file else (),
     )
     return Stored(arrays, numbers, info, steps, contacts, friction)
 
