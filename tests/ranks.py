@@ -8,12 +8,14 @@ import sys
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from threading import Lock
 from types import ModuleType
 
 from mpi4py import MPI
 
 import pytest
 
+_COMPILING = Lock()
 PATIENCE, ENDING = 500.0, 60.0  # seconds for a script, and for its end after a signal
 
 
@@ -55,6 +57,8 @@ def output_of_ranks(
     command = shutil.which("mpirun")
     if command is None:
         pytest.skip("no mpirun here")
+    with _COMPILING:  # tests may start scripts in threads
+        library = naps()[1]
     # this process is an MPI process itself, which mpirun must not take for its parent
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_"))}
     environment |= {
@@ -63,7 +67,7 @@ def output_of_ranks(
         "OMPI_MCA_btl": "^tcp",  # shared memory works without a network
         "OMPI_MCA_btl_sm_free_list_max": "-1",  # with a limit, ranks may wait for ever
         "OMPI_MCA_mpi_yield_when_idle": "1",
-        "LD_PRELOAD": naps()[1],  # ranks that wait leave the core to others, and get it back
+        "LD_PRELOAD": library,  # ranks that wait leave the core to others, and get it back
         "OMP_NUM_THREADS": "1",
     }
     many = ["--oversubscribe"] if "Open MPI" in MPI.Get_library_version() else []
