@@ -155,7 +155,7 @@ def _ending() -> MPI.Intracomm:
 
 
 _left: list[str] = []
-"""What this rank did together with others when its script ended by ``SystemExit``."""
+"""What this rank did with others when its script ended by ``SystemExit``, the whole work last."""
 
 
 _divisions = 0
@@ -200,7 +200,7 @@ def _at_end() -> None:
         if not all_arrive(_ending()):
             print(
                 f"RanksError: all ranks must do the same work, but rank {world.rank} of "
-                f"{world.size} is at the end of the script, which it left in {_left[0]}; expected "
+                f"{world.size} is at the end of the script, which it left in {_left[-1]}; expected "
                 "that all ranks end it, or none",
                 file=sys.stderr,
                 flush=True,
