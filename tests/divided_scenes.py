@@ -49,6 +49,15 @@ def sheet():
     return scene, [shell.point("11"), shell.point("10")]
 
 
+def heated():
+    """The sheet under temperatures, one of them in time."""
+    scene, points = sheet()
+    shell = scene.bodies[0]
+    scene.add(fl.loads.Temperature(shell, 20.0, 1e-5, gradient=1e3))
+    scene.add(fl.loads.Temperature(shell, 5.0, 1e-5, history=lambda t: 1.0 + t))
+    return scene, points
+
+
 def sail():
     """A membrane under tension and pressure, held at two edges."""
     mesh = fl.mesh.parametric_surface(lambda a, b: (a, 0.5 * b, 0.1 * a * a), (6, 4))
@@ -456,6 +465,7 @@ REFUSED = {
 REST = {
     "cantilever": cantilever,
     "sheet": sheet,
+    "heated": heated,
     "sail": sail,
     "channel": channel,
     "hinged": hinged,

@@ -18,6 +18,7 @@ from fem_lie.parts.part_scene import ScenePart, connections_of
 from fem_lie.results.record import FrictionForces, with_others
 from fem_lie.results.states import StateSeries, nodes_in
 from fem_lie.scene import Scene
+from fem_lie.scene.load import strained_bodies
 
 _SUMS = (
     *("kinetic", "elastic", "potential", "momentum", "angular_momentum", "balance", "impulses"),
@@ -119,7 +120,7 @@ class Gathering:
             joints=self._joints(),
             mass=float(part.comm.allreduce(info.mass)),
             supports=self._held(),
-            strained=info.strained,
+            strained=strained_bodies(part.whole.loads),
         )
         ways: dict[str, Callable[[Array], Array]] = {
             "frames": self.of_nodes,

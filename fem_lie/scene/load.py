@@ -236,6 +236,7 @@ class StrainLoad(Load):
     """
 
     carrier = Carrier("loaded", Beam | Shell, "a Beam or a Shell")
+    divisible = True
     loaded: Beam | Shell
 
     def __post_init__(self) -> None:
@@ -276,13 +277,13 @@ class StrainLoad(Load):
         return vector(getattr(self, name), self.loaded.model.stiffness.shape[1], what)
 
 
-def strained_bodies(loads: Sequence[Load]) -> set[Body]:
-    """Bodies with loads that are stress-free strains.
+def strained_bodies(loads: Sequence[Load]) -> tuple[str, ...]:
+    """Names of the bodies with loads that are stress-free strains, in alphabetical order.
 
     Args:
         loads: Loads of a scene.
     """
-    return {load.body for load in loads if isinstance(load, StrainLoad)}
+    return tuple(sorted({load.body.name for load in loads if isinstance(load, StrainLoad)}))
 
 
 def strains_of(loads: Sequence[Load], body: Beam | Shell, times: Array, factors: Array) -> Array:

@@ -224,7 +224,7 @@ class Equations:
         system = self._system
         mass = float(system.inertia.blocks[:, 0, 0].sum())
         joints = system.connections.info()
-        strained = tuple(sorted(body.name for body in strained_bodies(self.scene.loads)))
+        strained = strained_bodies(self.scene.loads)
         return describe.catalogue(system.numbering, joints, system.supported, mass, strained)
 
     @property
