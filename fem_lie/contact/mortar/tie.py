@@ -52,7 +52,7 @@ class Tie(Connection):
         >>> right = fl.Solid.brick(
         ...     (0.1, 0.1, 0.1), rubber, cells=(2, 2, 2), origin=(0.1, 0, 0), name="right"
         ... )
-        >>> left.clamp("a=0")
+        >>> _ = left.clamp("a=0")
         >>> scene = fl.Scene()
         >>> for body in (left, right):
         ...     _ = scene.add(body)
