@@ -188,6 +188,11 @@ class FreeMotions:
         B = (constraints.jacobian @ sp.diags(self._weight)).tocsr()[:, self._free]
         return RigidParts(none, none, none, basis, unknowns).mechanisms(B)
 
+    def _stiffness(self) -> sp.csr_matrix:
+        """The last assembled tangent stiffness of the free unknowns in their units."""
+        free, W = self._free, sp.diags(self._weight[self._free])
+        return (W @ tangent_csr(self._equations)[free][:, free] @ W).tocsr()
+
     def unresisted(self, Z: Array, r: Array) -> Array:
         """The motions of ``Z`` that the last assembled tangent stiffness does not resist.
 
@@ -195,9 +200,7 @@ class FreeMotions:
             Z: See :meth:`allowed`.
             r: Residual of the same state.
         """
-        free, weight = self._free, self._weight[self._free]
-        W = sp.diags(weight)
-        K = (W @ tangent_csr(self._equations)[free][:, free] @ W).tocsr()
+        free, weight, K = self._free, self._weight[self._free], self._stiffness()
         product = self._unknowns.total(Z @ (K @ Z.T))
         stiffness, vectors = np.linalg.eigh(0.5 * (product + product.T))
         motions = vectors.T @ Z
@@ -218,9 +221,7 @@ class FreeMotions:
         """
         if self._equations.shared.several:
             return Z[:0]
-        free = self._free
-        W = sp.diags(self._weight[free])
-        K = (W @ tangent_csr(self._equations)[free][:, free] @ W).tocsr()
+        K = self._stiffness()
         return max(_kernel(K, Z), _kernel(K.T, Z), key=len)
 
     def balanced(self, Z: Array, r: Array) -> bool:
