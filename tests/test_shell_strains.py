@@ -137,7 +137,7 @@ def test_what_is_not_possible_is_refused():
     scene, shell = strip()
     scene.add(fl.loads.Temperature(shell, RISE, EXPANSION))
     result = fl.statics(scene)
-    with pytest.raises(ValueError, match=r"stress resultants need scene=.*strip has stress-free"):
+    with pytest.raises(ValueError, match=r"stresses need scene=.*strip has stress-free"):
         fl.post.resultants(result, shell)
     with pytest.raises(ValueError, match="errors of shells cannot be estimated: strip has"):
         fl.adaptivity.space_error(result, shell, scene)

@@ -265,6 +265,17 @@ class BodyModel:
         """
         return None
 
+    def with_strains(self) -> BodyModel:
+        """Model whose assembly takes stress-free strains, if its own does not for the cost."""
+        return self
+
+    def check_strain(self, strain: Array) -> None:
+        """Raise ``ValueError`` if a stress-free strain is not possible; default: all are.
+
+        Args:
+            strain: Strain of a cell, shape (s,).
+        """
+
     def pieces(self, holds: Sequence[HeldRotation]) -> Iterator[tuple[BodyModel, Indices]]:
         """Models with one :attr:`assembly_key` each, and the numbers of their nodes.
 

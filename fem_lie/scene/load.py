@@ -33,6 +33,7 @@ from fem_lie._arrays import (
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.shells.shell import Shell
+from fem_lie.bodies.solids.solid import Solid
 from fem_lie.forms.term import Term
 
 History = Callable[[float], float]
@@ -228,16 +229,16 @@ class NodalLoad(Load):
 
 
 class StrainLoad(Load):
-    """Base class of loads that are a stress-free strain of a beam or a shell.
+    """Base class of loads that are a stress-free strain of a beam, a shell or a solid.
 
     Attributes:
-        loaded: The beam or shell.
+        loaded: The beam, shell or solid.
         cells: Name of a group of cells; default: all.
     """
 
-    carrier = Carrier("loaded", Beam | Shell, "a Beam or a Shell")
+    carrier = Carrier("loaded", Beam | Shell | Solid, "a Beam, a Shell or a Solid")
     divisible = True
-    loaded: Beam | Shell
+    loaded: Beam | Shell | Solid
 
     def __post_init__(self) -> None:
         """Raise ``TypeError`` if an argument has a wrong type.
@@ -260,21 +261,22 @@ class StrainLoad(Load):
     def strains(self) -> Array:
         """Stress-free strain of each cell of the body.
 
-        Its shape is (m, 6) for the (Γ, κ) of a beam and (m, 8) for the strains of a shell.
+        Its shape is (m, 6) for the (Γ, κ) of a beam and the strains of a solid, and (m, 8) for
+        those of a shell.
         """
 
     def _in_cells(self, strain: npt.ArrayLike) -> Array:
         """The strain, (s,) or (m, s), in the loaded cells and zero in the others, shape (m, s)."""
         model = self.loaded.model
         given = np.asarray(strain, dtype=np.float64)
-        values, cells = np.zeros(model.stiffness.shape[:2]), model.cells_of(self.cells)
+        values, cells = np.zeros(model.strains_shape), model.cells_of(self.cells)
         values[cells] = np.broadcast_to(given, values.shape)[cells]
         return values
 
     def _components(self, name: str) -> Array:
         """A vector argument with a component for each strain of the body, shape (s,)."""
         what = f"{name} of the {type(self).__name__} on {self.where}"
-        return vector(getattr(self, name), self.loaded.model.stiffness.shape[1], what)
+        return vector(getattr(self, name), self.loaded.model.strains_shape[1], what)
 
 
 def strained_bodies(loads: Sequence[Load]) -> tuple[str, ...]:
@@ -286,7 +288,9 @@ def strained_bodies(loads: Sequence[Load]) -> tuple[str, ...]:
     return tuple(sorted({load.body.name for load in loads if isinstance(load, StrainLoad)}))
 
 
-def strains_of(loads: Sequence[Load], body: Beam | Shell, times: Array, factors: Array) -> Array:
+def strains_of(
+    loads: Sequence[Load], body: Beam | Shell | Solid, times: Array, factors: Array
+) -> Array:
     """Stress-free strains of the cells of a body by all loads, shape (T, m, s).
 
     Args:
@@ -295,7 +299,7 @@ def strains_of(loads: Sequence[Load], body: Beam | Shell, times: Array, factors:
         times: Times at which histories are evaluated, shape (T,).
         factors: Factors of loads without history, shape (T,).
     """
-    total = np.zeros((len(times), *body.model.stiffness.shape[:2]))
+    total = np.zeros((len(times), *body.model.strains_shape))
     for number, load in enumerate(loads):
         if isinstance(load, StrainLoad) and load.body is body:
             given = load.history

@@ -1,4 +1,4 @@
-"""Strain loads on beams and shells: eigenstrain, temperature, prestress."""
+"""Strain loads on beams, shells and solids: eigenstrain, temperature, prestress."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import numpy.typing as npt
 from fem_lie._arrays import Array, number, numbers
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.shells.shell import Shell
-from fem_lie.scene.load import StrainLoad
+from fem_lie.bodies.solids.solid import Solid
+from fem_lie.scene.load import Carrier, StrainLoad
 
 if TYPE_CHECKING:
     from fem_lie.scene.load import History
@@ -19,13 +20,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Eigenstrain(StrainLoad):
-    """A stress-free strain of a beam or a shell, such as growth or an actuator.
+    """A stress-free strain of a beam, a shell or a solid, such as growth or an actuator.
 
     Attributes:
-        loaded: The beam or shell.
+        loaded: The beam, shell or solid.
         strain: Of a beam (Γ₁, Γ₂, Γ₃, κ₁, κ₂, κ₃), curvatures in rad per length; of a shell
             (E₁₁, E₂₂, 2E₁₂, K₁₁, K₂₂, 2K₁₂, γ₁, γ₂) in the axes of its section, where E is Green's
-            strain and a positive K extends the side of the director.
+            strain and a positive K extends the side of the director; of a solid Green's strain
+            (E₁₁, E₂₂, E₃₃, 2E₁₂, 2E₁₃, 2E₂₃) along the global axes of the unloaded body. The
+            energy of a solid, of any law, is that of ``F U₀⁻¹`` with ``U₀² = 1 + 2E``, per volume
+            of the stress-free state.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
 
@@ -40,15 +44,19 @@ class Eigenstrain(StrainLoad):
         1
     """
 
-    loaded: Beam | Shell
+    loaded: Beam | Shell | Solid
     strain: npt.ArrayLike
     cells: str | None = None
     history: History | None = None
 
     def check(self) -> None:
-        """Raise ``ValueError`` if a component is not finite or there is no such group of cells."""
+        """Raise ``ValueError`` if a component is not finite or there is no such group of cells.
+
+        Raises:
+            ValueError: Likewise if the strain of a solid is not that of a stretch.
+        """
         super().check()
-        self._components("strain")
+        self.loaded.model.check_strain(self._components("strain"))
 
     def strains(self) -> Array:
         """Stress-free strain of each cell, shape (m, s)."""
@@ -57,17 +65,19 @@ class Eigenstrain(StrainLoad):
 
 @dataclass(frozen=True, eq=False)
 class Temperature(StrainLoad):
-    """Temperature change of a beam or a shell, linear over the section.
+    """Temperature change of a beam or a shell, linear over the section, or of a solid.
 
     A point (y, z) of the section of a beam is warmer by ``rise + gradient · (y, z)``, a point of a
     shell at the distance z from its mid-surface, towards the director, by ``rise + gradient z``.
+    A solid without load is longer by ``expansion · rise`` in all directions; groups of its cells
+    may have one temperature each.
 
     Attributes:
-        loaded: The beam or shell.
-        rise: Temperature change at the axis or mid-surface.
+        loaded: The beam, shell or solid.
+        rise: Temperature change, at the axis of a beam or the mid-surface of a shell.
         expansion: Coefficient of thermal expansion in all directions, per temperature.
         gradient: Temperature gradient, temperature per length: of a beam along e₂ and e₃, shape
-            (2,), of a shell along the director, one number; default: none.
+            (2,), of a shell along the director, one number; a solid has none.
         cells: Name of a group of cells; default: all.
         history: Factor as a function of time.
 
@@ -82,7 +92,7 @@ class Temperature(StrainLoad):
         1
     """
 
-    loaded: Beam | Shell
+    loaded: Beam | Shell | Solid
     rise: float
     expansion: float
     gradient: npt.ArrayLike | None = None
@@ -92,7 +102,7 @@ class Temperature(StrainLoad):
     def check(self) -> None:
         """Raise ``ValueError`` if an argument is not finite or there is no such group of cells."""
         super().check()
-        self._strain()
+        self.loaded.model.check_strain(self._strain())
 
     def strains(self) -> Array:
         """Stress-free strain of each cell, shape (m, s)."""
@@ -112,6 +122,8 @@ class Temperature(StrainLoad):
 class PreStress(StrainLoad):
     """Initial stress resultants of a beam or a shell in the unloaded state.
 
+    A solid has no resultants: give it a stress-free strain, :class:`Eigenstrain`.
+
     Attributes:
         loaded: The beam or shell.
         resultant: Of a beam force and moment (N₁, N₂, N₃, M₁, M₂, M₃) in the section's frame; of a
@@ -130,6 +142,7 @@ class PreStress(StrainLoad):
         1
     """
 
+    carrier = Carrier("loaded", Beam | Shell, "a Beam or a Shell")
     loaded: Beam | Shell
     resultant: npt.ArrayLike
     cells: str | None = None

@@ -23,8 +23,8 @@ from fem_lie.results.states import nodes_in
 from fem_lie.results.stresses.element_forces import ElementForces
 from fem_lie.results.stresses.nodal_values import extrapolation, unit
 from fem_lie.results.stresses.section_forces import SectionForces, section_forces
-from fem_lie.results.stresses.shell_resultants import require_no_strains
 from fem_lie.results.stresses.shell_stress import ShellStress, integration
+from fem_lie.results.stresses.stress_free import require_no_strains
 from fem_lie.scene import Scene
 from fem_lie.sections.orientation import middle_frames
 

@@ -32,12 +32,9 @@ from fem_lie.results.history import Result
 from fem_lie.results.stresses.element_forces import without_jumps
 from fem_lie.results.stresses.nodal_values import CellPoints
 from fem_lie.results.stresses.section_forces import SectionForces, section_forces
-from fem_lie.results.stresses.shell_resultants import (
-    Resultants,
-    require_no_strains,
-    resultant_series,
-)
+from fem_lie.results.stresses.shell_resultants import Resultants, resultant_series
 from fem_lie.results.stresses.shell_stress import ShellStress, in_axes, integration
+from fem_lie.results.stresses.stress_free import require_no_strains
 from fem_lie.scene import Scene
 
 

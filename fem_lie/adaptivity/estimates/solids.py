@@ -29,6 +29,7 @@ from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.states import nodes_in
 from fem_lie.results.stresses.solid_stress import CellValues
+from fem_lie.results.stresses.stress_free import require_no_strains
 from fem_lie.scene import Scene
 
 _LEAST = 8
@@ -41,8 +42,9 @@ def solid_fields(
     """Stress of the cells and recovered stress in some states.
 
     Raises:
-        ValueError: The solid is not in that result.
+        ValueError: The solid is not in that result, or has stress-free strains there.
     """
+    require_no_strains(result, solid, "errors of solids cannot be estimated")
     model, nodes = solid.model, nodes_in(result.info, solid)
     cell, degree = model.mesh.cell, model.degree
     points, w = rule(cell, 2 * degree + 1)

@@ -84,6 +84,11 @@ class BeamModel(LineModel):
         a, b = self.frames[self.elements[:, :2]].transpose(1, 0, 2, 3)
         return self.formulation.effective_stiffness(self.stiffness, lie.se3_relative(a, b))
 
+    @property
+    def strains_shape(self) -> tuple[int, int]:
+        """Shape (m, 6) of stress-free strains (Γ, κ) of the cells."""
+        return len(self.stiffness), 6
+
     def require_eigenstrain(self, what: str) -> None:
         """Raise ``ValueError`` if the elements do not take stress-free strains.
 

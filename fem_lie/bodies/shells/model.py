@@ -87,6 +87,11 @@ class ShellModel(SurfaceNodes, CellsOnSurface):
         """Key of shells that are assembled together: same formulation, damping and cell type."""
         return type(self), self.formulation, self.damping, self.mesh.cell, self.mesh.degree
 
+    @property
+    def strains_shape(self) -> tuple[int, int]:
+        """Shape (m, 8) of stress-free strains of the cells."""
+        return len(self.stiffness), 8
+
     def require_eigenstrain(self, what: str) -> None:
         """Raise ``ValueError`` if the elements do not take stress-free strains.
 

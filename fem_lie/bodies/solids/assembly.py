@@ -8,6 +8,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie.elements.solids.element import SolidFormulation
+from fem_lie.elements.solids.stretch import StressFreeStretch
 from fem_lie.forms.assembly import Assembly, NodalInertia
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.mesh.volumes import VolumeMesh, VolumeRule
@@ -29,6 +30,11 @@ class SolidData(Protocol):
     formulation: SolidFormulation
     damping: Damping
     rule: VolumeRule
+    strained: bool
+
+    @property
+    def label(self) -> str:
+        """Name in messages."""
 
 
 class SolidAssembly(Assembly):
@@ -45,8 +51,12 @@ class SolidAssembly(Assembly):
         order = np.empty(len(body.frames), dtype=np.int64)
         order[body.connectivity] = cells
         material, relaxation = (body.material, body.parameters), body.damping.relaxation_time
-        forms = body.formulation.forms(nodal, body.degree, *material, relaxation)
-        super().__init__(nodal, forms, order, np.arange(len(cells)), None)
+        # elements of users may have forms without such a stretch
+        free = StressFreeStretch(body.mesh.mesh, body.label) if body.strained else None
+        stretch = () if free is None else (free.inverse,)
+        forms = body.formulation.forms(nodal, body.degree, *material, relaxation, *stretch)
+        set_strains = None if free is None else free.set
+        super().__init__(nodal, forms, order, np.arange(len(cells)), set_strains)
         self.require_no_stress(body.formulation, body.material.law)
         slopes = body.rule.mean_slopes
         self.around = np.zeros((len(self.indices), 3))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
+from copy import copy
 from functools import cached_property
 from typing import Any
 
@@ -20,6 +21,7 @@ from fem_lie.bodies.position_model import PositionModel
 from fem_lie.bodies.solids.assembly import SolidAssembly
 from fem_lie.bodies.solids.faces import Faces, faces_of, nodes_on
 from fem_lie.elements.solids.element import SolidFormulation, default_formulation
+from fem_lie.elements.solids.stretch import inverse_stretch
 from fem_lie.mesh.volumes import VolumeMesh, VolumeRule
 from fem_lie.sections.material import Damping
 from fem_lie.sections.solid_materials import SolidMaterial
@@ -45,9 +47,11 @@ class SolidModel(PositionModel):
         damping: Damping of motion and of strain.
         space: Lagrange space on the unloaded mesh whose nodes are those of the body.
         rule: Quadrature rule of the cells.
+        strained: Whether its assembly takes stress-free strains.
     """
 
     dimension = 3
+    strained: bool = False
 
     def __init__(
         self,
@@ -166,6 +170,55 @@ class SolidModel(PositionModel):
         part.parameters, part.density = self.parameters[numbers], self.density[numbers]
         part.__dict__.pop("boundary", None)
         return part, nodes
+
+    @property
+    def strains_shape(self) -> tuple[int, int]:
+        """Shape (m, 6) of stress-free strains (E₁₁, E₂₂, E₃₃, 2E₁₂, 2E₁₃, 2E₂₃) of the cells."""
+        return self.mesh.cells, 6
+
+    def require_eigenstrain(self, what: str) -> None:
+        """Raise ``ValueError`` if the elements do not take stress-free strains.
+
+        Args:
+            what: What the user asked for, for the message.
+        """
+        self.formulation.require_eigenstrain(what)
+
+    def check_strain(self, strain: Array) -> None:
+        """Raise ``ValueError`` if a stress-free strain, shape (6,), is not that of a stretch.
+
+        Args:
+            strain: The strain.
+        """
+        inverse_stretch(strain[np.newaxis], self.label)
+
+    def thermal_strain(
+        self, expansion: float, rise: float, gradient: Array | float, what: str
+    ) -> Array:
+        """Green's strain of a cell that is warmer by ``rise`` and free of stress, shape (6,).
+
+        Args:
+            expansion: Coefficient of thermal expansion, in all directions.
+            rise: Temperature change.
+            gradient: 0.
+            what: Name of the gradient, for messages.
+
+        Raises:
+            ValueError: A gradient is given.
+        """
+        if np.any(gradient):
+            raise ValueError(
+                f"{what} must be that of a section, which a Solid has not: give groups of cells "
+                "a Temperature each"
+            )
+        extension = expansion * rise
+        return (extension + 0.5 * extension**2) * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+
+    def with_strains(self) -> SolidModel:
+        """The same model, whose assembly takes stress-free strains."""
+        strained = copy(self)
+        strained.strained = True
+        return strained
 
     @classmethod
     def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> SolidAssembly:

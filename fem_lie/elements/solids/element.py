@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import basix.ufl
 import dolfinx
@@ -216,7 +216,8 @@ QUADRATURE = {
 
 _MOST_INCOMPRESSIBLE = 20.0  # Poisson's ratio of 0.475, where deflections are a third too small
 
-_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+"""Indices of the components of a strain; those of shears are doubled."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,17 +228,32 @@ class Strains:
         coordinates: Flat coordinates of a cell, in UFL.
         frame_map: Map from nodal coordinates to them.
         gradient: Deformation gradient ``F`` of the element; ``C = FᵀF``.
+        weight: Volume in which the energy is measured per unloaded volume.
     """
 
     coordinates: fem.Function
     frame_map: FrameMap
     gradient: Expr
+    weight: Expr | float = 1.0
+
+    def from_stretched(self, inverse: fem.Function) -> Strains:
+        """Strains from the stress-free state of each cell.
+
+        The gradient is ``F U₀⁻¹``, the energy is per volume of that state. A body that has
+        expanded freely is as a larger one of the same material, of any law.
+
+        Args:
+            inverse: Inverse ``U₀⁻¹`` of the stress-free stretch, see
+                :class:`~fem_lie.elements.solids.stretch.StressFreeStretch`, cellwise, shape (3, 3).
+        """
+        weight = 1.0 / ufl.det(inverse)
+        return replace(self, gradient=self.gradient * inverse, weight=weight)
 
     @property
     def voigt(self) -> Expr:
         """Strain ``E`` as (11, 22, 33, 2·12, 2·13, 2·23)."""
         E = 0.5 * (self.gradient.T * self.gradient - ufl.Identity(3))
-        return ufl.as_vector([E[i, j] * (1 if i == j else 2) for i, j in _PAIRS])
+        return ufl.as_vector([E[i, j] * (1 if i == j else 2) for i, j in PAIRS])
 
     def cauchy(self, material: SolidMaterial, parameters: Sequence[Expr]) -> Expr:
         """Cauchy stress ``σ = F S Fᵀ/J`` with ``S = 2 ∂W/∂C``, global components, (3, 3)."""
@@ -266,6 +282,18 @@ class Strains:
 class SolidFormulation(ABC):
     """Element of solids: subclass it in one file, as a frozen dataclass of its options."""
 
+    def require_eigenstrain(self, what: str) -> None:
+        """Raise ``ValueError`` if the energy is not that of :meth:`strains`.
+
+        Args:
+            what: What the user asked for, for the message.
+        """
+        if type(self).forms is not SolidFormulation.forms:
+            raise ValueError(
+                f"{what} is not available for {type(self).__name__}, which has forms of its own: "
+                "use Isoparametric or MeanDilatation"
+            )
+
     @abstractmethod
     def check(self, cell: str, degree: int) -> None:
         """Raise ``ValueError`` if the element does not support such cells.
@@ -291,6 +319,7 @@ class SolidFormulation(ABC):
         material: SolidMaterial,
         parameters: Array,
         relaxation: float = 0.0,
+        inverse: fem.Function | None = None,
     ) -> LocalFrameForms:
         """Energy, forces and tangent.
 
@@ -300,13 +329,18 @@ class SolidFormulation(ABC):
             material: Constitutive law.
             parameters: Parameters of the law in each cell, shape (m, p).
             relaxation: Relaxation time of Kelvin-Voigt damping; 0: none.
+            inverse: Inverse stress-free stretch, see :meth:`Strains.from_stretched`; default: the
+                unloaded body is free of stress.
         """
         mesh, strains = nodal.function.function_space.mesh, self.strains(nodal, degree)
+        if inverse is not None:
+            strains = strains.from_stretched(inverse)
         given = [cellwise(mesh, column) for column in parameters.T]
         energy = StrainEnergy(
             strain=strains.voigt,
             law=lambda ε: material.energy(from_voigt(ε), *given),
             dx=measure(mesh, degree),
+            weight=strains.weight,
         )
         return LocalFrameForms(
             energy,

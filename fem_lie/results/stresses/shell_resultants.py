@@ -15,7 +15,6 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import cast
 
 import dolfinx
 import numpy as np
@@ -27,8 +26,6 @@ from fem_lie.bodies.shells.shell import Shell, numbers_in_whole, require_one_typ
 from fem_lie.mesh.surfaces import KINK_ANGLE
 from fem_lie.pictures.page.colours import NodalColours, at_nodes
 from fem_lie.pictures.stage import SI, Canvas, Units
-from fem_lie.results.equilibrium import StaticResult
-from fem_lie.results.history import Result
 from fem_lie.results.states import States, nodes_in, require_states, state_number
 from fem_lie.results.stresses.nodal_values import (
     DISCONTINUOUS,
@@ -47,9 +44,8 @@ from fem_lie.results.stresses.shell_stress import (
     StressPoints,
 )
 from fem_lie.results.stresses.shell_values import LARGEST_JUMP, ResultantValues
+from fem_lie.results.stresses.stress_free import strains_in
 from fem_lie.scene import Scene
-from fem_lie.scene.load import strains_of
-from fem_lie.scene.scene import require_scene
 
 
 def resultants(
@@ -146,46 +142,12 @@ def _of_states(
         stress_points = StressPoints.in_sections(shell, kink_angle)
     else:
         stress_points = StressPoints.of(shell, along, kink_angle)
-    stress, strains = ShellStress.of(shell), _strains(result, shell, states, scene)
+    stress, strains = ShellStress.of(shell), strains_in(result, shell, states, scene)
     moved = [result.frames[state][nodes] for state in states]
     return [
         Resultants.of(shell, stress_points, frames, stress(frames, own))
         for frames, own in zip(moved, strains, strict=True)
     ]
-
-
-def _strains(
-    result: States, shell: Shell, states: range | list[int], scene: Scene | None
-) -> Sequence[Array | None]:
-    """Stress-free strains of the shell in some states, each (m, 8) or none."""
-    if scene is None:
-        require_no_strains(result, shell, "stress resultants need scene=...")
-        return [None] * len(states)
-    require_scene(scene)
-    rows = np.array(states, dtype=np.int64)
-    times: Array
-    factors: Array
-    if isinstance(result, Result):
-        times, factors = result.times[rows], np.ones(len(rows))
-    else:
-        times = cast(StaticResult, result).factors[rows]
-        factors = times.copy()
-    return list(strains_of(scene.loads, shell, times, factors))
-
-
-def require_no_strains(result: States, shell: Shell, otherwise: str) -> None:
-    """Raise ``ValueError`` if a shell has loads that are stress-free strains.
-
-    Args:
-        result: A result of the scene with these loads.
-        shell: The shell.
-        otherwise: What is needed, or impossible, then, for the message.
-    """
-    if whole_of(shell).name in result.info.strained:
-        raise ValueError(
-            f"{otherwise}: {shell.label} has stress-free strains in the scene of this result "
-            "(Temperature, Eigenstrain, PreStress)"
-        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -16,11 +16,14 @@ from fem_lie._arrays import Array, instance
 from fem_lie._form_cache import compile_expression
 from fem_lie.bodies.solids.solid import Solid
 from fem_lie.elements.solids.element import QUADRATURE, Strains, cellwise
+from fem_lie.elements.solids.stretch import StressFreeStretch
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.mesh.shapes import nodes_of, rule, tabulated
 from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.results.states import States, nodes_in, require_states, state_number
 from fem_lie.results.stresses.fields import Fields, check_name
+from fem_lie.results.stresses.stress_free import strains_in
+from fem_lie.scene import Scene
 from fem_lie.sections.solid_materials import SolidMaterial
 
 CellExpression: TypeAlias = Callable[[Strains, SolidMaterial, Sequence[Expr]], Expr]
@@ -171,25 +174,32 @@ class SolidStresses(Fields):
         )
 
 
-def solid_stresses(result: States, solid: Solid, state: int = -1) -> SolidStresses:
+def solid_stresses(
+    result: States, solid: Solid, state: int = -1, *, scene: Scene | None = None
+) -> SolidStresses:
     """Cauchy stress of a solid in one state of a result.
 
     Args:
         result: A result of statics, of a path or of dynamics, of a scene with the solid.
         solid: The solid.
         state: Index of the state; default: the last.
+        scene: The scene that was solved; needed if the solid has stress-free strains there, such
+            as a :class:`~fem_lie.loads.Temperature`.
 
     Raises:
-        ValueError: The solid is not in that result, or there is no such state.
+        ValueError: The solid is not in that result, there is no such state, or stress-free
+            strains of the solid are not known.
         TypeError: An argument is not a result, or not a solid.
     """
     require_states(result)
     instance(solid, Solid, "solid_stresses: solid", "a Solid")
-    frames = result.frames[state_number(state, len(result.frames))]
+    number = state_number(state, len(result.frames))
+    (strains,) = strains_in(result, solid, [number], scene)
+    frames = result.frames[number]
     own = np.ascontiguousarray(frames[nodes_in(result.info, solid)])
     degree = solid.model.degree
     points, _ = rule(solid.model.mesh.cell, QUADRATURE[solid.model.mesh.cell, degree])
-    at_points = CellValues(solid, Strains.cauchy).at(points)(own)
+    at_points = CellValues(solid, Strains.cauchy, strains).at(points)(own)
     shapes = tabulated(solid.model.mesh.cell, degree, points)[0]
     positions = np.einsum("gk,mkj->mgj", shapes, own[solid.model.connectivity, 0])
     return SolidStresses(solid, own, at_points, positions, _averaged(solid, points, at_points))
@@ -198,16 +208,23 @@ def solid_stresses(result: States, solid: Solid, state: int = -1) -> SolidStress
 class CellValues:
     """Values of an expression in the strains, the law and its parameters, in all cells."""
 
-    def __init__(self, solid: Solid, expression: CellExpression) -> None:
+    def __init__(
+        self, solid: Solid, expression: CellExpression, strains: Array | None = None
+    ) -> None:
         """Build the expression.
 
         Args:
             solid: The solid.
             expression: From strains, constitutive law and parameters to UFL.
+            strains: Stress-free strain of each cell, shape (m, 6); default: none.
         """
         self._solid, model = solid, solid.model
         mesh, degree = model.mesh.mesh, model.degree
         self._strains = model.formulation.strains(NodalFrames(mesh, degree), degree)
+        if strains is not None:
+            free = StressFreeStretch(mesh, solid.label)
+            free.set(strains)
+            self._strains = self._strains.from_stretched(free.inverse)
         parameters = [cellwise(mesh, column) for column in model.parameters.T]
         self._expression = expression(self._strains, model.material, parameters)
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import weakref
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,7 @@ from fem_lie.forms.assembly import BodyTerm
 from fem_lie.joints.rigid_link import RigidLink
 from fem_lie.lie.node_types import TRAITS, NodeType
 from fem_lie.scene import Scene
+from fem_lie.scene.load import strained_bodies
 
 
 @compiled
@@ -177,6 +178,7 @@ class Numbering:
         links: Sequence[RigidLink] = (),
         holds: Holds = NO_HOLDS,
         state: InitialState | None = None,
+        strained: Collection[str] = (),
     ) -> None:
         """Build the assemblies and number their nodes.
 
@@ -185,6 +187,7 @@ class Numbering:
             links: Rigid links between points.
             holds: Items that act on the rotations of the bodies' nodes.
             state: State of the bodies from which solvers start; default: their own.
+            strained: Names of bodies with stress-free strains.
 
         Raises:
             ValueError: Frames or velocities of a body are invalid; initial velocities of linked
@@ -210,7 +213,10 @@ class Numbering:
             members = [(body, model, nodes) for body, key, model, nodes in pieces if key == kind]
             total = sum(len(nodes) for *_, nodes in members)
             order: Indices = np.arange(total)
-            models = [model for _, model, _ in members]
+            models = [
+                model.with_strains() if body.name in strained else model
+                for body, model, _ in members
+            ]
             assembly = models[0].assemble(models, holds)
             if assembly is not None:
                 order = assembly.order
@@ -406,7 +412,8 @@ def numbered(scene: Scene) -> Numbering:
     twice = [name for name, count in Counter(b.name for b in scene.bodies).items() if count > 1]
     if twice:
         raise ValueError(f"the scene has several bodies named {twice[0]!r}")
-    return Numbering(scene.bodies, scene.links, scene.held_rotations(), scene.began.state)
+    given = scene.bodies, scene.links, scene.held_rotations(), scene.began.state
+    return Numbering(*given, strained_bodies(scene.loads))
 
 
 def _mark(scene: Scene) -> bytes:
@@ -416,4 +423,7 @@ def _mark(scene: Scene) -> bytes:
         (type(body), data_of_body(body), body.model.drilling_for(holds.get(body.model, ())))
         for body in scene.bodies
     ]
-    return bytes_of.of((bodies, scene.links))
+    strained = strained_bodies(scene.loads)
+    # most assemblies take such strains in any case
+    other = [b.name in strained and b.model.with_strains() is not b.model for b in scene.bodies]
+    return bytes_of.of((bodies, scene.links, other))
