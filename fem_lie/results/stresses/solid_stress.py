@@ -75,7 +75,7 @@ class SolidStresses(Fields):
         Args:
             name: Name of the quantity, such as "von Mises".
         """
-        volumes = self.solid.model.rule.volumes
+        volumes = _volumes(self.solid)
         total = np.einsum("mg,mgij->mij", volumes, self.at_points)
         return self._of(name, total / volumes.sum(axis=1)[:, np.newaxis, np.newaxis])
 
@@ -240,6 +240,15 @@ class CellValues:
             return np.asarray(found.reshape(shape))
 
         return evaluate
+
+
+def _volumes(solid: Solid) -> Array:
+    """Unloaded volume of each integration point of the energy, shape (m, g)."""
+    model = solid.model
+    points, w = rule(model.mesh.cell, QUADRATURE[model.mesh.cell, model.degree])
+    slopes = tabulated(model.mesh.cell, model.degree, points)[1:]
+    x = model.positions[model.connectivity]
+    return np.asarray(w * np.abs(np.linalg.det(np.einsum("kgi,mij->mgkj", slopes, x))))
 
 
 def _averaged(solid: Solid, points: Array, values: Array) -> Array:
