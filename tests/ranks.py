@@ -26,8 +26,29 @@ def on_ranks(script: ModuleType, ranks: int, out: Path, *given: str) -> None:
 
 
 NAP = """
+#define _GNU_SOURCE
+#include <sys/prctl.h>
 #include <time.h>
-int sched_yield(void) { struct timespec t = {0, 20000}; return nanosleep(&t, 0); }
+
+static long now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return t.tv_sec * 1000000000L + t.tv_nsec;
+}
+
+/* Linux adds 50 microseconds to each sleep otherwise */
+__attribute__((constructor)) static void wake_up_in_time(void) { prctl(PR_SET_TIMERSLACK, 1UL); }
+
+/* The answer to a message often comes at once: a wait begins without sleep. */
+int sched_yield(void) {
+    static _Thread_local long begin, last;
+    struct timespec nap = {0, 20000};
+    long called = now();
+    if (called - last > 10000) begin = called;
+    if (called - begin > 50000) nanosleep(&nap, 0);
+    last = now();
+    return 0;
+}
 """
 
 

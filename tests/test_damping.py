@@ -49,7 +49,7 @@ BODIES = {
     "independent strain": lambda **o: shell(fl.elements.HuWashizu(), **o),
     "law of a user": lambda **o: shell(fl.elements.HuWashizu(law=quartic), **o),
     "MITC4": lambda **o: shell(fl.elements.DisplacementBased(), **o),
-    "MITC9": lambda **o: shell(fl.elements.DisplacementBased(), degree=2, **o),
+    "MITC6": lambda **o: shell(fl.elements.DisplacementBased(), "triangle", degree=2, **o),
     "geodesic": lambda **o: shell(fl.elements.GeodesicShell(), **o),
     "mean dilatation": lambda **o: solid(1, **o),
     "quadratic": lambda **o: solid(2, **o),
