@@ -117,9 +117,7 @@ TRIANGLE = Element("MITC3+", fl.elements.MITC3_PLUS)
 TRIANGLE_6 = Element("MITC6", fl.elements.MITC6, "displacement")
 # it passes the patch test for parallelograms only; its form takes minutes to compile, and with this
 # geometry it is that of the bodies in other tests
-QUADRILATERAL_9 = Element(
-    "MITC9", fl.elements.MITC9, "displacement", distortion=0.0, geometry=2
-)
+QUADRILATERAL_9 = Element("MITC9", fl.elements.MITC9, "displacement", distortion=0.0, geometry=2)
 
 
 @dataclass
