@@ -141,7 +141,7 @@ def test_what_is_not_possible_is_refused():
     with pytest.raises(TypeError, match="PreStress: loaded must be a Beam or a Shell"):
         fl.loads.PreStress(solid, (1e6, 0, 0, 0, 0, 0))
     for load, message in (
-        (fl.loads.Temperature(solid, RISE, EXPANSION, gradient=1.0), "which a Solid has not"),
+        (fl.loads.Temperature(solid, RISE, EXPANSION, gradient=1.0), "which a Solid does not have"),
         (fl.loads.Eigenstrain(solid, (1e-3, 0, 0)), "strain of the Eigenstrain on block must be 6"),
         (fl.loads.Eigenstrain(solid, (-0.5, 0, 0, 0, 0, 0)), "block must be that of a stretch"),
     ):

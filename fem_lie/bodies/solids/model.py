@@ -208,7 +208,7 @@ class SolidModel(PositionModel):
         """
         if np.any(gradient):
             raise ValueError(
-                f"{what} must be that of a section, which a Solid has not: give groups of cells "
+                f"{what} needs a section, which a Solid does not have: give groups of cells "
                 "a Temperature each"
             )
         extension = expansion * rise
