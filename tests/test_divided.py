@@ -36,6 +36,9 @@ def test_divided_scenes_have_the_results_of_one_rank(alone, tmp_path, ranks):
             # states at critical points are located to 1e-10, and branches depend on them
             located = name.startswith(("arch, path", "strut, path"))
             allowed = 1e-8 if of_reactions or of_modes or located else 1e-10
+            # round-off of positions over a step, which stiff cells pass on from step to step
+            if "in motion, velocity" in name:
+                allowed = 1e-9
             np.testing.assert_allclose(
                 found[name], expected, rtol=0, atol=allowed * size, err_msg=name
             )
