@@ -1,4 +1,7 @@
-"""Files for ParaView and results of a divided scene: ``mpirun -n N parallel_output.py FOLDER``."""
+"""Files for ParaView and results of a divided scene: ``mpirun -n N parallel_output.py FOLDER``.
+
+With ``FOLDER FILE`` the series of the results in a file.
+"""
 
 import sys
 from pathlib import Path
@@ -34,6 +37,15 @@ def write(folder):
     result.save(folder / "motion.h5")
 
 
+def write_again(folder, file):
+    """The motion of a file, which other ranks than these may have written."""
+    fl.Result.load(file).write_vtk(folder / "motion.pvd")
+
+
 if __name__ == "__main__":
-    divided_scenes.divide()
-    write(Path(sys.argv[1]))
+    out, *files = map(Path, sys.argv[1:])
+    if files:
+        write_again(out, *files)
+    else:
+        divided_scenes.divide()
+        write(out)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +28,18 @@ class Labelled(Protocol):
     @property
     def label(self) -> str:
         """Label in messages and results."""
+
+
+class Owners(NamedTuple):
+    """Ranks that had cells of a scene that was divided.
+
+    Attributes:
+        ranks: Rank of each cell, shape (c,).
+        parts: Number of ranks among which the scene was divided.
+    """
+
+    ranks: Indices
+    parts: int
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,6 +66,8 @@ class BodyInfo(Summarised):
             for files of results without them.
         element: Name of the class of its formulation; empty if it has none, and for files of
             results without it.
+        owners: Rank that had each of ``cells``, then of ``faces``, or each of the nodes if there
+            are neither, in a scene that was divided; ``None`` if it was not.
     """
 
     name: str
@@ -68,6 +82,7 @@ class BodyInfo(Summarised):
     node_types: Indices | None = None
     undeformed: Array | None = None
     element: str = ""
+    owners: Indices | None = None
 
     @classmethod
     def of(cls, body: Body, nodes: Indices) -> BodyInfo:
@@ -171,6 +186,7 @@ class SceneInfo(Summarised):
         mass: Total mass; 0 if a body has no known inertia.
         supports: Held nodes.
         strained: Names of the bodies with loads that are stress-free strains.
+        parts: Number of ranks among which the scene was divided; ``None``: it was not.
     """
 
     bodies: tuple[BodyInfo, ...]
@@ -178,6 +194,7 @@ class SceneInfo(Summarised):
     mass: float = 0.0
     supports: SupportInfo = field(default_factory=SupportInfo)
     strained: tuple[str, ...] = ()
+    parts: int | None = None
 
     @classmethod
     def of(cls, bodies: Sequence[Body]) -> SceneInfo:

@@ -15,6 +15,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices, diameter
 from fem_lie.bodies.body import Body
 from fem_lie.joints.joint import RedundantConstraints
+from fem_lie.parts.owners import owners
 from fem_lie.parts.partition import Partition, partition
 from fem_lie.parts.references import Restricted
 from fem_lie.ranks.together import meet_to_divide, several
@@ -35,6 +36,8 @@ class ScenePart(NamedTuple):
         connections: Numbers of the joints, connections and prescribed motions of the part among
             those of the scene, in this order.
         contacts: Numbers of the contacts of the part among those of the scene.
+        owners: Rank that has each cell of each body of the scene, as in :class:`.BodyInfo`;
+            none if all of it is one part.
         items: Item of the part for each of those that events, limits and controllers switch or
             scale, if the part has it.
         length: Length of the model, of the whole scene.
@@ -48,6 +51,7 @@ class ScenePart(NamedTuple):
     sharers: Mapping[int, Indices]
     connections: Indices
     contacts: Indices
+    owners: Mapping[Body, Indices]
     items: Mapping[Any, Any]
     length: float
     total: int
@@ -139,6 +143,7 @@ def undivided(scene: Scene) -> ScenePart:
         {},
         np.arange(len(connections_of(scene))),
         np.arange(len(scene.contacts)),
+        {},
         {item: item for item in (*scene.switched, *scene.scaled)},
         _length(scene),
         int(ends[-1]),
@@ -219,6 +224,7 @@ def part_of(scene: Scene, comm: MPI.Intracomm) -> ScenePart:
         {rank: shared for rank, shared in sharers.items() if len(shared)},
         np.flatnonzero([id(item) in own for item in connections_of(scene)]),
         np.flatnonzero([id(item) in own for item in scene.contacts]),
+        owners(scene.bodies, found),
         items,
         _length(scene),
         sum(len(body.frames) for body in scene.bodies),

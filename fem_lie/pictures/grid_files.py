@@ -11,14 +11,16 @@ from xml.etree import ElementTree
 
 from mpi4py import MPI
 
+import numpy as np
 import numpy.typing as npt
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
+from fem_lie.bodies.catalogue import Owners
 from fem_lie.ranks.files import write_each, write_once
 from fem_lie.ranks.together import several
 
 Grid = Any
-"""An unstructured grid of PyVista, the same on all ranks."""
+"""An unstructured grid of PyVista."""
 
 _TYPES = {"f": "Float", "i": "Int", "u": "UInt"}
 """VTK's names of types, by kinds of NumPy's."""
@@ -40,23 +42,51 @@ def write_grid(path: Path, grid: Grid) -> None:
     path.write_text(writer.GetOutputString())
 
 
-def write_states(path: Path, times: Array, grid: Callable[[int], Grid]) -> None:
+def writers(count: int, owners: Owners | None) -> Indices:
+    """Rank that writes each cell, shape (c,).
+
+    It is the rank that had the cell in a scene that was divided among as many ranks; otherwise each
+    rank writes an equal number of cells, in their order.
+
+    Args:
+        count: Number of cells.
+        owners: Ranks that had them; ``None`` if the scene was not divided.
+    """
+    ranks = int(MPI.COMM_WORLD.size)
+    if owners is not None and owners.parts == ranks:
+        return owners.ranks
+    return np.arange(count) * min(ranks, count) // max(count, 1)
+
+
+def own_cells(ranks: Indices) -> Indices:
+    """Numbers of the cells that this rank writes, ascending.
+
+    Args:
+        ranks: Rank that writes each cell, see :func:`writers`.
+    """
+    return np.flatnonzero(ranks == MPI.COMM_WORLD.rank)
+
+
+def write_states(path: Path, times: Array, grid: Callable[[int], Grid], ranks: Indices) -> None:
     """Write a ``.pvd`` file, and a folder of the same name with the files of each state.
 
     A state is a ``.vtu`` file; on several ranks it is a ``.pvtu`` file, with a ``.vtu`` file of
-    each rank, which has an equal share of the cells. All ranks call it together.
+    each rank that writes cells. All ranks call it together.
 
     Args:
         path: Name of the ``.pvd`` file.
         times: Times, load factors or numbers of modes, shape (k,).
-        grid: Grid of a state; all have the same cells and fields.
+        grid: Grid of a state, with the cells that this rank writes; all have the same cells and
+            fields.
+        ranks: Rank that writes each cell, see :func:`writers`.
 
     Raises:
         ValueError: The name does not end in ``.pvd``.
         OSError: A rank cannot write; raised on all ranks.
     """
     names = state_names(path, len(times), ".pvtu" if several() else ".vtu")
-    write_each(path, partial(_write_own, [path.parent / name for name in names], grid))
+    paths = [path.parent / name for name in names]
+    write_each(path, partial(_write_own, paths, grid, [int(rank) for rank in np.unique(ranks)]))
     write_collection(path, names, times)
 
 
@@ -87,29 +117,23 @@ def _write_list(path: Path, names: Sequence[str], times: Array) -> None:
     )
 
 
-def _write_own(paths: Sequence[Path], grid: Callable[[int], Grid]) -> None:
-    """Write what this rank has of all states: all, or a piece, on the first rank with the list."""
-    rank, ranks = MPI.COMM_WORLD.rank, MPI.COMM_WORLD.size
-    for k, path in enumerate(paths):
-        whole = grid(k)
-        if ranks == 1:
-            write_grid(path, whole)
+def _write_own(paths: Sequence[Path], grid: Callable[[int], Grid], writing: Sequence[int]) -> None:
+    """Write what this rank has of all states: all, or a piece, with the list on one rank.
+
+    Args:
+        paths: Names of the files of all states.
+        grid: Grid of a state.
+        writing: Ranks that have cells, ascending: readers take no empty pieces.
+    """
+    rank = int(MPI.COMM_WORLD.rank)
+    for k, path in enumerate(paths if rank in writing else ()):
+        own = grid(k)
+        if not several():
+            write_grid(path, own)
             continue
-        pieces = max(1, min(ranks, whole.n_cells))  # readers take no empty ones
-        names = [f"{path.stem}_{piece}.vtu" for piece in range(pieces)]
-        if rank < pieces:
-            own = _piece(whole, rank, pieces)
-            write_grid(path.parent / names[rank], own)
-            if rank == 0:
-                path.write_text(_list_of(names, own))
-
-
-def _piece(grid: Grid, rank: int, pieces: int) -> Grid:
-    """Cells of a rank, one after the other, and the points that they need."""
-    own = range(grid.n_cells * rank // pieces, grid.n_cells * (rank + 1) // pieces)
-    found = grid.extract_cells(own)
-    del found.point_data["vtkOriginalPointIds"], found.cell_data["vtkOriginalCellIds"]
-    return found
+        write_grid(path.parent / f"{path.stem}_{rank}.vtu", own)
+        if rank == writing[0]:
+            path.write_text(_list_of([f"{path.stem}_{piece}.vtu" for piece in writing], own))
 
 
 def _list_of(names: Sequence[str], piece: Grid) -> str:

@@ -6,20 +6,22 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from fem_lie._arrays import Array, Indices
-from fem_lie.bodies.catalogue import SceneInfo
+from fem_lie.bodies.catalogue import BodyInfo, Owners, SceneInfo
 from fem_lie.mesh.surfaces import SurfaceMesh
 from fem_lie.pictures.grid_files import (
     Grid,
+    own_cells,
     state_names,
     write_collection,
     write_grid,
     write_states,
+    writers,
 )
 from fem_lie.ranks.files import write_once
 
@@ -149,21 +151,22 @@ def write_series(
     path: str | os.PathLike[str],
     info: SceneInfo,
     times: Array,
-    frames: Callable[[int], Array],
-    fields: Callable[[int], Mapping[str, Array]],
+    frames: Callable[[int, Indices], Array],
+    fields: Callable[[int, Indices], Mapping[str, Array]],
     in_cells: Mapping[str, Array],
 ) -> None:
     """Write all states of a scene, see :func:`.write_states`.
 
     Point data: directors ``e1``, ``e2``, ``e3`` and the fields; cell data: ``body``, the number of
-    the body, and the values in cells.
+    the body, the values in cells, and ``rank``, that which had the cell in a divided scene. Each
+    of several ranks needs the nodes of its own cells only.
 
     Args:
         path: Name of the ``.pvd`` file.
         info: The scene.
         times: Times, load factors or numbers of modes, shape (k,).
-        frames: Frames of all nodes in a state, shape (N, 4, 3).
-        fields: Vectors of all nodes in a state, global components, each of shape (N, 3).
+        frames: Frames of n nodes in a state, shape (n, 4, 3).
+        fields: Vectors of n nodes in a state, global components, each of shape (n, 3).
         in_cells: Values of all cells in all states, see :func:`forces_in_cells`.
 
     Raises:
@@ -171,21 +174,31 @@ def write_series(
     """
     import pyvista
 
-    lines, vertices, faces, bodies = _cells(info)
+    cells = SceneCells.of(info)
+    ranks = writers(len(cells.nodes), cells.owners)
+    own = own_cells(ranks)
+    nodes, connectivity, kinds = cells.some(own)
 
     def grid(k: int) -> Grid:
-        H = frames(k)
-        data = pyvista.PolyData(H[:, 0], faces, lines=lines, verts=vertices)
+        H = frames(k, nodes)
+        data = pyvista.UnstructuredGrid(connectivity, kinds, H[:, 0])
         for i in (1, 2, 3):
             data.point_data[f"e{i}"] = H[:, i]
-        for what, values in fields(k).items():
+        for what, values in fields(k, nodes).items():
             data.point_data[what] = values
-        data.cell_data["body"] = bodies
+        data.cell_data["body"] = cells.bodies[own]
         for what, values in in_cells.items():
-            data.cell_data[what] = values[k]
-        return data.cast_to_unstructured_grid()  # which meshio reads, too
+            data.cell_data[what] = values[k, own]
+        _add_owners(data, cells.owners, own)
+        return data
 
-    write_states(Path(path), times, grid)
+    write_states(Path(path), times, grid, ranks)
+
+
+def _add_owners(grid: Grid, owners: Owners | None, own: Indices) -> None:
+    """Add cell data ``rank``, if the scene was divided."""
+    if owners is not None:
+        grid.cell_data["rank"] = owners.ranks[own]
 
 
 def write_resultants(
@@ -226,10 +239,10 @@ def forces_in_cells(
     """
     if not forces:
         return {}
-    owners = _cells(info)[3]
+    count = len(SceneCells.of(info).nodes)
     singles = sum(len(b.nodes) for b in info.bodies if not len(b.cells) and not len(b.faces))
     starts = singles + np.cumsum([0] + [len(body.cells) for body in info.bodies])
-    values = np.full((len(times), len(owners), 6), np.nan)
+    values = np.full((len(times), count, 6), np.nan)
     for found in forces:
         if not np.array_equal(found.times, times):
             raise ValueError(
@@ -249,6 +262,7 @@ def write_elements(
     positions: Array,
     at_ends: Mapping[str, Array],
     in_middle: Mapping[str, Array],
+    owners: Owners | None,
 ) -> None:
     """Write a series of lines with values at their ends and in their middles.
 
@@ -258,54 +272,92 @@ def write_elements(
         positions: Positions of the ends of each line, shape (T, m, 2, 3).
         at_ends: Scalars or vectors at the ends, shape (T, m, 2) or (T, m, 2, 3).
         in_middle: Scalars in the middle, shape (T, m).
+        owners: Ranks that had the lines; ``None`` if the scene was not divided.
 
     Raises:
         ValueError: The name does not end in ``.pvd``.
     """
     import pyvista
 
-    count = 2 * positions.shape[1]
+    ranks = writers(positions.shape[1], owners)
+    own = own_cells(ranks)
+    count = 2 * len(own)
     lines = np.insert(np.arange(count).reshape(-1, 2), 0, 2, axis=1)
+    kinds = np.full(len(own), _KINDS[2])
 
     def grid(k: int) -> Grid:
-        data = pyvista.PolyData(positions[k].reshape(-1, 3), lines=lines.ravel())
+        data = pyvista.UnstructuredGrid(lines.ravel(), kinds, positions[k, own].reshape(-1, 3))
         for what, values in at_ends.items():
-            data.point_data[what] = values[k].reshape(count, *values.shape[3:])
+            data.point_data[what] = values[k, own].reshape(count, *values.shape[3:])
         for what, values in in_middle.items():
-            data.cell_data[what] = values[k]
-        return data.cast_to_unstructured_grid()
+            data.cell_data[what] = values[k, own]
+        _add_owners(data, owners, own)
+        return data
 
-    write_states(Path(path), times, grid)
+    write_states(Path(path), times, grid, ranks)
 
 
-def _cells(info: SceneInfo) -> tuple[Indices | None, Indices | None, Indices | None, Indices]:
-    """Lines, single nodes and faces in VTK's notation, and the body of each in VTK's order."""
-    lines = [np.insert(body.cells, 0, 2, axis=1) for body in info.bodies if len(body.cells)]
-    single = [
-        np.column_stack([np.ones_like(body.nodes), body.nodes])
-        for body in info.bodies
-        if not len(body.cells) and not len(body.faces)
-    ]
-    faces = [_polygons(body.faces) for body in info.bodies if len(body.faces)]
-    # VTK has vertices first, then lines, then faces
-    owners = [
-        np.full(len(b.nodes), i)
-        for i, b in enumerate(info.bodies)
-        if not len(b.cells) and not len(b.faces)
-    ]
-    owners += [np.full(len(b.cells), i) for i, b in enumerate(info.bodies)]
-    owners += [np.full(len(b.faces), i) for i, b in enumerate(info.bodies)]
-    return _joined(lines), _joined(single), _joined(faces), np.concatenate(owners)
+_KINDS = np.array([0, 1, 3, 5, 9])
+"""VTK's type of a cell of so many nodes: a vertex, a line, a triangle, a quadrilateral."""
+
+
+class SceneCells(NamedTuple):
+    """Cells of a scene that are drawn: single nodes of bodies without any, lines, then faces.
+
+    Attributes:
+        nodes: Nodes of each cell, shape (c, 4); -1 where it has fewer.
+        bodies: Number of the body of each cell, shape (c,).
+        owners: Ranks that had the cells; ``None`` if the scene was not divided.
+        total: Number of nodes of the scene.
+    """
+
+    nodes: Indices
+    bodies: Indices
+    owners: Owners | None
+    total: int
+
+    @classmethod
+    def of(cls, info: SceneInfo) -> SceneCells:
+        """All cells of a scene."""
+        groups = [
+            [(body, _single(body), 0) for body in info.bodies],
+            [(body, body.cells, 0) for body in info.bodies],
+            [(body, _polygons(body.faces), len(body.cells)) for body in info.bodies],
+        ]
+        nodes, bodies, ranks = [], [], []
+        for group in groups:
+            for number, (body, cells, first) in enumerate(group):
+                nodes.append(np.pad(cells, ((0, 0), (0, 4 - cells.shape[1])), constant_values=-1))
+                bodies.append(np.full(len(cells), number))
+                if body.owners is not None:
+                    ranks.append(body.owners[first : first + len(cells)])
+        owners = None if info.parts is None else Owners(np.concatenate(ranks), info.parts)
+        total = sum(len(body.nodes) for body in info.bodies)
+        return cls(np.concatenate(nodes), np.concatenate(bodies), owners, total)
+
+    def some(self, own: Indices) -> tuple[Indices, Indices, Indices]:
+        """Nodes of some cells (of all cells: all nodes), and the cells in VTK's notation and types.
+
+        Args:
+            own: Numbers of the cells, shape (s,).
+        """
+        cells = self.nodes[own]
+        there = cells >= 0
+        every = len(own) == len(self.nodes)
+        nodes = np.arange(self.total) if every else np.unique(cells[there])
+        count = there.sum(axis=1)
+        rows = np.column_stack([count, np.searchsorted(nodes, cells)])
+        return nodes, rows[np.insert(there, 0, True, axis=1)], _KINDS[count]
+
+
+def _single(body: BodyInfo) -> Indices:
+    """Nodes of a body without lines and faces, as cells of one node."""
+    alone = not len(body.cells) and not len(body.faces)
+    return body.nodes[: len(body.nodes) if alone else 0, np.newaxis]
 
 
 def _polygons(faces: Indices) -> Indices:
-    """Faces in VTK's notation, flat; quadrilaterals with one corner twice are triangles."""
-    three = faces[:, -1] == faces[:, -2]
-    rows = np.insert(faces, 0, faces.shape[1] - three, axis=1)
-    kept = np.ones(rows.shape, dtype=bool)
-    kept[three, -1] = False
-    return np.asarray(rows[kept])
-
-
-def _joined(parts: list[Indices]) -> Indices | None:
-    return np.concatenate([part.ravel() for part in parts]) if parts else None
+    """Faces with -1 in place of the last corner of triangles that have it twice."""
+    found = faces.copy()
+    found[faces[:, -1] == faces[:, -2], -1] = -1
+    return found

@@ -190,9 +190,14 @@ def add(path: Path, record: StepHistory | ContactSteps | FrictionForces) -> None
         seal(file)
 
 
+_NOT_DIVIDED = 0
+"""Number of parts of a scene that was not divided."""
+
+
 def _write_info(file: Any, info: SceneInfo) -> None:
     names = file.create_group(NAMES)
     names.attrs["mass"], names.attrs["strained"] = info.mass, list(info.strained)
+    names.attrs["parts"] = info.parts or _NOT_DIVIDED
     for i, body in enumerate(info.bodies):
         _write_body(file.create_group(f"bodies/{i}"), body)
     for i, joint in enumerate(info.joints):
@@ -283,13 +288,15 @@ def _with_info(file: Any, arrays: dict[str, Array], numbers: dict[str, float], m
     steps = _read_record(file, "steps", StepHistory)
     contacts = _read_record(file, "contacts", ContactSteps)
     friction = _read_record(file, "friction", FrictionForces)
+    # files of earlier versions have fewer attributes, or none
+    attributes = file[NAMES].attrs if NAMES in file else {}
     info = SceneInfo(
         tuple(_read_body(group) for group in _groups(file, "bodies")),
         tuple(_read_joint(group) for group in _groups(file, "joints")),
         float(mass),
         SupportInfo(**{f.name: file[f"supports/{f.name}"][()] for f in fields(SupportInfo)}),
-        # files of earlier versions name none
-        tuple(map(str, file[NAMES].attrs.get("strained", ()))) if NAMES in file else (),
+        tuple(map(str, attributes.get("strained", ()))),
+        int(attributes.get("parts", _NOT_DIVIDED)) or None,
     )
     return Stored(arrays, numbers, info, steps, contacts, friction)
 
@@ -308,7 +315,7 @@ def _groups(file: Any, name: str) -> list[Any]:
     return [file[name][str(i)] for i in range(len(file[name]))]
 
 
-_OF_SOME_BODIES = "outline", "corners", "node_types", "undeformed"
+_OF_SOME_BODIES = "outline", "corners", "node_types", "undeformed", "owners"
 
 
 def _write_body(group: Any, body: BodyInfo) -> None:

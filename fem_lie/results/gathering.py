@@ -115,8 +115,11 @@ class Gathering:
             self.nodes[body.nodes] = numbers[body.name]
         whole = SceneInfo.of(part.whole.bodies)
         self._supports: Indices = np.unique(self._all(self.nodes[info.supports.at]))
+        bodies = zip(part.whole.bodies, whole.bodies, strict=True)
         self.info = replace(
             whole,
+            bodies=tuple(replace(own, owners=part.owners.get(body)) for body, own in bodies),
+            parts=part.comm.size if part.owners else None,
             joints=self._joints(),
             mass=float(part.comm.allreduce(info.mass)),
             supports=self._held(),

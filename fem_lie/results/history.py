@@ -22,7 +22,7 @@ from fem_lie.ranks.shared_factors import Subdomains
 from fem_lie.results.file import NUMBERS, Stored, read, write
 from fem_lie.results.files.functions import NodalFields
 from fem_lie.results.files.tables import Columns, components
-from fem_lie.results.files.written import Rows
+from fem_lie.results.files.written import EVERY, Nodes, Rows
 from fem_lie.results.record import (
     RECORDED_BY,
     Balanced,
@@ -264,13 +264,13 @@ class Result(Balanced, StateSeries):
     def _rows(self) -> Rows:
         return Rows("time", self.times)
 
-    def _fields_of(self, row: int) -> NodalFields:
+    def _fields_of(self, row: int, nodes: Nodes = EVERY) -> NodalFields:
         """Displacements, rotations, and velocities if they were recorded."""
-        found = dict(super()._fields_of(row))
+        found = dict(super()._fields_of(row, nodes))
         if Record.VELOCITIES in self.recorded:
-            R = self._frames_of(row)[:, 1:]
+            R, v = self._frames_of(row, nodes)[:, 1:], self.velocities[row, nodes]
             for name, part in (("velocity", slice(0, 3)), ("angular velocity", slice(3, 6))):
-                found[name] = np.einsum("ni,nij->nj", self.velocities[row, :, part], R)
+                found[name] = np.einsum("ni,nij->nj", v[:, part], R)
         return found
 
     def _forces(self) -> tuple[Array, Array]:

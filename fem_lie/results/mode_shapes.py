@@ -22,7 +22,7 @@ from fem_lie.pictures.page.page import Page, Slider, page
 from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.results.files.functions import NodalFields
 from fem_lie.results.files.tables import Columns, components
-from fem_lie.results.files.written import Rows, Saved, Written
+from fem_lie.results.files.written import EVERY, Nodes, Rows, Saved, Written
 from fem_lie.results.states import Located, label_of
 
 if TYPE_CHECKING:
@@ -236,11 +236,11 @@ class ModeDisplacements(Summarised, Located, Written, Saved, Generic[Scalar]):
     def _rows(self) -> Rows:
         return Rows("mode", np.arange(1, len(self) + 1).astype(np.float64))
 
-    def _frames_of(self, row: int) -> Array:
-        return self.frames
+    def _frames_of(self, row: int, nodes: Nodes = EVERY) -> Array:
+        return self.frames[nodes]
 
-    def _fields_of(self, row: int) -> NodalFields:
-        R, shape = self.frames[:, 1:], self.shapes[row]
+    def _fields_of(self, row: int, nodes: Nodes = EVERY) -> NodalFields:
+        R, shape = self.frames[nodes, 1:], self.shapes[row, nodes]
         parts = (("displacement", slice(0, 3)), ("rotation", slice(3, 6)))
         found = {name: np.einsum("ni,nij->nj", shape[:, part], R) for name, part in parts}
         if not np.iscomplexobj(shape):

@@ -26,7 +26,7 @@ from fem_lie.pictures.stage import SI, Canvas, Units
 from fem_lie.pictures.vtk import ForcesInBeam, forces_in_cells
 from fem_lie.results.files.functions import NodalFields
 from fem_lie.results.files.tables import OWN_WRENCH, WRENCH, Columns, components
-from fem_lie.results.files.written import Written, rotation_vectors
+from fem_lie.results.files.written import EVERY, Nodes, Written, rotation_vectors
 from fem_lie.results.plotted_quantities import Curves, Quantity, label_of, plotted
 from fem_lie.results.reactions import Support, in_space, joint_axes, reaction, recorded_axes
 
@@ -174,14 +174,14 @@ class StateSeries(Summarised, Displaced, Written):
         """
         self._write_vtk(path, forces_in_cells(self.info, self._rows().values, forces))
 
-    def _frames_of(self, row: int) -> Array:
-        return np.asarray(self.frames[row])
+    def _frames_of(self, row: int, nodes: Nodes = EVERY) -> Array:
+        return np.asarray(self.frames[row, nodes])
 
-    def _fields_of(self, row: int) -> NodalFields:
-        H = self._frames_of(row)
+    def _fields_of(self, row: int, nodes: Nodes = EVERY) -> NodalFields:
+        H = self._frames_of(row, nodes)
         return {
-            "displacement": H[:, 0] - self.info.undeformed[:, 0],
-            "rotation vector": rotation_vectors(self.info, H),
+            "displacement": H[:, 0] - self.info.undeformed[nodes, 0],
+            "rotation vector": rotation_vectors(self.info, H, nodes),
         }
 
     def _quantities(self) -> Columns:

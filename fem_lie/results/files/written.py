@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -27,6 +27,13 @@ if TYPE_CHECKING:
 
 Located = Point | str | int
 """A point of a body, its name such as "beam 1.end", or a node's number."""
+
+
+Nodes: TypeAlias = Indices | slice
+"""Numbers of nodes, shape (n,), or a range of them."""
+
+EVERY = slice(None)
+"""All nodes."""
 
 
 class Rows(NamedTuple):
@@ -51,12 +58,12 @@ class Written(ABC):
         """Times, load factors or numbers of modes."""
 
     @abstractmethod
-    def _frames_of(self, row: int) -> Array:
-        """Frames of all nodes in a state, shape (N, 4, 3)."""
+    def _frames_of(self, row: int, nodes: Nodes = EVERY) -> Array:
+        """Frames of some nodes in a state, shape (n, 4, 3)."""
 
     @abstractmethod
-    def _fields_of(self, row: int) -> NodalFields:
-        """Vectors of all nodes in a state or mode, global components, each of shape (N, 3)."""
+    def _fields_of(self, row: int, nodes: Nodes = EVERY) -> NodalFields:
+        """Vectors of some nodes in a state or mode, global components, each of shape (n, 3)."""
 
     @abstractmethod
     def _quantities(self) -> Columns:
@@ -174,15 +181,16 @@ class Saved:
         return read_record(path, cls, cls._PARTS)
 
 
-def rotation_vectors(info: SceneInfo, frames: Array) -> Array:
-    """Rotation of each node from the undeformed configuration, at most π, rad, shape (N, 3).
+def rotation_vectors(info: SceneInfo, frames: Array, nodes: Nodes = EVERY) -> Array:
+    """Rotation of some nodes from the undeformed configuration, at most π, rad, shape (n, 3).
 
     Args:
         info: Nodes of all bodies.
-        frames: Frames of all nodes, shape (N, 4, 3).
+        frames: Frames of these nodes, shape (n, 4, 3).
+        nodes: The nodes.
     """
-    kinds: Indices = info.node_types
-    axes = (all_axes(kinds, np.ascontiguousarray(H)) for H in (frames, info.undeformed))
+    kinds: Indices = info.node_types[nodes]
+    axes = (all_axes(kinds, np.ascontiguousarray(H)) for H in (frames, info.undeformed[nodes]))
     return np.asarray(lie.so3_log(np.einsum("nai,naj->nij", *axes)))
 
 

@@ -26,6 +26,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices, instance
 from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.catalogue import Owners, SceneInfo
 from fem_lie.pictures.diagrams import COLOURS, figure_of_rows, saved
 from fem_lie.pictures.page.colours import NodalColours, at_nodes
 from fem_lie.pictures.stage import SI, Units
@@ -180,7 +181,16 @@ def section_forces(
     for k, values in enumerate(ends):
         elements.set_eigenstrain(strains[k])
         values[:] = elements.at_ends(frames[k], None if velocities is None else velocities[k])
-    return SectionForces(beam, times, frames, strains, ends, single_forces(scene, beam), elements)
+    single, owners = single_forces(scene, beam), _owners(beam, result.info)
+    return SectionForces(beam, times, frames, strains, ends, single, elements, owners)
+
+
+def _owners(beam: Beam, info: SceneInfo) -> Owners | None:
+    """Ranks that had the elements of a beam; lines that are drawn are pieces of elements."""
+    ranks = info.body(beam.name).owners
+    if ranks is None or info.parts is None:
+        return None
+    return Owners(ranks[:: len(ranks) // len(beam.model.elements)], info.parts)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -202,6 +212,7 @@ class SectionForces(Fields):
             there, shape (T, m, 2, 6).
         single: Nodes at which concentrated forces may act: joints, supports, point loads, branches.
         elements: The disconnected elements of the beam.
+        owners: Ranks that had the elements; ``None`` if the scene was not divided.
     """
 
     beam: Beam
@@ -211,6 +222,7 @@ class SectionForces(Fields):
     ends: Array
     single: Indices
     elements: ElementForces
+    owners: Owners | None
 
     @cached_property
     def middle(self) -> Array:
@@ -368,4 +380,4 @@ class SectionForces(Fields):
         at_ends |= {"force": self.cut_forces, "moment": self.cut_moments}
         in_middle = {name: self.middle[..., i] for i, name in enumerate(self.components)}
         positions = self.frames[:, self.beam.model.elements[:, :2], 0]
-        write_elements(path, self.times, positions, at_ends, in_middle)
+        write_elements(path, self.times, positions, at_ends, in_middle, self.owners)
