@@ -15,6 +15,11 @@ from fem_lie.contact.sides.table import Side
 CLOSED = 1e-9
 """Gap of a closed contact relative to a length of the pair; divided by a step, a velocity."""
 
+BETWEEN, FIRST, SECOND = 0, 1, 2
+"""Where friction acts: at the contact point, or at the centre of the first or the second point. A
+node without rotations takes no moment, so friction acts at its position, on the other side as well,
+which keeps the angular momentum."""
+
 STEP_REPORT = record_type(
     contacts=float,
     sweeps=float,
@@ -48,6 +53,7 @@ class Touch(NamedTuple):
         friction: μ, shape (m,).
         restitution: e, shape (m,).
         closed: Gap below which a contact is closed, shape (m,).
+        friction_at: Where friction acts: :data:`BETWEEN` and others, shape (m,).
         arms: Largest distance of a point of each body from its centre, shape (n,).
     """
 
@@ -58,6 +64,7 @@ class Touch(NamedTuple):
     friction: Array
     restitution: Array
     closed: Array
+    friction_at: Indices
     arms: Array
 
 

@@ -10,7 +10,7 @@ from fem_lie.contact.cones.jacobian import BlockRows
 from fem_lie.contact.convex.manifold import set_manifolds
 from fem_lie.contact.convex.passage import first_passed
 from fem_lie.contact.convex.table import Polyhedra
-from fem_lie.contact.impact.records import Masses, Touch
+from fem_lie.contact.impact.records import FIRST, SECOND, Masses, Touch
 from fem_lie.contact.sides.kinematics import (
     SLOTS,
     ContactPoint,
@@ -139,13 +139,17 @@ def set_rows(H: Array, touch: Touch, c: int, axis: int, rows: BlockRows, block: 
     (i, j), kind, point = touch.pairs[c], touch.kinds[c], point_of(H, touch, c)
     n, components, count = point.normal, rows.values.shape[1], 0
     first, second, own = n, n, scaled(-touch.a.radii[i], n)
+    if touch.friction_at[c] == FIRST:
+        own = (0.0, 0.0, 0.0)
+    elif touch.friction_at[c] == SECOND:
+        own = minus(point.second, point.first)
     if components > 1:
         first, second = tangents(H, touch, j, n, axis)
     for s in range(SLOTS):
         node, sign, w, arm = slot(H, touch.a, touch.b, i, j, kind, point, s)
         if node < 0:
             continue
-        # the contact point is this far from the point of the side, and rotates with the body
+        # the point of friction is this far from the point of the side, and rotates with the body
         off = own
         if s >= MOST_NODES:
             off = plus(own, minus(point.first, point.second))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import uncounted
 from fem_lie._jit.records import Record
 from fem_lie.bodies.body import Body
@@ -14,7 +14,10 @@ from fem_lie.contact.cones.jacobian import along
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.convex.table import polyhedra_of
 from fem_lie.contact.impact.records import (
+    BETWEEN,
     CLOSED,
+    FIRST,
+    SECOND,
     Masses,
     Touch,
     Work,
@@ -134,6 +137,10 @@ def show(
         count[0] += 1
 
 
+_ROUND_OFF = 1e-13
+"""Gap of a closed contact relative to positions, where its pair is much smaller: gaps are their
+differences."""
+
 _ROOM = 1.25
 """Room of a new workspace over the pairs that are there, so that few lists need another one."""
 
@@ -156,6 +163,7 @@ class Touching:
         sizes: Array,
         H: Array,
         on_masters: Callable[[Side], Side] | None = None,
+        rotates: Flags | None = None,
     ) -> None:
         """Collect the contacts of a scene.
 
@@ -166,6 +174,10 @@ class Touching:
             H: Initial frames, shape (n, 4, 3).
             on_masters: Expresses a side by the master nodes of its nodes; default: no node is
                 rigidly attached to another.
+            rotates: Nodes that have rotations, shape (n,); default: all.
+
+        Raises:
+            ValueError: Friction acts between balls neither of which rotates.
         """
         # slots of polyhedra are last
         contacts = sorted(contacts, key=lambda contact: len(contact.pair.impact.manifolds) > 0)
@@ -193,6 +205,10 @@ class Touching:
         numbers = [(law.friction, law.restitution) for law in laws]
         self._friction, self._restitution = np.array(numbers, dtype=np.float64).T.copy()
         self._lengths = [self._length(side, sizes) for side in (self._a, self._b)]
+        rotates = np.ones(len(sizes), dtype=np.bool_) if rotates is None else rotates
+        self._centred = [self._is_centred(side, rotates) for side in (self._a, self._b)]
+        self._refuse_centred(contacts)
+        self._round_off = _ROUND_OFF * float(np.abs(H[:, 0]).max(initial=0.0))
         self._keys = np.array([float(contact.key(nodes)) for contact in contacts])
         self._versions: tuple[int, ...] = ()
         self._count, self._room = len(sizes), -1
@@ -222,11 +238,29 @@ class Touching:
         of_bodies = np.append(sizes, 0.0)[side.nodes[:, 0]]
         return np.where(side.radii != 0.0, np.abs(side.radii), of_bodies)
 
+    @staticmethod
+    def _is_centred(side: Side, rotates: Flags) -> Flags:
+        """Balls on nodes without rotations, which take no moment."""
+        found: Flags = ~np.append(rotates, True)[side.nodes[:, 0]] & (side.radii != 0.0)
+        return found
+
+    def _refuse_centred(self, contacts: Sequence[Contact]) -> None:
+        for index, contact in enumerate(contacts):
+            low, high = self._first[index : index + 2]
+            a, b = (centred[low[k] : high[k]].any() for k, centred in enumerate(self._centred))
+            if self._friction[index] and a and b:
+                raise ValueError(
+                    f"{contact.label}: friction acts between balls on nodes without rotations, "
+                    "which take no moment; give no friction"
+                )
+
     def _set(self) -> None:
         lists = [each.now + first for each, first in zip(self._near, self._first, strict=False)]
         pairs = np.concatenate(lists)
         self.of: Indices = np.repeat(np.arange(len(lists)), [len(each) for each in lists])
         of = self.of
+        lengths = np.maximum(self._lengths[0][pairs[:, 0]], self._lengths[1][pairs[:, 1]])
+        first, second = self._centred[0][pairs[:, 0]], self._centred[1][pairs[:, 1]]
         self.touch = Touch(
             self._a,
             self._b,
@@ -234,7 +268,8 @@ class Touching:
             self._kinds[of],
             self._friction[of],
             self._restitution[of],
-            CLOSED * np.maximum(self._lengths[0][pairs[:, 0]], self._lengths[1][pairs[:, 1]]),
+            np.maximum(CLOSED * lengths, self._round_off),
+            np.where(first, FIRST, np.where(second, SECOND, BETWEEN)),
             self.arms,
         )
         count, slots = len(pairs), self.polyhedra.slots

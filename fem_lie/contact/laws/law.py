@@ -342,10 +342,12 @@ class Mortar(MortarLaw):
 class Impact(ContactLaw):
     """Contact law of rigid surfaces: no penetration, Coulomb friction, Newton's restitution.
 
-    The law is for :class:`~fem_lie.GeneralisedAlpha` and :class:`~fem_lie.schemes.Variational` with
-    constant steps, and for rigid bodies, beams and shells whose nodes have frames, with or without
-    joints. Steps need not resolve the duration of impacts. If several impacts occur at once,
-    restitution is a modelling assumption, not physics.
+    The law is for :class:`~fem_lie.GeneralisedAlpha`, :class:`~fem_lie.schemes.Variational` and
+    :class:`~fem_lie.Explicit` with constant steps, and for bodies whose nodes are frames (rigid
+    bodies, beams, shells) or positions (nets, membranes, solids), with or without joints. Nodes
+    without rotations take no moment: friction acts at their centre. Steps need not resolve the
+    duration of impacts. If several impacts occur at once, restitution is a modelling assumption,
+    not physics.
 
     Attributes:
         friction: Coefficient of friction μ: largest ratio of the tangential to the normal force.

@@ -14,6 +14,7 @@ from fem_lie.contact.impact.rows import append_rows, set_gaps
 from fem_lie.contact.impact.touching import Touching
 from fem_lie.contact.sides.table import on_masters
 from fem_lie.lie.node_types import all_to_group, move_all
+from fem_lie.lie.node_types.node_type import POSITION
 from fem_lie.solve.impacts.delassus import islands_of
 from fem_lie.solve.impacts.impulses import Impulses
 from fem_lie.solve.impacts.step_end import Factors, Rule
@@ -54,6 +55,7 @@ class CoupledBodies:
             np.full(self._rows, unknowns.length),
             start.frames,
             partial(on_masters, master=arrays.master, offset=arrays.offset),
+            np.append(self._kinds != POSITION, np.ones(self._rows - self._n, dtype=np.bool_)),
         )
         sides = self.near.touch.a, self.near.touch.b
         self._width = sum(int((side.nodes >= 0).sum(axis=1).max()) for side in sides)

@@ -27,7 +27,7 @@ from fem_lie.contact.impact.touching import (
     WIDTH,
     Touching,
 )
-from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
+from fem_lie.lie.node_types.node_type import POSITION_GRADIENT, NodeType
 from fem_lie.results.record import ContactSteps
 from fem_lie.system.equations import Equations
 
@@ -97,15 +97,14 @@ def refuse_impacts(equations: Equations) -> None:
     """Raise an error for scenes that do not support contacts by impacts.
 
     Raises:
-        ValueError: Nodes are not frames, are supported along fixed axes, or there are velocity
-            constraints.
+        ValueError: Nodes have gradients or modal amplitudes, are supported along fixed axes, or
+            there are velocity constraints.
     """
     unknowns = equations.unknowns
-    wanted = "Impact is for rigid bodies, beams and shells whose nodes are frames"
-    if (unknowns.kinds >= POSITION_GRADIENT).any():
+    wanted = "Impact is for bodies whose nodes are frames or positions"
+    if ((unknowns.kinds >= POSITION_GRADIENT) & (unknowns.kinds != NodeType.POSITION)).any():
         raise ValueError(
-            f"{wanted}, not for cables, nets, solids, thin shells and reduced-order bodies; give "
-            "Penalty"
+            f"{wanted}, not for cables, thin shells and reduced-order bodies; give Penalty"
         )
     if equations.supports:
         raise ValueError(f"{wanted} without supports along fixed axes (Shell.roller); give Penalty")
