@@ -259,10 +259,17 @@ STUDIES = {
 
 
 class Outcome(NamedTuple):
-    """Numbers, or why there are none."""
+    """Numbers, or why there are none.
+
+    Attributes:
+        found: The numbers.
+        failure: Kind of the error.
+        round_off: Their largest difference from those of the scene in other ways, if it is known.
+    """
 
     found: Numbers
     failure: str = ""
+    round_off: float = 0.0
 
 
 def outcome(study: Study, way: Way) -> Outcome:
