@@ -20,7 +20,7 @@ def net(count: int = 9) -> fl.Net:
     return fl.Net(positions, [*numbers, *numbers.T], CABLE)
 
 
-def caught(*, free: bool = True) -> fl.Scene:
+def caught(*, free: bool = True, friction: float = 0.0) -> fl.Scene:
     """It meets a free ball, or one that is fixed."""
     scene, cables = fl.Scene(), net()
     scene.add(cables)
@@ -34,7 +34,8 @@ def caught(*, free: bool = True) -> fl.Scene:
     nodes = fl.contact.Vertices(
         [fl.extend.Point(cables, k) for k in range(len(cables.frames))], 1e-3
     )
-    scene.add(fl.contact.Contact(nodes, fl.contact.Sphere(point, RADIUS), fl.contact.Penalty(1e3)))
+    law = fl.contact.Penalty(1e3, friction=friction)
+    scene.add(fl.contact.Contact(nodes, fl.contact.Sphere(point, RADIUS), law))
     return scene
 
 
@@ -51,6 +52,15 @@ def test_energy_and_momenta_stay(free):
     assert touches.touching.max() > 0
     # it is wrapped about the ball
     assert result.elastic.max() > 1e-2 * result.kinetic[0]
+
+
+def test_friction_on_a_ball_takes_energy_alone():
+    """Of nodes that take no moment: the ball has it all."""
+    result = fl.EnergyMomentum().run(caught(friction=0.3), **OPTIONS)
+    assert np.diff(result.balance[:, 1]).min() >= 0.0
+    assert result.balance[-1, 1] > 1e-4 * result.kinetic[0]
+    assert result.balance_error < 1e-11
+    assert max(result.momentum_error, result.angular_momentum_error) < 1e-13
 
 
 def test_dissipation_takes_energy_alone():
@@ -82,7 +92,6 @@ def test_a_restart_agrees_to_the_last_bit(tmp_path):
 def test_rotating_surfaces_need_axes():
     cables, scene = net(3), fl.Scene()
     scene.add(cables)
-    nodes = fl.contact.Vertices([cables.point(0)], 1e-3)
     with pytest.raises(ValueError, match=r"Plane on net.* needs nodes with frames"):
         floor = fl.contact.Plane(cables.point(8), (0, 0, 1))
         scene.add(
@@ -90,6 +99,15 @@ def test_rotating_surfaces_need_axes():
                 fl.contact.Sphere(cables.point(0), 0.01), floor, fl.contact.Penalty(1e3)
             )
         )
-    with pytest.raises(ValueError, match=r"friction needs nodes with frames"):
-        law = fl.contact.Penalty(1e3, friction=0.1)
-        scene.add(fl.contact.Contact(nodes, fl.contact.Plane(fl.ground(), (0, 0, 1)), law))
+
+
+def test_friction_needs_a_side_that_takes_its_moment():
+    """On ground or on frames; threads have none against each other."""
+    cables = net(3)
+    lines = [fl.contact.Line(each, 1e-3) for each in (cables, net(3))]
+    law = fl.contact.Penalty(1e3, friction=0.1)
+    nodes = fl.contact.Vertices([cables.point(0)], 1e-3)
+    fl.contact.Contact(nodes, fl.contact.Plane(fl.ground((0, 0, -1)), (0, 0, 1)), law).check()
+    for a, b in (lines, [lines[0], lines[0]]):
+        with pytest.raises(ValueError, match=r"friction acts on surfaces.*do not take"):
+            fl.contact.Contact(a, b, law).check()

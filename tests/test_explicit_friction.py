@@ -177,7 +177,8 @@ def test_cables_are_refused():
         run(scene, 1e-3, 1e-4)
 
 
-def test_a_rope_slides_over_a_drum():
+@pytest.mark.parametrize("make", ["beam", "cable"])
+def test_a_rope_slides_over_a_drum(make):
     """Along the drum ``T - ρv² + ρaR/μ`` grows by ``exp(μφ)``, in the tails ``T`` by ``ρa``."""
     friction, weak, strong, cells, tails, density = 0.3, 1.0, 2.8, 20, 3, 1.0
     radius = 0.1 + 0.97 * 2e-4
@@ -191,11 +192,16 @@ def test_a_rope_slides_over_a_drum():
 
     stiffness = [1e4, 1e4 / 3, 1e4 / 3, 1e-5, 1e-5, 1e-5]
     section = fl.Section.from_stiffness(stiffness, mass=density, rotary=(1e-4, 1e-4))
-    element = fl.elements.GeodesicBeam(bending_flexibility=False)
-    scene = fl.Scene()
-    rope = fl.Beam.curve(position, section, cells=cells + 2 * tails, formulation=element)
+    mesh, scene = fl.mesh.curve(position, cells + 2 * tails), fl.Scene()
+    if make == "cable":
+        rope = fl.Cable(mesh, section)
+    else:
+        rope = fl.Beam(
+            mesh, section, formulation=fl.elements.GeodesicBeam(bending_flexibility=False)
+        )
     scene.add(rope)
     directions = rope.frames[[0, -1], 1]
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     for name, force in (("start", -weak * directions[0]), ("end", strong * directions[1])):
         load = fl.PointLoad(rope.point(name), force=force, history=lambda t: min(t / 0.05, 1.0))
         scene.add(load)

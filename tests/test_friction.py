@@ -128,20 +128,74 @@ def ball_on_shell() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
     return [body, one], (fl.contact.Sphere(body.point("centre"), 0.1), fl.contact.ShellSurface(one))
 
 
+THICK = fl.Section.circle(0.1, fl.Material(1e9, 0.3, 1.0))
+
+
+def beam_on_beam() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
+    pair = [fl.Beam.straight((0, 0, z), (1, 0, z), THICK, cells=n) for z, n in ((0.198, 2), (0, 3))]
+    return pair, tuple(fl.contact.Line(beam, 0.1) for beam in pair)
+
+
+def cable_on_beam() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
+    pair, (_, other) = beam_on_beam()
+    pair[0] = fl.Cable.straight((0, 0, 0.198), (1, 0, 0.198), THICK, cells=2)
+    return pair, (fl.contact.Line(pair[0], 0.1), other)
+
+
+def bar_on_net() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
+    bar = fl.RigidBody(1.0, np.eye(3), (0.5, 0, 0.198))
+    net = fl.Net(np.linspace((-0.1, 0, 0), (1.1, 0, 0), 4), [range(4)], THICK)
+    cylinder = fl.contact.Cylinder(bar.point("centre"), (0.9, 0.02, 0), 0.1)
+    return [bar, net], (cylinder, fl.contact.Line(net, 0.1))
+
+
+def numbered(bodies):
+    """Numbers of the nodes of bodies; their coordinates and types."""
+    first = np.cumsum([0, *(len(b.frames) for b in bodies)])
+    numbers = {b: np.arange(len(b.frames)) + k for b, k in zip(bodies, first, strict=False)}
+    H = np.concatenate([b.frames for b in bodies])
+    return numbers.__getitem__, H, np.concatenate([b.model.node_types for b in bodies])
+
+
+def moved(types: np.ndarray, H: np.ndarray, h: np.ndarray) -> np.ndarray:
+    out = H.copy()
+    fl.extend.node_types.retract_all(types, H, h, out)
+    return out
+
+
+def ball_on_solid() -> tuple[list[fl.extend.Body], fl.contact.Contact]:
+    rubber = fl.sections.NeoHooke(1e6, 0.3, 1000.0)
+    block, ball = fl.Solid.brick((1, 1, 1), rubber, cells=(1, 1, 1)), np.array([0.1, 0.2, 0.108])
+    top = block.frames[:, 0].mean(axis=0) * [1, 1, 0] + [0, 0, block.frames[:, 0, 2].max()]
+    body = fl.RigidBody(1.0, np.eye(3), top + ball)
+    faces = fl.contact.Facets(block, thickness=0.02)
+    return [body, block], (fl.contact.Sphere(body.point("centre"), 0.1), faces)
+
+
 @pytest.mark.parametrize("friction", [100.0, 0.1])
 @pytest.mark.parametrize(
     "make",
-    [ball_on_ball, ball_on_plane, line_on_plane, shell_on_shell, shell_on_plane, ball_on_shell],
+    [
+        ball_on_ball,
+        ball_on_plane,
+        line_on_plane,
+        beam_on_beam,
+        cable_on_beam,
+        bar_on_net,
+        shell_on_shell,
+        shell_on_plane,
+        ball_on_shell,
+        ball_on_solid,
+    ],
 )
 def test_derivatives(make, friction):
     """By differences, sticking and slipping."""
     bodies, surfaces = make()
     law = fl.contact.Penalty(50.0, friction=friction, holding=30.0)
-    first = np.cumsum([0, *(len(b.frames) for b in bodies)])
-    numbers = {b: np.arange(len(b.frames)) + k for b, k in zip(bodies, first, strict=False)}
-    term = fl.contact.Contact(*surfaces, law).term(numbers.__getitem__)
-    H = np.concatenate([b.frames for b in bodies])
-    H = lie.se3_retract(H, 1e-3 * np.random.default_rng(1).normal(size=(len(H), 6)))
+    nodes, H, types = numbered(bodies)
+    term = fl.contact.Contact(*surfaces, law).term(nodes)
+    random = np.random.default_rng(1)
+    H = moved(types, H, 1e-3 * random.normal(size=(len(H), 6)))
     wanted, found = np.zeros((2, 6 * len(H), 6 * len(H)))
     for block, i, j in zip(term.tangent(H, term.workspace()), *term.pairs, strict=True):
         found[6 * i : 6 * i + 6, 6 * j : 6 * j + 6] += block
@@ -150,10 +204,42 @@ def test_derivatives(make, friction):
         for sign in (1, -1):
             h = np.zeros((len(H), 6))
             h.flat[q] = sign * 1e-7
-            ends.append(forces_of(term, lie.se3_retract(H, h)))
+            ends.append(forces_of(term, moved(types, H, h)))
         wanted[:, q] = (ends[0] - ends[1]) / 2e-7
     assert np.abs(wanted).max() > 1.0
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-8 * np.abs(wanted).max())
+
+
+def on_nodes(types: np.ndarray, H: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Forces and moments about the origin of generalised forces (6 n,), global components."""
+    axes, each = fl.extend.node_types.all_axes(types, H), f.reshape(-1, 2, 3)
+    F, second = np.einsum("nai,nij->anj", each, axes)
+    vectors = (types > 3)[:, np.newaxis]
+    return F, np.cross(H[:, 0], F) + np.where(vectors, np.cross(H[:, 1], second), second)
+
+
+@pytest.mark.parametrize("make", [beam_on_beam, cable_on_beam, bar_on_net])
+def test_friction_of_lines_balances_and_turns_with_rigid_motions(make):
+    """Force and moment of all nodes vanish; springs rotate with both bodies without slip."""
+    bodies, surfaces = make()
+    nodes, H, types = numbered(bodies)
+    law = fl.contact.Penalty(50.0, friction=0.3, holding=30.0)
+    term = fl.contact.Contact(*surfaces, law).term(nodes)
+    H = moved(types, H, 1e-3 * np.random.default_rng(1).normal(size=(len(H), 6)))
+
+    term.accept(H)
+    lost, (F, _) = term.dissipated, on_nodes(types, H, forces_of(term, H))
+    size = np.linalg.norm(F, axis=1)
+    assert size.max() > 1e-2
+    turn = lie.se3_exp(np.array([0.03, -0.02, 0.01, 0.05, 0.12, -0.07]))
+    for _ in range(20):
+        H[:, 0] = turn[0] + H[:, 0] @ turn[1:]
+        H[:, 1:] = H[:, 1:] @ turn[1:]
+        term.accept(H)
+    F, M = on_nodes(types, H, forces_of(term, H))
+    assert max(np.abs(F.sum(axis=0)).max(), np.abs(M.sum(axis=0)).max()) < 1e-14 * len(F)
+    np.testing.assert_allclose(np.linalg.norm(F, axis=1), size, atol=1e-11 * size.max())
+    assert term.dissipated - lost < 1e-11 * term.energy(H)
 
 
 def thrown() -> fl.Scene:
@@ -263,19 +349,27 @@ def viscous_forces_of(term, H: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("friction", [100.0, 0.1])
-@pytest.mark.parametrize("make", [ball_on_ball, ball_on_plane, line_on_plane, ball_on_shell])
+@pytest.mark.parametrize(
+    "make", [ball_on_ball, ball_on_plane, line_on_plane, ball_on_shell, cable_on_beam, bar_on_net]
+)
 def test_derivatives_with_damping(make, friction):
     """In twists and in frames by differences, sticking and slipping."""
     bodies, surfaces = make()
     law = fl.contact.Penalty(50.0, damping=3.0, ramp=1e-2, friction=friction, holding=30.0)
-    first = np.cumsum([0, *(len(b.frames) for b in bodies)])
-    numbers = {b: np.arange(len(b.frames)) + k for b, k in zip(bodies, first, strict=False)}
-    term = fl.contact.Contact(*surfaces, law).term(numbers.__getitem__)
+    nodes, H, types = numbered(bodies)
+    term = fl.contact.Contact(*surfaces, law).term(nodes)
     random = np.random.default_rng(1)
-    H = np.concatenate([b.frames for b in bodies])
-    H = lie.se3_retract(H, 1e-3 * random.normal(size=(len(H), 6)))
+    H = moved(types, H, 1e-3 * random.normal(size=(len(H), 6)))
     v = 1e-2 * random.normal(size=(len(H), 6))
-    moves = (lambda h: (H, v + h)), (lambda h: (lie.se3_retract(H, h), v))
+
+    def shifted(h):
+        # velocities of nodes without frames are constant in space
+        there, axes = moved(types, H, h), fl.extend.node_types.all_axes
+        turned = np.einsum("nik,njk->nij", axes(types, there), axes(types, H))
+        halves = np.einsum("nij,naj->nai", turned, v.reshape(-1, 2, 3)).reshape(-1, 6)
+        return there, np.where((types > 3)[:, np.newaxis], halves, v)
+
+    moves = (lambda h: (H, v + h)), shifted
     for blocks, move in zip(term.viscous_tangent(H, v), moves, strict=True):
         wanted, found = np.zeros((2, 6 * len(H), 6 * len(H)))
         for block, i, j in zip(blocks, *term.pairs, strict=True):

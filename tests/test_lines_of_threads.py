@@ -110,6 +110,92 @@ def test_a_bent_element_touches_where_its_gap_has_several_extrema(first):
     np.testing.assert_allclose(found[0], found[1], rtol=0.06, atol=1e-3 * abs(found[1][1]))
 
 
+GRAVITY, FRICTION = 9.81, 0.5
+
+
+def thread(make: str, path, cells: int, section: fl.Section) -> fl.extend.Body:
+    """A cable, spline cable or net along a path of a parameter from 0 to 1."""
+    if make == "cable":
+        return fl.Cable(fl.mesh.curve(path, cells), section)
+    s = np.linspace(0.0, 1.0, cells + 1)
+    points = np.array([path(t) for t in s])
+    if make == "net":
+        return fl.Net(points, [range(cells + 1)], section)
+    rates = [(path(t + 1e-6) - path(t - 1e-6)) / 2e-6 for t in s]
+    return fl.SplineCable(s, points, rates, section)
+
+
+ALPHA, EXPLICIT = fl.GeneralisedAlpha(radius=0.8), fl.Explicit()
+
+
+@pytest.mark.parametrize(
+    ("make", "scheme"),
+    [("cable", ALPHA), ("spline", ALPHA), ("net", ALPHA), ("cable", EXPLICIT), ("net", EXPLICIT)],
+)
+def test_a_thread_sticks_or_slides_on_an_incline(make, scheme):
+    """By Coulomb's law, along its axis and across it, as one without rotations does not roll."""
+    k, weight = 1e5, GRAVITY * 1000.0 * np.pi * RADIUS**2
+    for degrees, sticks in ((20.0, True), (30.0, False)):
+        angle = np.radians(degrees)
+        height = RADIUS - weight * np.cos(angle) / k
+        body = thread(make, lambda s, z=height: np.array([0.8 * s, 0.6 * s, z]), 6, SECTION)
+        scene = fl.Scene(gravity=(GRAVITY * np.sin(angle), 0, -GRAVITY * np.cos(angle)))
+        scene.add(body)
+        floor = fl.contact.Plane(fl.ground(), (0, 0, 1))
+        law = fl.contact.Penalty(k, friction=FRICTION)
+        scene.add(fl.contact.Contact(fl.contact.Line(body, RADIUS), floor, law))
+        step = 1e-3
+        if scheme is EXPLICIT:
+            step = 0.1 / np.ceil(0.1 / (0.5 * scheme.stable_step(scene)))
+        result = scheme.run(scene, duration=0.1, step=step, progress=False)
+        moved = (result.frames[:, :, 0, 0] - result.frames[0, :, 0, 0]).mean(axis=1)
+        assert result.energy_error < 3e-3
+        if sticks:
+            # it vibrates on its springs
+            assert moved.max() < 4.0 * weight * np.sin(angle) / k
+            continue
+        late = result.times > 0.04
+        square, _, _ = np.polyfit(result.times[late], moved[late], 2)
+        wanted = GRAVITY * (np.sin(angle) - FRICTION * np.cos(angle))
+        assert 2.0 * square == pytest.approx(wanted, rel=1e-2)
+        lost = FRICTION * weight * np.cos(angle) * moved[-1]
+        assert result.balance[-1, 1] == pytest.approx(lost, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("make", "law"),
+    [
+        ("cable", fl.contact.Penalty(1e6, friction=0.3)),
+        ("spline", fl.contact.Penalty(1e6, friction=0.3)),
+        ("cable", fl.contact.MortarPenalty(1e6, friction=0.3)),
+    ],
+)
+def test_a_cable_around_half_of_a_drum_has_the_tensions_of_a_capstan(make, law):
+    """Pulled at one end and held at the other: exp(μφ), without its bending stiffness."""
+    drum, thick, n = 0.1, 5e-3, 46
+    radius = drum + thick - 6e-6
+    tail = 3 * np.pi * radius / (n - 6)
+
+    def path(s: float) -> np.ndarray:
+        along = s * (np.pi * radius + 2.0 * tail) - tail
+        angle = min(max(along / radius, 0.0), np.pi)
+        beyond, c, s = along - angle * radius, np.cos(angle), np.sin(angle)
+        return np.array([radius * c - beyond * s, radius * s + beyond * c, 0.0])
+
+    section = fl.Section.from_stiffness([100.0, 30.0, 30.0, 1e-7, 1e-7, 1e-7])
+    body = thread(make, path, n, section)
+    scene = fl.Scene()
+    scene.add(body)
+    end = body.point("end")
+    scene.add(fl.joints.Spherical(fl.ground(end.position), end, name="held"))
+    scene.add(fl.PointLoad(body.point("start"), force=(0, -1.0, 0)))
+    bar = fl.contact.Cylinder(fl.ground(), (0, 0, 0.4), drum)
+    scene.add(fl.contact.Contact(fl.contact.Line(body, thick), bar, law))
+    rest = fl.statics(scene, load_steps=10)
+    held = np.linalg.norm(rest.joint_force("held")[-1, :3])
+    assert 1.0 / held == pytest.approx(np.exp(law.friction * np.pi), rel=2e-3)
+
+
 LAID = fl.elements.DiscreteCable(natural=True)
 
 

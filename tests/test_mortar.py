@@ -6,6 +6,7 @@ import pytest
 import fem_lie as fl
 from benchmarks import mortar
 from fem_lie import lie
+from tests.test_friction import moved, on_nodes
 
 RADIUS = 0.01
 SECTION = fl.Section.circle(RADIUS, fl.Material(1e9, 0.3, 1000.0))
@@ -88,26 +89,45 @@ def test_forces_are_the_derivative_of_the_energy_and_the_tangent_theirs(pair):
     np.testing.assert_allclose(tangent, change, atol=1e-5 * np.abs(change).max())
 
 
-@every_pair
+def cable_on_line(friction: float) -> fl.contact.Contact:
+    """The first line of :func:`on_line` without rotations."""
+    one = fl.Cable.straight((0, 0, 0.0199), (1, 0, 0.0199), SECTION, cells=7)
+    lines = fl.contact.Line(one, RADIUS), on_line().b
+    return fl.contact.Contact(*lines, fl.contact.MortarPenalty(1e6, friction))
+
+
+def cable_on_plane(friction: float) -> fl.contact.Contact:
+    """On ground, so that springs are constant in space."""
+    plane = fl.contact.Plane(fl.ground((0, 0, 0.0099)), (0, 0, 1))
+    return fl.contact.Contact(cable_on_line(0.0).a, plane, fl.contact.MortarPenalty(1e6, friction))
+
+
+@pytest.mark.parametrize("make", [on_line, on_shell, cable_on_line, cable_on_plane])
 @pytest.mark.parametrize("friction", [0.01, 10.0])
-def test_the_tangent_of_friction_is_the_derivative_of_the_forces(pair, friction):
-    """Where nodes slip and where they stick; forces of an accepted state balance."""
-    term, H = term_of(pair, friction)
-    H, rng = bent(H), np.random.default_rng(1)
-    d, e = rng.standard_normal((len(H), 6)), 1e-7
-    there, back = lie.se3_retract(H, e * d), lie.se3_retract(H, -e * d)
-    change = (forces(term, there) - forces(term, back)) / (2 * e)
-    tangent, (rows, columns) = np.zeros_like(change), term.pairs
-    np.add.at(tangent, rows, np.einsum("pij,pj->pi", term.tangent(H, None), d[columns]))
-    np.testing.assert_allclose(tangent, change, atol=1e-5 * np.abs(change).max())
-    before = forces(term, H)
-    term.accept(H)
-    f = forces(term, H)
-    # tractions are kept, and act at other points
-    np.testing.assert_allclose(f, before, atol=2e-2 * np.abs(f).max())
-    F, M = (np.einsum("nij,ni->nj", H[:, 1:], part) for part in (f[:, :3], f[:, 3:]))
-    assert np.abs(F.sum(axis=0)).max() < 1e-11
-    assert np.abs((M + np.cross(H[:, 0], F)).sum(axis=0)).max() < 1e-11
+def test_the_tangent_of_friction_is_the_derivative_of_the_forces(make, friction):
+    """Where nodes slip and where they stick, also with the springs of an accepted state."""
+    contact = make(friction)
+    (nodes, H), rng = contact.pair.numbered(), np.random.default_rng(1)
+    term, types = contact.pair.term(nodes), contact.pair.node_types(nodes)
+    size = 2e-4 * np.array([1, 1, 1, 20, 20, 20])
+    H = moved(types, H, size * np.random.default_rng(0).standard_normal((len(H), 6)))
+    d, e = rng.standard_normal((len(H), 6)), 1e-8
+    for springs in (False, True):
+        if springs:
+            before = on_nodes(types, H, forces(term, H))[0]
+            term.accept(H)
+            F, M = on_nodes(types, H, forces(term, H))
+            # tractions are kept, and act at other points
+            np.testing.assert_allclose(F, before, atol=2e-2 * np.abs(F).max())
+            if make is not cable_on_plane:
+                assert np.abs(F.sum(axis=0)).max() < 1e-11
+                assert np.abs(M.sum(axis=0)).max() < 1e-11
+            H = moved(types, H, 0.3 * size * rng.standard_normal((len(H), 6)))
+        change = forces(term, moved(types, H, e * d)) - forces(term, moved(types, H, -e * d))
+        change /= 2 * e
+        tangent, (rows, columns) = np.zeros_like(change), term.pairs
+        np.add.at(tangent, rows, np.einsum("pij,pj->pi", term.tangent(H, None), d[columns]))
+        np.testing.assert_allclose(tangent, change, atol=1e-5 * np.abs(change).max())
 
 
 @every_pair
@@ -275,10 +295,10 @@ def test_what_is_refused():
         fl.contact.Mortar(-1.0)
     with pytest.raises(ValueError, match="MortarPenalty: friction must not be negative"):
         fl.contact.MortarPenalty(1.0, -0.1)
-    cable = fl.Cable.straight((0, 0, RADIUS), (1, 0, RADIUS), SECTION, cells=2)
+    cables = [fl.Cable.straight((0, 0, z), (1, 0, z), SECTION, cells=2) for z in (0.0, 0.02)]
     slipping = fl.contact.MortarPenalty(1e6, 0.3)
-    with pytest.raises(ValueError, match="friction"):
-        fl.contact.Contact(fl.contact.Line(cable, RADIUS), plane, slipping).check()
+    with pytest.raises(ValueError, match="friction acts on surfaces"):
+        fl.contact.Contact(*(fl.contact.Line(each, RADIUS) for each in cables), slipping).check()
     for scheme in (fl.EnergyMomentum(), fl.schemes.Variational()):
         scene = fl.Scene()
         scene.add(one)

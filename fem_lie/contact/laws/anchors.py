@@ -8,7 +8,9 @@ the nodal coordinates; ``n`` and ``p`` are the normal and the normal force::
     τ = k u_T,  u_T = u − n n·u          while |τ| ≤ μ p, else τ = μ p u_T/|u_T|
 
 Anchors are material points and rotate with their nodes, so rolling moves them from step to step
-without slip.
+without slip. A node without rotations takes no moment: there the anchor is on the axis of the line,
+not on its surface, and that of the other side, which rotates, is the material point at the same
+position and has the elongation.
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ from fem_lie.contact.sides.kinematics import (
 from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import GROUND, UNUSED, ContactPoints, Side
 from fem_lie.lie.motions import global_components, local_components
+from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -173,8 +176,37 @@ def found(known_keys: Indices, keys: Indices) -> Indices:
 
 
 @inlined_uncounted
-def _anchor(H: Array, side: Side, i: int, off: Vector, sign: float, out: Anchors, e: int) -> None:
-    """Store a point of a side, displaced by ``off``, as a material point."""
+def _rotates(types: Indices, side: Side, i: int) -> bool:
+    """Whether a point is on nodes with rotations, or on ground."""
+    node = side.nodes[i, 0]
+    return node < 0 or types[node] < POSITION_GRADIENT
+
+
+@inlined_uncounted
+def _held(H: Array, types: Indices, at: ContactPoints, e: int) -> Vector:
+    """Position at which the tractions of a pair act on both sides, one of which rotates."""
+    i, j = at.pairs[e]
+    point = contact_point(H, at.a, at.b, i, j, at.kind)
+    if not _rotates(types, at.b, j):
+        return point.second
+    return touched(at.a, i, point) if _rotates(types, at.a, i) else point.first
+
+
+@inlined_uncounted
+def _anchor(
+    H: Array,
+    types: Indices,
+    side: Side,
+    i: int,
+    off: Vector,
+    sign: float,
+    out: Anchors,
+    e: int,
+) -> None:
+    """Store a point of a side, displaced by ``off``, as a material point.
+
+    There is no displacement at nodes without rotations.
+    """
     first = 0 if sign > 0.0 else MOST_NODES
     for k in range(MOST_NODES):
         node = side.nodes[i, k]
@@ -186,18 +218,27 @@ def _anchor(H: Array, side: Side, i: int, off: Vector, sign: float, out: Anchors
             store_row(out.fixed, e, plus(load_row(out.fixed, e), moved))
             continue
         out.nodes[e, first + k], out.weights[e, first + k] = node, sign * w
-        moved = combined(sign, c, sign * w, local_components(H[node], off))
+        moved = scaled(sign, c)
+        if types[node] < POSITION_GRADIENT:
+            moved = combined(1.0, moved, sign * w, local_components(H[node], off))
         store_row(out.arms[e], first + k, moved)
 
 
 @compiled
 def set_anchors(
-    H: Array, at: ContactPoints, a: Side, b: Side, springs: Array, out: Anchors
+    H: Array,
+    types: Indices,
+    at: ContactPoints,
+    a: Side,
+    b: Side,
+    springs: Array,
+    out: Anchors,
 ) -> None:
     """Set anchors at frames ``H`` so that springs have the elongations ``springs`` (m, 3).
 
     Args:
         H: Frames.
+        types: Types of all nodes, shape (n,).
         at: Pairs of points.
         a: Material points for anchors of the first side.
         b: Material points for anchors of the second side.
@@ -206,10 +247,14 @@ def set_anchors(
     """
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
-        X = touched(at.a, i, contact_point(H, at.a, at.b, i, j, at.kind))
-        _anchor(H, a, i, minus(X, position(H, a, i)), 1.0, out, e)
-        short = minus(X, load_row(springs, e))
-        _anchor(H, b, j, minus(short, position(H, b, j)), -1.0, out, e)
+        X, u = _held(H, types, at, e), load_row(springs, e)
+        P, Q = minus(X, position(H, a, i)), minus(X, position(H, b, j))
+        if _rotates(types, b, j):
+            Q = minus(Q, u)
+        else:
+            P = plus(P, u)
+        _anchor(H, types, a, i, P, 1.0, out, e)
+        _anchor(H, types, b, j, Q, -1.0, out, e)
 
 
 @inlined_uncounted
@@ -249,11 +294,14 @@ def slip_work(H: Array, anchors: Anchors, now: Indices, forces: Array, springs: 
 
 
 @compiled
-def set_rows(H: Array, at: ContactPoints, which: Indices, forces: Array, out: Array) -> None:
+def set_rows(
+    H: Array, types: Indices, at: ContactPoints, which: Indices, forces: Array, out: Array
+) -> None:
     """Numbers of points, gaps, positions, and friction forces on the first side.
 
     Args:
         H: Frames.
+        types: Types of all nodes, shape (n,).
         at: Pairs of points.
         which: Index of the anchors of each pair, −1: none.
         forces: Friction forces on the second side, shape (m, 3).
@@ -263,9 +311,9 @@ def set_rows(H: Array, at: ContactPoints, which: Indices, forces: Array, out: Ar
         if which[e] < 0:
             continue
         i, j = at.pairs[e]
-        point = contact_point(H, at.a, at.b, i, j, at.kind)
-        out[e, 0], out[e, 1], out[e, 2] = i, j, point.gap
-        X, f = touched(at.a, i, point), load_row(forces, e)
+        out[e, 0], out[e, 1] = i, j
+        out[e, 2] = contact_point(H, at.a, at.b, i, j, at.kind).gap
+        X, f = _held(H, types, at, e), load_row(forces, e)
         for k in range(3):
             out[e, 3 + k], out[e, 6 + k] = X[k], -f[k]
 

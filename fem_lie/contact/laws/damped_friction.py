@@ -38,6 +38,7 @@ from fem_lie.contact.laws.tangents import set_changes_of_speed, speed_of
 from fem_lie.contact.sides.kinematics import SLOTS, contact_point
 from fem_lie.contact.sides.table import ContactPoints
 from fem_lie.lie.motions import global_components
+from fem_lie.lie.node_types import POSITION_GRADIENT, axes
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -47,6 +48,7 @@ from fem_lie.lie.tuples import (
     load_row,
     minus,
     plus,
+    rotate,
     scaled,
     store_row,
 )
@@ -75,20 +77,36 @@ class _Damped(NamedTuple):
 
 
 @inlined_uncounted
-def _velocity(v: Array, w: float, c: Vector) -> Vector:
-    """Velocity of a point of a node along the axes of this."""
-    return combined(w, load(v, 0), 1.0, cross(load(v, 3), c))
+def _velocity(node_type: int, H: Array, v: Array, w: float, c: Vector) -> Vector:
+    """Velocity of a point of a node, global components."""
+    if node_type < POSITION_GRADIENT:
+        return global_components(H, combined(w, load(v, 0), 1.0, cross(load(v, 3), c)))
+    d1, d2, d3 = axes(node_type, H)
+    return rotate(d1, d2, d3, combined(w, load(v, 0), c[0], load(v, 3)))
 
 
 @inlined_uncounted
-def _rate_of(H: Array, v: Array, anchors: Anchors, q: int) -> Vector:
+def _turned_velocity(node_type: int, H: Array, v: Array, w: float, c: Vector, p: int) -> Vector:
+    """Derivative of :func:`_velocity` as component ``p`` of a motion rotates the axes.
+
+    Twists of frames are constant along the axes of these; the velocities of other nodes are
+    constant in space.
+    """
+    if p < 3 or node_type >= POSITION_GRADIENT:
+        return 0.0, 0.0, 0.0
+    own = combined(w, load(v, 0), 1.0, cross(load(v, 3), c))
+    return global_components(H, cross(unit(p - 3), own))
+
+
+@inlined_uncounted
+def _rate_of(H: Array, v: Array, types: Indices, anchors: Anchors, q: int) -> Vector:
     """Relative velocity of the anchors of a pair."""
     rate = (0.0, 0.0, 0.0)
     for s in range(SLOTS):
         node = anchors.nodes[q, s]
         if node >= 0:
-            own = _velocity(v[node], anchors.weights[q, s], load_row(anchors.arms[q], s))
-            rate = plus(rate, global_components(H[node], own))
+            w, c = anchors.weights[q, s], load_row(anchors.arms[q], s)
+            rate = plus(rate, _velocity(types[node], H[node], v[node], w, c))
     return rate
 
 
@@ -141,7 +159,7 @@ def damping_tractions(
         point, q = contact_point(H, at.a, at.b, at.pairs[e, 0], at.pairs[e, 1], at.kind), which[e]
         if point.gap < 0.0 and q >= 0:
             speed = speed_of(H, v, types, at, e, point)
-            u, rate = stretch_of(H, anchors, q), _rate_of(H, v, anchors, q)
+            u, rate = stretch_of(H, anchors, q), _rate_of(H, v, types, anchors, q)
             found = _damped(law, point.gap, speed, point.normal, u, rate)
             store_row(out, e, minus(found.τ, found.spring.τ))
 
@@ -160,7 +178,8 @@ def add_damping_tangents(
 ) -> None:
     """Add derivatives of the viscous part, for anchors on the nodes of the pair.
 
-    Those in frames are at constant components of twists along the axes of the frames.
+    Those in frames are at constant components of twists along the axes of the frames, and at
+    velocities of other nodes that are constant in space.
     """
     by, changes, c = derivatives(), np.zeros((SLOTS, 6)), law.normal.c
     A, T, D = np.zeros((SLOTS, 3, 6)), np.zeros((SLOTS, 3, 6)), np.zeros((SLOTS, 3, 6))
@@ -174,19 +193,16 @@ def add_damping_tangents(
         if on_other_nodes(nodes, anchors.nodes[q]):
             continue
         set_changes_of_speed(v, types, by, scale, changes)
-        u, rate = stretch_of(H, anchors, q), _rate_of(H, v, anchors, q)
+        u, rate = stretch_of(H, anchors, q), _rate_of(H, v, types, anchors, q)
         found = _damped(law, g, speed_of(H, v, types, at, e, point), n, u, rate)
         for s in range(SLOTS):
             if nodes[s] < 0:
                 continue
             w, arm, node = anchors.weights[q, s], load_row(anchors.arms[q], s), nodes[s]
             store_motion(types[node], H[node], 1.0, w, arm, A[s])
-            own = _velocity(v[node], w, arm)
             for p in range(6):
                 δu, δn = column(A[s], p), scaled(1.0 / scale, column(by.N[s], p))
-                δrate = (0.0, 0.0, 0.0)
-                if p >= 3:
-                    δrate = global_components(H[node], cross(unit(p - 3), own))
+                δrate = _turned_velocity(types[node], H[node], v[node], w, arm, p)
                 δspring = change_of(law, found.spring, n, u, δu, δn, by.rows[s, p])
                 δmost = found.by_gap * by.rows[s, p] + found.by_speed * changes[s, p]
                 δu, δrate = change_across(n, u, δu, δn), change_across(n, rate, δrate, δn)

@@ -113,7 +113,7 @@ class Friction:
             now = found(keys, self._anchors.keys)
             self.dissipated += slip_work(H, self._anchors, now, forces, springs)
         anchors = empty_anchors(len(at.pairs))
-        set_anchors(H, at, a, b, springs, anchors)
+        set_anchors(H, self._types, at, a, b, springs, anchors)
         anchors.keys[:], anchors.forces[:] = keys, forces
         self._anchors = anchors
 
@@ -126,7 +126,7 @@ class Friction:
         rows, known = np.zeros((len(keys), FRICTION_COLUMNS)), which >= 0
         forces = at.weight[: len(τ), np.newaxis] * τ
         forces[known] += self._anchors.forces[which[known]]
-        set_rows(H, at, which, forces, rows)
+        set_rows(H, self._types, at, which, forces, rows)
         return rows[rows[:, 6:].any(axis=1)]
 
     # --- over a step of points and balls ---
@@ -135,7 +135,7 @@ class Friction:
         """Add tractions of a step; :meth:`accept` keeps their springs for the next step."""
         arms, _, over = self._over_step(ends, at)
         self._ahead = at.pairs.copy(), over.τ
-        over_steps.add_over_step(ends, at, arms, over.τ, out, ground)
+        over_steps.add_over_step(ends, self._types, at, arms, over.τ, out, ground)
         return Done(*over_steps.energies(self._law, at, over))
 
     def add_tangent_over_step(self, ends: Ends, at: ContactPoints, H: Array, blocks: Array) -> None:
@@ -150,7 +150,8 @@ class Friction:
         m = len(at.pairs)
         which, arms = found(self._anchors.keys, at.pairs), empty_anchors(m)
         over = over_steps.empty_slips(m)
-        over_steps.set_over_step(ends, at, self._anchors, which, self._law, arms, over)
+        given = ends, self._types, at, self._anchors, which, self._law
+        over_steps.set_over_step(*given, arms, over)
         return arms, np.where(which >= 0, np.arange(m), -1), over
 
     @property

@@ -1,7 +1,8 @@
 """Friction forces of a step: their work is stored in springs or dissipated, never created.
 
 Both anchors act at one point of the mean configuration, that of the first side: the moment arm of
-the second is moved there, ``c ← c + w R̄⁻¹ ū``. Hence a traction has no moment, and does the work
+the second is moved there, ``c ← c + w R̄⁻¹ ū``; if the nodes of the second have no rotations, that
+of the first is moved to the point of the second. Hence a traction has no moment, and does the work
 ``τ·s`` on the slip ``s = Σ w Δx + ΔR c`` of these two material points. With the spring elongation
 ``e`` at the start::
 
@@ -25,6 +26,7 @@ from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import GROUND, ContactPoints
 from fem_lie.forms.abilities import Ends
 from fem_lie.lie.motions import global_components
+from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.lie.tuples import (
     Vector,
     combined,
@@ -77,6 +79,7 @@ def _in_frame(H: Array, a: Vector) -> Vector:
 @compiled
 def set_over_step(
     ends: Ends,
+    types: Indices,
     at: ContactPoints,
     anchors: Anchors,
     which: Indices,
@@ -88,6 +91,7 @@ def set_over_step(
 
     Args:
         ends: Both ends of the step.
+        types: Types of all nodes, shape (n,).
         at: Contact points.
         anchors: Anchors at the start of the step.
         which: Index of the anchors of each pair, −1: none.
@@ -104,14 +108,17 @@ def set_over_step(
         # an open contact has no spring: round-off of its anchors would act as a force
         if contact_point(ends.start, at.a, at.b, i, j, at.kind).gap < 0.0:
             spring = stretch_of(ends.start, anchors, q)
+        other = anchors.nodes[q, MOST_NODES]
+        moves_first = other >= 0 and types[other] >= POSITION_GRADIENT
         for s in range(SLOTS):
             node, w = anchors.nodes[q, s], anchors.weights[q, s]
             arms.nodes[e, s], arms.weights[e, s] = node, w
             if node < 0:
                 continue
             c = load_row(anchors.arms[q], s)
-            if s >= MOST_NODES:
-                c = combined(1.0, c, w, _in_frame(ends.mean[node], mean))
+            if (s < MOST_NODES) == moves_first and types[node] < POSITION_GRADIENT:
+                sign = -1.0 if moves_first else 1.0
+                c = combined(1.0, c, sign * w, _in_frame(ends.mean[node], mean))
             store_row(arms.arms[e], s, c)
             slip = plus(slip, scaled(w, load_row(ends.delta[node], 0)))
             slip = plus(slip, global_components(ends.delta[node], c))
@@ -128,7 +135,13 @@ def set_over_step(
 
 @compiled
 def add_over_step(
-    ends: Ends, at: ContactPoints, arms: Anchors, τ: Array, out: Array, ground: Array
+    ends: Ends,
+    types: Indices,
+    at: ContactPoints,
+    arms: Anchors,
+    τ: Array,
+    out: Array,
+    ground: Array,
 ) -> None:
     """Add tractions to nodal forces, as :func:`~.over_steps.add_secants` adds normal forces."""
     for e in range(at.pairs.shape[0]):
@@ -142,8 +155,10 @@ def add_over_step(
                 continue
             f = scaled(arms.weights[e, s], t)
             turning = cross(global_components(ends.mean[node], load_row(arms.arms[e], s)), t)
+            vectors = types[node] >= POSITION_GRADIENT
+            second = scaled(arms.arms[e, s, 0], t) if vectors else turning
             store(out[node], 0, plus(load(out[node], 0), f))
-            store(out[node], 3, plus(load(out[node], 3), turning))
+            store(out[node], 3, plus(load(out[node], 3), second))
             force = plus(force, f)
             moment = plus(moment, plus(turning, cross(load_row(ends.mean[node], 0), f)))
         i, j = at.pairs[e]

@@ -6,7 +6,8 @@ faced each other there, ``P_q`` and ``Q_q``, with the weights ``w_q Φ_A ψ'`` o
     u_A = Σ w_q Φ_A ψ' (P_q − Q_q) / W_A + R_A e_A,  W_A = Σ w_q Φ_A ψ'
     τ_A = k u_T,  u_T = u_A − n_A n_A·u_A       while |τ_A| ≤ μ p_A, else τ_A = μ p_A u_T/|u_T|
 
-``e_A`` is the elongation of the spring in that state, along the axes ``R_A`` of a node, and ``n_A``
+``e_A`` is the elongation of the spring in that state, along the axes ``R_A`` of a node with a
+frame, or constant in space if there is none, so that the other surface is on ground; ``n_A`` is
 the mean normal with the same weights at present. Slips are linear in nodal coordinates, and the
 same for all observers. When a state is accepted, the spring of a node keeps its traction, and new
 points face each other; springs are those of pressures, whose numbers persist.
@@ -25,12 +26,18 @@ from scipy.sparse import bsr_array, coo_array, csr_array
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.contact.laws.anchors import empty_anchors, set_anchors
-from fem_lie.contact.laws.derivatives import derivatives, set_derivatives
+from fem_lie.contact.laws.derivatives import (
+    add_turning,
+    derivatives,
+    set_derivatives,
+    store_motion,
+)
 from fem_lie.contact.laws.law import FrictionConstants
 from fem_lie.contact.mortar.sides import MortarPoints
 from fem_lie.contact.sides.kinematics import SLOTS, contact_point
 from fem_lie.contact.sides.table import ContactPoints
-from fem_lie.lie.batched import hat
+from fem_lie.lie.node_types import POSITION_GRADIENT
+from fem_lie.lie.tuples import load_row
 
 
 class Weighted(NamedTuple):
@@ -100,6 +107,26 @@ def set_normal_rows(H: Array, types: Indices, at: ContactPoints, out: Array) -> 
                     out[e, s, r, p] = by.N[s, r, p] / scale
 
 
+@compiled
+def _set_motions(
+    H: Array, types: Indices, nodes: Indices, weights: Array, arms: Array, out: Array
+) -> None:
+    """Set the motions of points of nodes (k,) per motion of these, zero on entry, (k, 3, 6)."""
+    for s in range(nodes.shape[0]):
+        node, c = nodes[s], load_row(arms, s)
+        store_motion(types[node], H[node], 1.0, weights[s], c, out[s])
+
+
+@compiled
+def _add_turnings(
+    H: Array, types: Indices, nodes: Indices, weights: Array, arms: Array, f: Array, out: Array
+) -> None:
+    """Add the derivatives of forces (k, 3) on points as axes of nodes (k,) rotate, (k, 6, 6)."""
+    for s in range(nodes.shape[0]):
+        node, c = nodes[s], load_row(arms, s)
+        add_turning(types[node], H[node], load_row(f, s), weights[s], c, out[s])
+
+
 class Slips(NamedTuple):
     """Mean slips ``u_A = Σ (w x + R c) + o``, linear in nodal coordinates.
 
@@ -107,10 +134,12 @@ class Slips(NamedTuple):
         pressures: Pressure ``A`` of each summand, shape (k,).
         nodes: Nodes, shape (k,).
         weights: ``w``, shape (k,).
-        arms: ``c``, shape (k, 3); the last ones are the elongations ``e`` of the springs.
-        fixed: ``o``, contribution of ground, shape (n, 3).
+        arms: ``c``, shape (k, 3); the last ones are the elongations ``e`` of the springs along
+            the axes of frames.
+        fixed: ``o``, contribution of ground, and of springs without a frame, shape (n, 3).
         lengths: ``W``, zero where no points face each other, shape (n,).
         grounded: Whether the second surface, or the first, is on ground, shape (n,).
+        framed: Whether a frame has the spring, shape (n,).
     """
 
     pressures: Indices
@@ -120,11 +149,12 @@ class Slips(NamedTuple):
     fixed: Array
     lengths: Array
     grounded: Flags
+    framed: Flags
 
     @property
     def springs(self) -> slice:
         """The summands that are springs."""
-        return slice(len(self.nodes) - np.count_nonzero(self.lengths), None)
+        return slice(len(self.nodes) - np.count_nonzero(self.framed), None)
 
     def rotated(self, H: Array) -> Array:
         """``R c``, global components, shape (k, 3)."""
@@ -137,22 +167,29 @@ class Slips(NamedTuple):
         np.add.at(found, self.pressures, moved)
         return found
 
-    def local_forces(self, H: Array, τ: Array) -> Array:
-        """Forces ``Rᵀ W τ`` of tractions (n, 3), along the axes of the nodes, shape (k, 3)."""
-        f = (self.lengths[:, np.newaxis] * τ)[self.pressures]
-        return np.einsum("kij,kj->ki", H[self.nodes, 1:], f)
+    def on_nodes(self, τ: Array) -> Array:
+        """Forces ``W τ`` of tractions (n, 3) on the summands, global components, shape (k, 3)."""
+        return np.asarray((self.lengths[:, np.newaxis] * τ)[self.pressures])
 
-    def rows(self, H: Array, count: int) -> csr_array:
-        """Derivatives in the twists of all nodes, shape (3 n, 6 count)."""
-        blocks = np.zeros((len(self.nodes), 3, 6))
-        R = H[self.nodes, 1:].transpose(0, 2, 1)
-        blocks[:, :, :3] = self.weights[:, np.newaxis, np.newaxis] * R
-        blocks[:, :, 3:] = -R @ hat(self.arms)
+    def motions(self, H: Array, types: Indices) -> Array:
+        """Derivatives of the summands in the motions of their nodes, shape (k, 3, 6).
+
+        Args:
+            H: Frames.
+            types: Types of all nodes, shape (count,).
+        """
+        found = np.zeros((len(self.nodes), 3, 6))
+        _set_motions(H, types, self.nodes, self.weights, self.arms, found)
+        return found
+
+    def rows(self, H: Array, types: Indices) -> csr_array:
+        """Derivatives in the motions of all nodes, shape (3 n, 6 count)."""
+        blocks = self.motions(H, types)
         at = 3 * self.pressures[:, np.newaxis] + np.arange(3)
         to = 6 * self.nodes[:, np.newaxis] + np.arange(6)
         A = np.broadcast_to(at[:, :, np.newaxis], blocks.shape)
         B = np.broadcast_to(to[:, np.newaxis], blocks.shape)
-        shape = 3 * len(self.lengths), 6 * count
+        shape = 3 * len(self.lengths), 6 * len(types)
         return coo_array((blocks.ravel(), (A.ravel(), B.ravel())), shape).tocsr()
 
 
@@ -160,23 +197,24 @@ def no_slips(n: int) -> Slips:
     """Slips of pressures that face nothing."""
     none, flags = np.empty(0, dtype=np.int64), np.zeros(n, dtype=np.bool_)
     fixed = np.zeros((n, 3))
-    return Slips(none, none, np.empty(0), np.empty((0, 3)), fixed, np.zeros(n), flags)
+    return Slips(none, none, np.empty(0), np.empty((0, 3)), fixed, np.zeros(n), flags, flags)
 
 
 def _packed(slips: Slips) -> Array:
     """Slips as a flat array."""
     each = np.column_stack([slips.pressures, slips.nodes, slips.weights, slips.arms])
-    rest = np.column_stack([slips.fixed, slips.lengths, slips.grounded])
+    rest = np.column_stack([slips.fixed, slips.lengths, slips.grounded, slips.framed])
     return np.concatenate([rest.ravel(), each.ravel()])
 
 
 def _unpacked(values: Array, n: int) -> Slips:
     """Slips of ``n`` pressures from the array that :func:`_packed` returned."""
-    rest, each = values[: 5 * n].reshape(n, 5), values[5 * n :].reshape(-1, 6)
+    rest, each = values[: 6 * n].reshape(n, 6), values[6 * n :].reshape(-1, 6)
     numbers = each[:, :2].astype(np.int64)
-    fixed, lengths, grounded = rest[:, :3].copy(), rest[:, 3].copy(), rest[:, 4] != 0.0
+    fixed, lengths = rest[:, :3].copy(), rest[:, 3].copy()
+    grounded, framed = (rest[:, 4:] != 0.0).T
     weights, arms = each[:, 2].copy(), each[:, 3:].copy()
-    return Slips(numbers[:, 0], numbers[:, 1], weights, arms, fixed, lengths, grounded)
+    return Slips(numbers[:, 0], numbers[:, 1], weights, arms, fixed, lengths, grounded, framed)
 
 
 class _Tractions(NamedTuple):
@@ -251,8 +289,7 @@ class MortarFriction:
 
     def _add(self, H: Array, τ: Array, out: Array) -> None:
         slips = self._slips
-        F = slips.local_forces(H, τ)
-        forces = np.column_stack([slips.weights[:, np.newaxis] * F, np.cross(slips.arms, F)])
+        forces = np.einsum("kij,ki->kj", slips.motions(H, self._types), slips.on_nodes(τ))
         np.add.at(out, slips.nodes, forces)
 
     def at_points(self, H: Array, points: Weighted, p: Array) -> Array:
@@ -280,16 +317,15 @@ class MortarFriction:
             by_pressure: Derivatives of the pressures in all twists, shape (n, 6 nodes).
         """
         found, slips, count = self._tractions(H, points, p), self._slips, len(self._types)
-        U, N = slips.rows(H, count), self._normal_rows(H, points, (len(p), count))
+        U, N = slips.rows(H, self._types), self._normal_rows(H, points, (len(p), count))
         by_slip, by_normal = self._by_slip_and_normal(found)
         limits = self._law.μ * found.along[:, :, np.newaxis]
         δτ = _diagonal(by_slip) @ U + _diagonal(by_normal) @ N + _diagonal(limits) @ by_pressure
         weighted = U.multiply(np.repeat(slips.lengths, 3)[:, np.newaxis]).tocsr()
         # axes rotate along which forces are written
-        rotating = hat(slips.local_forces(H, found.τ))
-        blocks = np.zeros((len(rotating), 6, 6))
-        blocks[:, :3, 3:] = slips.weights[:, np.newaxis, np.newaxis] * rotating
-        blocks[:, 3:, 3:] = hat(slips.arms) @ rotating
+        blocks = np.zeros((len(slips.nodes), 6, 6))
+        given = H, self._types, slips.nodes, slips.weights, slips.arms
+        _add_turnings(*given, slips.on_nodes(found.τ), blocks)
         return (weighted.T @ δτ).tocsr(), slips.nodes, blocks
 
     def _by_slip_and_normal(self, of: _Tractions) -> tuple[Array, Array]:
@@ -315,10 +351,11 @@ class MortarFriction:
 
     def _set_springs(self, H: Array, τ: Array) -> None:
         """Set elongations to those of tractions."""
-        slips = self._slips
+        slips, e = self._slips, τ / self._law.k
         nodes, own = slips.nodes[slips.springs], slips.pressures[slips.springs]
-        elongations = τ[own] / self._law.k
-        slips.arms[slips.springs] = np.einsum("kij,kj->ki", H[nodes, 1:], elongations)
+        slips.arms[slips.springs] = np.einsum("kij,kj->ki", H[nodes, 1:], e[own])
+        others = (slips.lengths > 0.0) & ~slips.framed
+        slips.fixed[others] += e[others]
 
     def accept(self, H: Array, points: Weighted, p: Array) -> None:
         """Let the points of frames ``H`` face each other, with springs that keep their traction."""
@@ -327,7 +364,7 @@ class MortarFriction:
         slip = found.across - found.τ / self._law.k
         done = 0.5 * ((self._before + found.τ) * slip).sum(axis=1)
         self.dissipated += float(before @ done)
-        self._slips, self._before = _facing(H, points, len(p)), found.τ
+        self._slips, self._before = _facing(H, self._types, points, len(p)), found.τ
         self._set_springs(H, found.τ)
 
     @property
@@ -362,11 +399,11 @@ def _diagonal(blocks: Array) -> bsr_array:
     return bsr_array((blocks, np.arange(n), np.arange(n + 1)), shape=(n * r, n * c))
 
 
-def _facing(H: Array, points: Weighted, count: int) -> Slips:
+def _facing(H: Array, types: Indices, points: Weighted, count: int) -> Slips:
     """Slips of the points of a state, with springs that are not elongated."""
     of, m = points.of, len(points.of.at.pairs)
     anchors = empty_anchors(m)
-    set_anchors(H, of.at, of.at.a, of.at.b, np.zeros((m, 3)), anchors)
+    set_anchors(H, types, of.at, of.at.a, of.at.b, np.zeros((m, 3)), anchors)
     lengths = points.means(np.ones((m, 1)), count)[:, 0]
     each = of.shapes * points.weights[:, np.newaxis]
     per = np.divide(each, lengths[of.pressures], out=np.zeros_like(each), where=each != 0.0)
@@ -380,10 +417,11 @@ def _facing(H: Array, points: Weighted, count: int) -> Slips:
     on_ground = (at.a.owners[at.pairs[:, 0]] < 0) | (at.b.owners[at.pairs[:, 1]] < 0)
     grounded = np.zeros(count, dtype=np.bool_)
     grounded[of.pressures[on_ground & (points.weights > 0.0)]] = True
-    held = np.flatnonzero(lengths)
-    carriers = _carriers(A, node, np.abs(w), count, len(H))[held]
-    zero = np.zeros(len(held))
-    slips = Slips(A, node, w, c, fixed, lengths, grounded)
+    rotates = types[node] < POSITION_GRADIENT
+    carriers, framed = _carriers(A[rotates], node[rotates], np.abs(w[rotates]), count, len(H))
+    held = np.flatnonzero(framed)
+    carriers, zero = carriers[held], np.zeros(len(held))
+    slips = Slips(A, node, w, c, fixed, lengths, grounded, framed)
     return slips._replace(
         pressures=np.concatenate([A, held]),
         nodes=np.concatenate([node, carriers]),
@@ -392,7 +430,8 @@ def _facing(H: Array, points: Weighted, count: int) -> Slips:
     )
 
 
-def _carriers(A: Indices, node: Indices, w: Array, count: int, nodes: int) -> Indices:
-    """Node with the largest weight in each slip, shape (count,)."""
+def _carriers(A: Indices, node: Indices, w: Array, count: int, nodes: int) -> tuple[Indices, Flags]:
+    """Node with the largest weight in each slip, and whether there is one, shapes (count,)."""
     total = coo_array((w, (A, node)), (count, nodes)).tocsr()
-    return np.asarray(total.argmax(axis=1)).ravel().astype(np.int64)
+    some = np.asarray(total.sum(axis=1)).ravel() > 0.0
+    return np.asarray(total.argmax(axis=1)).ravel().astype(np.int64), some

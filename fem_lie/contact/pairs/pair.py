@@ -25,6 +25,7 @@ from fem_lie.contact.laws.penalty import PenaltyForces
 from fem_lie.contact.sides.surfaces import ContactSurface
 from fem_lie.contact.sides.table import BothSides, Nodes
 from fem_lie.contact.sides.two_sides import Sides
+from fem_lie.lie.node_types import NodeType
 
 OVERLAP = 0.05
 """Overlap over the characteristic size up to which surfaces may overlap at the start."""
@@ -138,14 +139,19 @@ class ContactPair(ABC):
         return bodies_of(self.a, self.b)
 
     def check_friction(self) -> None:
-        """Refuse friction on nodes that do not rotate, for friction acts with a moment arm.
+        """Refuse friction of two surfaces that both take no moment.
 
         Raises:
-            ValueError: A body has such nodes.
+            ValueError: The nodes of both have no rotations.
         """
-        what = f"{self.label}: friction"  # names all points
-        for body in self.bodies if self.has_friction else ():
-            body.model.require_frames(what)
+        each = [bodies_of(side) for side in (self.a, self.b)]
+        takes_none = (any(b.model.node_type != NodeType.FRAME for b in side) for side in each)
+        if self.has_friction and all(takes_none):
+            raise ValueError(
+                f"{self.label}: friction acts on surfaces, at a distance from both axes, and has a "
+                "moment that nodes without rotations do not take; one of the two surfaces must be "
+                "on ground or on a body whose nodes have frames, such as a beam"
+            )
 
     def initial_frames(self, nodes: Nodes) -> Array:
         """Initial frames of the nodes of the bodies, in the order of their numbers.

@@ -121,7 +121,8 @@ class Facets(PatchSurface):
     The surface is a layer about the faces: all points within half its thickness of the bilinear
     patches between nodal positions. The surface of a solid is therefore outside of its mesh by half
     the thickness, and another body must not penetrate by more than that. Contact forces are per
-    area of the undeformed faces. They act on nodal positions only, so there is no friction.
+    area of the undeformed faces. They act on nodal positions only; friction needs a second surface
+    on ground or on nodes with frames, which has its moments.
 
     Attributes:
         body: A body with faces.

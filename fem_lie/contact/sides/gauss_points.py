@@ -344,10 +344,12 @@ def set_stations(
                 out.pairs[count, 1], out.first[count] = first, blocks[e]
             else:
                 other = Opposite(first, last, nowhere, nowhere, a.radii[i] + b.radii[first])
-                square, j, σ = nearest(b, other, position_at(a.curves[i], s))
+                P = position_at(a.curves[i], s)
+                square, j, σ = nearest(b, other, P)
                 if square == np.inf:
                     continue
                 set_position(b, j, σ, out.b, count)
+                set_sliding(b, j, σ, P, out.sliding, count)
                 out.pairs[count, 1], out.first[count] = count, blocks[e + j - first]
             set_position(a, i, s, out.a, count)
             out.pairs[count, 0] = count
