@@ -1,5 +1,6 @@
 """Cables of positions and slopes: closed forms, published values, and laws of mechanics."""
 
+import warnings
 from itertools import pairwise
 
 import numpy as np
@@ -243,6 +244,32 @@ def test_tension_of_a_slack_cable(strain):
     assembly.add_forces(H, forces.reshape(-1))
     expected = tension(strain, 1e4, 1e-4)
     np.testing.assert_allclose(forces[assembly.order][2, 0], expected, rtol=1e-11)
+
+
+def test_a_cable_shorter_laid_than_long_is_named(caplog):
+    """Laid straight it is compressed, and does not hang in statics; a tension-only one hangs."""
+    sags = []
+    for formulation in (None, SLACK):
+        cable = fl.Cable.straight(
+            (0, 0, 0),
+            (8, 0, 0),
+            section(1e5, 1e-6),
+            cells=16,
+            length=LENGTH,
+            formulation=formulation,
+            name="rope",
+        )
+        scene = fl.Scene(gravity=(0, -WEIGHT, 0))
+        scene.add(cable)
+        cable.pin(cable.point("start"), cable.point("end"))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", fl.stability.UnstableEquilibriumWarning)
+            sags.append(-fl.statics(scene).displacement(cable.point(8))[-1, 1])
+        assert ("compressed at the start: rope" in caplog.text) == (formulation is None)
+        caplog.clear()
+    a = brentq(lambda a: 2 * a * np.sinh(4 / a) - LENGTH, 1.0, 100.0)
+    sag = a * (np.cosh(4 / a) - 1)
+    assert sags[0] < 0.1 and abs(sags[1] / sag - 1) < 2e-3
 
 
 def test_slack_cables_find_the_only_equilibrium_from_anywhere():

@@ -43,6 +43,23 @@ def test_small_damping_lowers_the_load_of_flutter():
     assert abs(flutter(scene, 4).factor / 10.94 - 1) < 2e-3
 
 
+def test_zieglers_pendulum_of_two_degrees_of_freedom():
+    """H. Ziegler 1952: masses 2m and m, equal springs: (7/2 − √2) k/l; two modes by default."""
+    scene, small = fl.Scene(), (1e-6,) * 3
+    first = scene.add(fl.RigidBody(2.0, small, position=(1, 0, 0), name="first"))
+    second = scene.add(fl.RigidBody(1.0, small, position=(2, 0, 0), name="second"))
+    points = fl.ground(), first.point("centre"), second.point("centre")
+    for k in range(2):
+        hinge = fl.joints.Revolute(points[k], points[k + 1], at=(k, 0, 0), axis=(0, 0, 1))
+        scene.add(hinge)
+        scene.add(fl.joints.Spring(hinge.angle, 1.0))
+    scene.add(fl.PointLoad(second.point("centre"), force=(-1, 0, 0), following=True))
+    found = flutter(scene)
+    assert found.instability is Instability.FLUTTER
+    assert abs(found.factor / (3.5 - np.sqrt(2)) - 1) < 1e-5
+    assert len(fl.vibrations(scene)) == 2
+
+
 def test_it_is_saved(tmp_path):
     found = flutter(compressed(True), 4)
     found.save(tmp_path / "flutter.h5")

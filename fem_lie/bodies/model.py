@@ -511,6 +511,11 @@ class BodyModel:
         """Whether its elements are tension-only, with an energy that is still convex."""
         return False
 
+    @property
+    def laid_short(self) -> bool:
+        """Whether it is laid along a line that is shorter than it, and resists compression."""
+        return False
+
     def floating_modes(self) -> FloatingModes | None:
         """Modal mass and stiffness of a body that deforms within one frame; ``None`` for others."""
         return None

@@ -110,6 +110,7 @@ class Cable(CableBody):
         *,
         cells: int,
         length: float | None = None,
+        formulation: BeamFormulation | None = None,
         damping: Damping | None = None,
         name: str = "",
     ) -> Cable:
@@ -121,11 +122,14 @@ class Cable(CableBody):
             section: Cross-section.
             cells: Number of equal elements.
             length: Unstretched length; default: that of the line.
+            formulation: The element; default: that of the class.
             damping: Damping; default: none.
             name: Name in messages and results.
         """
         mesh = straight_line(start, end, cells)
-        return cls(mesh, section, length=length, damping=damping, name=name)
+        return cls(
+            mesh, section, length=length, formulation=formulation, damping=damping, name=name
+        )
 
     @classmethod
     def curve(
@@ -135,6 +139,7 @@ class Cable(CableBody):
         *,
         cells: int,
         length: float | None = None,
+        formulation: BeamFormulation | None = None,
         damping: Damping | None = None,
         name: str = "",
     ) -> Cable:
@@ -145,8 +150,11 @@ class Cable(CableBody):
             section: Cross-section.
             cells: Number of equal elements.
             length: Unstretched length; default: that of the line.
+            formulation: The element; default: that of the class.
             damping: Damping; default: none.
             name: Name in messages and results.
         """
         mesh = curve(function, cells)
-        return cls(mesh, section, length=length, damping=damping, name=name)
+        return cls(
+            mesh, section, length=length, formulation=formulation, damping=damping, name=name
+        )

@@ -41,6 +41,7 @@ from fem_lie.sections.section import Section
 _MEAN = 0.1
 """Weight ``μ`` of the mean rotation."""
 
+_TAUT = 1.0 - 1e-3  # chords of a curved line are shorter than it, too
 _STRAIGHT = 1e-6  # second singular value of A at the start over the first
 
 
@@ -188,6 +189,12 @@ class CableModel(LineModel):
         if found:
             assembly.further_terms.append(BendingSprings(Bends.joined(found), assembly.count))
         return assembly
+
+    @property
+    def laid_short(self) -> bool:
+        """Whether it is laid along a line that is shorter than it, and resists compression."""
+        chords = np.linalg.norm(np.diff(self.frames[self.elements[:, :2], 0], axis=1)[:, 0], axis=1)
+        return not self.tension_only and bool(chords.sum() < _TAUT * self.lengths.sum())
 
     @property
     def smooth_lines(self) -> list[SmoothLine]:

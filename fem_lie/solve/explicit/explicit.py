@@ -29,6 +29,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 
@@ -401,20 +402,25 @@ def limit_of(equations: Equations, masses: nodes.Masses) -> StableStep:
     return limit
 
 
-def stable_masses(equations: Equations, step: float) -> tuple[nodes.Masses, StableStep]:
-    """Lumped inertia, and the largest stable step; ``ValueError`` if ``step`` is larger.
+def stable_masses(
+    equations: Equations, step: float, count: int | None = None
+) -> tuple[nodes.Masses, StableStep]:
+    """Lumped inertia, and the largest stable step; ``ValueError`` if the steps are larger.
 
     Args:
         equations: Equations with lumped inertia.
-        step: Step size.
+        step: Step size, or that of whole steps.
+        count: Number of steps in a whole one; default: there are no whole steps.
     """
+    own = step / (count or 1)
     masses = masses_of(equations)
     limit = limit_of(equations, masses)
     with equations.shared.errors(ValueError):
-        if not step <= limit.step and limit.node >= 0:
+        if not own <= limit.step and limit.node >= 0:
+            needed = "" if count is None else f": {ceil(step / limit.step)} steps in a whole one"
             raise ValueError(
                 f"Explicit: expected a stable step, at most {limit.step:.4g} for the cells "
-                f"around {node_name(equations, limit.node)}, got {step:g}"
+                f"around {node_name(equations, limit.node)}, got {own:g}{needed}"
             )
     return masses, limit
 

@@ -46,7 +46,7 @@ class ExplicitDomain(ExplicitRun):
         """
         friction = any(term.path for term in equations.arrays.terms)
         refuse("MultiRate", {"friction of contacts in explicit steps": friction}, "Explicit")
-        super().__init__(equations, whole / count, *stable_masses(equations, whole / count))
+        super().__init__(equations, whole / count, *stable_masses(equations, whole, count))
         self.count, self.rows = count, rows
         self._lasting = equations.arrays.conservative.copy()
         self._changing_state = ChangingArrays(self, _ARRAYS)

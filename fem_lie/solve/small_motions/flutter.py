@@ -28,6 +28,7 @@ from fem_lie.solve.statics.follow import check_proportion
 from fem_lie.solve.statics.unstable import UnstableEquilibriumWarning
 from fem_lie.system.equations import Equations
 
+_MODES = 6  # by default
 _GROWTH = 1.25  # of the load factor from one to the next
 _FIRST = 0.5  # first load factor, over that at which loads change the stiffness by all of it
 _FARTHEST = 1e3
@@ -38,7 +39,7 @@ _OSCILLATES = 1e-2  # frequency over the rate of the first motion
 
 def flutter(
     scene: Scene,
-    count: int = 6,
+    count: int | None = None,
     *,
     until: float | None = None,
     load_steps: int = 1,
@@ -52,7 +53,8 @@ def flutter(
 
     Args:
         scene: The scene, with its loads at factor 1.
-        count: Number of slowest modes that are followed.
+        count: Number of slowest modes that are followed; default: six, or all degrees of freedom
+            if they are fewer.
         until: Largest load factor; default: 1000 times that at which the loads change the stiffness
             by about all of it.
         load_steps: For statics at each load factor.
@@ -75,7 +77,8 @@ def flutter(
         flutter
     """
     check_proportion(scene)
-    whole(count, "count")
+    if count is not None:
+        whole(count, "count")
     largest = None if until is None else positive(until, "until")
     watch = Stopwatch()
     loads = _Loaded(scene, count, whole(load_steps, "load_steps"), petsc_options_prefix)
@@ -122,11 +125,10 @@ class _State(NamedTuple):
 class _Loaded:
     """Eigenvalues of a scene at any load factor."""
 
-    def __init__(self, scene: Scene, count: int, load_steps: int, prefix: str) -> None:
+    def __init__(self, scene: Scene, count: int | None, load_steps: int, prefix: str) -> None:
         """Check the number of modes."""
-        self._scene, self._count, self._prefix = scene, count, prefix
-        self._load_steps = load_steps
-        Equations(scene, dynamics=True).unknowns.check_count(count)
+        self._scene, self._load_steps, self._prefix = scene, load_steps, prefix
+        self._count = Equations(scene, dynamics=True).unknowns.mode_count(count, _MODES)
 
     def scale(self) -> float:
         """Load factor at which the loads change the stiffness by about all of it."""

@@ -282,6 +282,7 @@ def energy_radius(model: StableEquilibrium, K: sp.csr_matrix, A: sp.csr_matrix) 
     return value
 
 
+_MODES = 4  # by default
 _STAGES = 5  # number of stages in the progress bar
 _OTHER_SIGN = 100.0  # smallest ratio of spurious factors to those of reversed loads
 _STRAINED = 0.05  # largest strain at the load factors for which linear theory is reliable
@@ -289,13 +290,13 @@ _STRAINED = 0.05  # largest strain at the load factors for which linear theory i
 
 @all_stay("buckling")
 def buckling(
-    scene: Scene, count: int = 4, *, petsc_options_prefix: str = "fem_lie_buckling_"
+    scene: Scene, count: int | None = None, *, petsc_options_prefix: str = "fem_lie_buckling_"
 ) -> BucklingModes:
     """Lowest positive load factors of linear buckling, and their modes.
 
     Args:
         scene: The scene, with its loads at factor 1.
-        count: Number of modes.
+        count: Number of modes; default: four, or all degrees of freedom if they are fewer.
         petsc_options_prefix: Prefix for the choice of SLEPc's solver.
 
     Raises:
@@ -307,13 +308,14 @@ def buckling(
             holds them; or there is none, for example under tension.
     """
     check_proportion(scene)
-    whole(count, "count")
+    if count is not None:
+        whole(count, "count")
     part = divided(scene, petsc_options_prefix)
     model = StableEquilibrium(scene, petsc_options_prefix, part)
     unknowns = model.equations.unknowns
     with model.equations.shared.errors(ValueError):
         _check_stress(model.equations)
-    unknowns.check_count(count)
+    count = unknowns.mode_count(count, _MODES)
     watch = Stopwatch()
     model.check_start(0.0)
     with step_bar("buckling", "stage", _STAGES) as show:

@@ -92,13 +92,15 @@ def scaled(shape: Shape, lengths: Array) -> tuple[Shape, bool]:
     return np.asarray(shape * (np.abs(largest) / largest) / size[node]), rotation_only
 
 
+_MODES = 6  # by default
+
 _log = logging.getLogger(__name__)
 
 
 @all_stay("vibrations")
 def vibrations(
     scene: Scene,
-    count: int = 6,
+    count: int | None = None,
     *,
     at: StaticResult | None = None,
     spin: npt.ArrayLike = (0.0, 0.0, 0.0),
@@ -116,7 +118,7 @@ def vibrations(
 
     Args:
         scene: The scene; initial velocities do not matter.
-        count: Number of modes.
+        count: Number of modes; default: six, or all degrees of freedom if they are fewer.
         at: Equilibrium of this scene, the last state of it; its rotation is taken with it.
         spin: Angular velocity of the frame in which there is equilibrium, global components, rad
             per time; frequencies and shapes are relative to it.
@@ -128,12 +130,13 @@ def vibrations(
         ValueError: Invalid scene or options; no inertia; more modes than degrees of freedom.
         ConvergenceError: No equilibrium, or no method computes all modes to their residuals.
     """
-    whole(count, "count")
+    if count is not None:
+        whole(count, "count")
     part = divided(scene, petsc_options_prefix)
     rotation = Rotation.of(spin, about)
     equations, state = small_motions(scene, at, rotation, load_steps, part)
     unknowns = equations.unknowns
-    unknowns.check_count(count)
+    count = unknowns.mode_count(count, _MODES)
     s, vectors, residuals = smallest(state.pencil(), count, state.rate, petsc_options_prefix)
     own = np.array([state.twists(vector) for vector in vectors])
     whole_scene = WholeScene(equations.info, part)

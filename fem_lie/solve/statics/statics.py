@@ -137,6 +137,7 @@ def equilibrium(
     steps = 1 if load_steps is None else whole(load_steps, "load_steps")
     levels = beyond(scene, levels)
     rotation.check(scene)
+    _warn_of_compressed_cables(scene)
 
     def stepped(count: int, smallest: float) -> StaticResult:
         search = LoadSteps(scene, rotation, chosen, prefix, free)
@@ -166,6 +167,19 @@ def equilibrium(
         shells = any(body.model.separates_director for body in scene.bodies)
         roads = [along, halved] if shells else [at_once, along, halved]
     return _first_that_arrives(roads)
+
+
+def _warn_of_compressed_cables(scene: Scene) -> None:
+    """Log cables that are compressed at the start: they arch upwards, or are not found at all."""
+    short = [body.label for body in scene.bodies if body.model.laid_short]
+    if short and scene.began.state is None:
+        _log.warning(
+            "laid along a line shorter than their length, and so compressed at the start: %s. "
+            "Statics may find an arch, or nothing: lay a cable along a line that is longer than it "
+            "by a hundredth, or let it resist tension only, by slack=1e-5 of its formulation, "
+            "or another strain well below that of the hanging cable",
+            ", ".join(short),
+        )
 
 
 def _first_that_arrives(roads: Sequence[Callable[[], StaticResult]]) -> StaticResult:

@@ -111,12 +111,19 @@ class Unknowns(NamedTuple):
         """Unit of each unknown of the nodes, (6 n,): the length of the model, or 1."""
         return np.repeat(np.where(self.lengths, self.length, 1.0).ravel(), 3)
 
-    def check_count(self, count: int) -> None:
-        """Raise ``ValueError`` unless a number of modes is between 1 and the degrees of freedom."""
+    def mode_count(self, count: int | None, default: int) -> int:
+        """A number of modes; default: ``default``, or the degrees of freedom if they are fewer.
+
+        Raises:
+            ValueError: It is not between 1 and the degrees of freedom.
+        """
+        if count is None:
+            count = min(default, max(self.degrees_of_freedom, 1))
         if not 1 <= count <= self.degrees_of_freedom:
             raise ValueError(
                 f"count must be 1 … {self.degrees_of_freedom}, the degrees of freedom, got {count}"
             )
+        return count
 
     @classmethod
     def of(cls, system: System) -> Unknowns:
