@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from mpi4py import MPI
 
+import dolfinx.jit
 import numpy as np
 import pytest
 import ufl
@@ -12,6 +13,18 @@ import fem_lie as fl
 from fem_lie import lie
 from tests import models
 from tests.assembled import Assembled
+
+_JIT = dolfinx.jit.DOLFINX_DEFAULT_JIT_OPTIONS
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _without_optimisation():
+    """Forms with damping take the C compiler minutes, and these tests microseconds."""
+    kept = _JIT["cffi_extra_compile_args"]
+    _JIT["cffi_extra_compile_args"] = ["-O0", "-g0"], kept[1]
+    yield
+    _JIT["cffi_extra_compile_args"] = kept
+
 
 STEEL = fl.Material(E=2.1e11, nu=0.3, density=7800.0)
 SOFT = fl.Material(E=2.1e9, nu=0.3, density=7800.0)

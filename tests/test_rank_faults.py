@@ -28,8 +28,7 @@ LATER = [
 LATER += [
     (fault, rank, factors)
     for fault in parallel_faults.MESSAGES
-    for rank in (0, 1)
-    for factors in ("shared", "own")
+    for rank, factors in ((0, "own"), (1, "shared"))
     # ranks that solve alone may end as they like, and statics solve without shared factors
     if (fault, rank, factors) not in SOON
     and (fault, factors) != ("content", "own")

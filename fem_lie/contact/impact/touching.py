@@ -137,9 +137,8 @@ def show(
         count[0] += 1
 
 
-_ROUND_OFF = 1e-13
-"""Gap of a closed contact relative to positions, where its pair is much smaller: gaps are their
-differences."""
+_SMALL = 1e-4
+"""Least length of a ball over the size of its body, whose positions have the round-off of gaps."""
 
 _ROOM = 1.25
 """Room of a new workspace over the pairs that are there, so that few lists need another one."""
@@ -208,7 +207,6 @@ class Touching:
         rotates = np.ones(len(sizes), dtype=np.bool_) if rotates is None else rotates
         self._centred = [self._is_centred(side, rotates) for side in (self._a, self._b)]
         self._refuse_centred(contacts)
-        self._round_off = _ROUND_OFF * float(np.abs(H[:, 0]).max(initial=0.0))
         self._keys = np.array([float(contact.key(nodes)) for contact in contacts])
         self._versions: tuple[int, ...] = ()
         self._count, self._room = len(sizes), -1
@@ -236,7 +234,8 @@ class Touching:
     def _length(side: Side, sizes: Array) -> Array:
         """Radii of balls, and sizes of the bodies of points; zero for ground."""
         of_bodies = np.append(sizes, 0.0)[side.nodes[:, 0]]
-        return np.where(side.radii != 0.0, np.abs(side.radii), of_bodies)
+        radii = np.maximum(np.abs(side.radii), _SMALL * of_bodies)
+        return np.where(side.radii != 0.0, radii, of_bodies)
 
     @staticmethod
     def _is_centred(side: Side, rotates: Flags) -> Flags:
@@ -268,7 +267,7 @@ class Touching:
             self._kinds[of],
             self._friction[of],
             self._restitution[of],
-            np.maximum(CLOSED * lengths, self._round_off),
+            CLOSED * lengths,
             np.where(first, FIRST, np.where(second, SECOND, BETWEEN)),
             self.arms,
         )
