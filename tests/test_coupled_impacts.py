@@ -699,9 +699,9 @@ def with_disc() -> fl.Scene:
 
 
 REFUSED = {
-    "cable": (with_cable, "nodes are frames, not for cables"),
+    "cable": (with_cable, "frames or positions, not for cables"),
     "guide": (with_guide, "without supports along fixed axes"),
-    "reduced-order body": (with_a_reduced_body, "solids, thin shells and reduced-order bodies"),
+    "reduced-order body": (with_a_reduced_body, "cables, thin shells and reduced-order bodies"),
     "rolls": (with_disc, "without joints that roll"),
 }
 
