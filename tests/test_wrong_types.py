@@ -48,6 +48,7 @@ WRONG = {
     "name": [3, None, BEAM],
     "group": [3, BEAM, ["all"], "missing"],
     "whole": [1.5, "two", None, 0, -1, (1, 2), 2**63],
+    "whole or nothing": [1.5, "two", 0, -1, (1, 2), 2**63],
     "scene": [BEAM, None, "scene", []],
     "result": [BEAM, None, "result", 3],
     "modes": [None, "first", 3],
@@ -283,8 +284,8 @@ CASES: dict[str, tuple] = {
             critical_points=(1, "optional whole"),
         ),
     ),
-    "vibrations": (fl.vibrations, dict(scene=(HELD, "scene"), count=(1, "whole"))),
-    "buckling": (fl.buckling, dict(scene=(HELD, "scene"), count=(1, "whole"))),
+    "vibrations": (fl.vibrations, dict(scene=(HELD, "scene"), count=(1, "whole or nothing"))),
+    "buckling": (fl.buckling, dict(scene=(HELD, "scene"), count=(1, "whole or nothing"))),
     "follow_loads": (fl.follow_loads, dict(scene=(HELD, "scene"), levels=((1.0,), "levels"))),
     "follow_path": (
         fl.follow_path,
