@@ -138,7 +138,7 @@ def show(
 
 
 _SMALL = 1e-4
-"""Least length of a ball over the size of its body, whose positions have the round-off of gaps."""
+"""Least length of a ball over the size of its body: gaps have the round-off of positions."""
 
 _ROOM = 1.25
 """Room of a new workspace over the pairs that are there, so that few lists need another one."""
