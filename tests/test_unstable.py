@@ -64,6 +64,48 @@ def _silent():
     return nullcontext()
 
 
+def right_angle(moment: float) -> fl.Scene:
+    """Hinged right-angle frame under end couples, Argyris et al., CMAME 20 (1979) 105.
+
+    One foot slides towards the other; the frame buckles out of its plane.
+    """
+    side, foot = 240.0, 240.0 / np.sqrt(2)
+    section = fl.Section.rectangle(30.0, 0.6, fl.Material(71240.0, 0.31, 1e-9))
+    corners = [(-foot, 0, 0), (0, foot, 0), (foot, 0, 0)]
+    assert np.isclose(np.linalg.norm(np.subtract(*corners[:2])), side)
+    left, right = (
+        fl.Beam.straight(*ends, section, cells=10, up=(0, 0, 1))
+        for ends in (corners[:2], corners[1:])
+    )
+    scene = fl.Scene()
+    for body in left, right:
+        scene.add(body)
+    start, end, axis = left.point("start"), right.point("end"), (0, 0, 1)
+    scene.add(fl.joints.Fixed(left.point("end"), right.point("start")))
+    scene.add(fl.joints.Revolute(fl.ground(), start, axis=axis))
+    scene.add(fl.joints.Planar(fl.ground(), end, axis=axis))
+    scene.add(fl.joints.InPlane(fl.ground(), end, axis=(0, 1, 0)))
+    scene.add(fl.PointLoad(start, moment=(0, 0, moment)))
+    scene.add(fl.PointLoad(end, moment=(0, 0, -moment)))
+    return scene
+
+
+def test_moments_about_the_axes_of_hinges_have_a_potential():
+    """The frame buckles at ±622 (Argyris); with couples that open it, twice before -640.
+
+    Both eigenvalues are counted though moments about fixed axes have no potential in space.
+    """
+    for moment, negative in ((610.0, 0), (640.0, 1), (-610.0, 0), (-640.0, 2)):
+        with pytest.warns(fl.stability.UnstableEquilibriumWarning) if negative else _silent():
+            result = fl.statics(right_angle(moment), load_steps=2)
+        assert result.negative_pivots.tolist() == [0, negative]
+    for sign in 1, -1:
+        path = fl.follow_path(right_angle(sign * 700.0), 1.0)
+        assert 700.0 * path.critical[0].factor == pytest.approx(622.2, rel=5e-3)
+        assert path.critical[0].negative_pivots == (0, 1)
+    assert path.critical[1].negative_pivots == (1, 2)
+
+
 def test_factorisations_are_counted():
     scene, _, _ = column("pinned-pinned", 8, factor=0.5)
     stepped, followed = fl.statics(scene), fl.follow_loads(scene)

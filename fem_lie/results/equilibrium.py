@@ -47,9 +47,9 @@ class StaticResult(StateSeries, Saved):
         reactions: Force and moment of each support on its node, about the node, global components,
             see :meth:`reaction`, shape (k, s, 6).
         negative_pivots: Number of negative eigenvalues of the tangent stiffness at each state, on
-            the null space of the constraints, shape (k,); a state with none is stable. Under loads
-            without a potential it is 1 if their number is odd, else 0; −1 if the matrix could not
-            be factorised.
+            the null space of the constraints, shape (k,); a state with none is stable. Where this
+            stiffness is not symmetric there, as under loads without a potential, it is 1 if their
+            number is odd, else 0; −1 if the matrix could not be factorised.
         factorisations: Number of factorisations of the matrix.
         load_steps: Number of accepted steps, including those between the returned states.
         failed_steps: Number of rejected steps.
@@ -105,7 +105,8 @@ class StaticResult(StateSeries, Saved):
     def stable(self) -> Flags:
         """Whether each state is stable, shape (k,), by ``negative_pivots``.
 
-        Under loads without a potential an even number of negative eigenvalues is not detected.
+        Where the tangent stiffness is not symmetric on the null space of the constraints, an even
+        number of negative eigenvalues is not detected: :func:`fem_lie.flutter` finds out.
         """
         return np.asarray(self.negative_pivots == 0)
 

@@ -414,9 +414,13 @@ class LoadSteps(Iterated):
             raise SingularStartError(search.message(free, factor), self.result())
 
     def _negative_pivots(self, factor: float) -> int:
-        """Negative pivots of the last iteration; if there are any, of the converged state."""
-        found = negative_pivots(self.equations, self._solver)
-        if found > 0:
+        """Negative pivots of the last iteration; if there are any, of the converged state.
+
+        Residual forces have a skew part: only at equilibrium may the tangent be symmetric.
+        """
+        has_potential = self.equations.unknowns.has_potential
+        found = negative_pivots(self.equations, self._solver) if has_potential else UNKNOWN
+        if found > 0 or not has_potential:
             self._factorise(factor)
             found = negative_pivots(self.equations, self._solver)
         if found > 0 and self._may_be_free:

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from fem_lie.results.equilibrium import StaticResult
     from fem_lie.system.equations import Equations
 
+_MOTIONS = 4  # in which the tangent is tested for symmetry
+_SYMMETRIC = 1e-8  # of largest entry and motion: round-off, and the skew part of residual forces
 _SOFT = 1e-6  # compliance of constraints, over that of the stiffest spring
 
 UNKNOWN = -1
@@ -36,8 +38,8 @@ UNKNOWN = -1
 def negative_pivots(equations: Equations, solver: DirectSolver) -> int:
     """Number of negative eigenvalues of the last factorised tangent stiffness.
 
-    It is restricted to the constraints. For non-conservative loads: 1 if their number is odd, 0 if
-    it is even. It is −1 if the matrix cannot be factorised.
+    It is restricted to the constraints. Where it is not symmetric there: 1 if their number is odd,
+    0 if it is even. It is −1 if the matrix cannot be factorised.
     """
     unknowns = equations.unknowns
     m, n = unknowns.constraints, 6 * unknowns.moving
@@ -46,14 +48,42 @@ def negative_pivots(equations: Equations, solver: DirectSolver) -> int:
         found = None if redundant else solver.negative_pivots()
         if found is None or not unknowns.has_potential:
             A = tangent(equations)
+            conserves = unknowns.has_potential or _symmetric_along_constraints(equations, solver)
             if redundant:
                 A = _softened(A, n)
-            if not unknowns.has_potential:
+            if not conserves:
                 return int(negative_determinant(A, equations.shared) != bool(m % 2))
             found = inertia((0.5 * (A + A.T)).tocsr(), equations.shared)[0]
     except SingularMatrixError:
         return UNKNOWN
     return max(0, found - m)
+
+
+def _symmetric_along_constraints(equations: Equations, solver: DirectSolver) -> bool:
+    """Whether the last factorised tangent stiffness is symmetric for motions that are allowed.
+
+    Loads without a potential in space may have one on the constraints: the moment about the axis of
+    a hinge is such a load. The motions are those under random forces, which constraints allow.
+    """
+    unknowns = equations.unknowns
+    weight, free = unknowns.units, np.flatnonzero(~unknowns.held.ravel())
+    own = free_unknowns(equations.shared, free)
+    given = np.random.default_rng(0).standard_normal((_MOTIONS, len(free)))
+    found = []
+    for force in own.of_owners(given):
+        solver.right_hand_side[:] = 0.0
+        solver.right_hand_side[free] = force / weight[free]
+        solver.solve()
+        found.append(solver.solution[free] / weight[free])
+    motions: Array = np.array(found)
+    for _ in range(2):  # the softest motion dominates all of them
+        combination = np.linalg.pinv(own.triangle(own.owned(motions).T).T, rcond=_ROUND_OFF)
+        motions = combination @ motions
+    K = tangent(equations)[free][:, free]
+    skew = (K - K.T).tocsr()
+    products = own.total(motions @ (skew @ motions.T))
+    largest = own.largest(abs(skew).max()) * own.largest(np.abs(motions).max()) ** 2
+    return bool(np.abs(products).max() <= _SYMMETRIC * largest)
 
 
 def tangent(equations: Equations) -> sp.csr_matrix:
