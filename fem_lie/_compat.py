@@ -23,6 +23,8 @@ from dolfinx import fem, la
 from dolfinx.fem import IntegralType, petsc
 from dolfinx.fem.forms import form_cpp_class
 from dolfinx.mesh import GhostMode
+from ffcx.ir.analysis.valuenumbering import ValueNumberer
+from ufl.core.expr import Expr
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 # 0.9 has no option for more than two cells at a facet: a branching mesh is cut there in parallel.
@@ -306,6 +308,28 @@ def drawn_surface(grid: Any, subdivision: int) -> Any:
     selectable = "algorithm" in inspect.signature(grid.extract_surface).parameters
     options = {"algorithm": "dataset_surface"} if selectable else {}
     return grid.extract_surface(nonlinear_subdivision=subdivision, **options)
+
+
+@contextmanager
+def indexed_expressions() -> Iterator[None]:
+    """Context in which FFCx looks up the number of an expression in its index of them.
+
+    Otherwise it compares each expression of a form with all others, which takes three quarters of
+    its time for a form of 10⁴ of them (FFCx 0.9 and 0.10). Can go with these.
+    """
+    if VERSION > (0, 10):
+        yield
+        return
+    of_list = ValueNumberer.get_node_symbols
+
+    def of_index(self: ValueNumberer, expression: Expr) -> list[int]:
+        return self.V_symbols[self.G.e2i[expression]]
+
+    ValueNumberer.get_node_symbols = of_index
+    try:
+        yield
+    finally:
+        ValueNumberer.get_node_symbols = of_list
 
 
 @contextmanager

@@ -112,7 +112,8 @@ def wait_for_others(comm: MPI.Comm, compile_with: Callable[[dict[str, Any]], Com
     while True:
         try:
             # DOLFINx compiles on the first of several processes alone
-            with _announced(folder) if comm.rank == 0 else nullcontext(), _deep_recursion():
+            announced = _announced(folder) if comm.rank == 0 else nullcontext()
+            with announced, _deep_recursion(), _compat.indexed_expressions():
                 return compile_with({"timeout": _PATIENCE})
         except (TimeoutError, RuntimeError) as error:
             waited_for = _GAVE_UP.search(str(error))

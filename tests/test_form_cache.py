@@ -8,7 +8,14 @@ import sys
 import threading
 import time
 
+from mpi4py import MPI
+
+import ffcx.compiler
 import pytest
+import ufl
+from dolfinx import fem, mesh
+
+from fem_lie import _compat
 
 FORM = """
 import sys
@@ -88,3 +95,24 @@ def test_what_is_left_is_kept_while_somebody_compiles(tmp_path):
         assert ready.with_suffix("").exists()
     assert answer(waiting) == pytest.approx(2.0, rel=1e-14)
     thread.join()
+
+
+def test_ffcx_writes_the_same_code_with_an_index_of_expressions():
+    """Stretch energy of a curved surface: tensors of tensors of derivatives."""
+    domain = mesh.create_unit_square(MPI.COMM_SELF, 1, 1)
+    space = fem.functionspace(domain, ("P", 2, (3,)))
+    x = fem.Function(space)
+    a = ufl.grad(x)
+    strain = 0.5 * (ufl.dot(a.T, a) - ufl.Identity(2))
+    energy = ufl.inner(strain, strain) + ufl.tr(strain) ** 2 / (1 + ufl.inner(x, x))
+    force = ufl.derivative(energy * ufl.dx, x, ufl.TestFunction(space))
+    form = ufl.derivative(force, x, ufl.TrialFunction(space))
+    options = ffcx.get_options()
+
+    def written() -> str:
+        return "".join(ffcx.compiler.compile_ufl_objects([form], options))
+
+    plain = written()
+    with _compat.indexed_expressions():
+        assert written() == plain
+    assert len(plain) > 1e4
