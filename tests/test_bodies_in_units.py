@@ -106,7 +106,7 @@ TAKES = {
     "explicit": (fl.Explicit(), set(BODIES) - REFUSED - OF_SLOPES - {"quadratic tetrahedra"}),
     "asynchronous": (fl.schemes.Asynchronous(), {"discrete cable", "net", "hexahedra"}),
 }
-"""Schemes, and the bodies that they take."""
+"""Schemes, and the bodies that they take; asynchronous steps of others are explicit ones."""
 STEPS = {"explicit": 2e-6, "asynchronous": 2e-6}
 """Of others: 2e-3 s, in which waves pass cells."""
 BINARY = UnitSystem("powers of two", 2.0**10, 2.0**-6, 2.0**4)

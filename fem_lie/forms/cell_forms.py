@@ -259,6 +259,11 @@ def of_some_cells(arrays: FormArrays, nodes: Flags) -> FormArrays:
     return of_cells(arrays, [np.asarray(nodes[cells].any(axis=1)) for cells in _cells(arrays)])
 
 
+def of_other_cells(arrays: FormArrays, nodes: Flags) -> FormArrays:
+    """Forms restricted to the cells that :func:`of_some_cells` leaves out."""
+    return of_cells(arrays, [np.asarray(~nodes[cells].any(axis=1)) for cells in _cells(arrays)])
+
+
 def _cells(arrays: FormArrays) -> list[Indices]:
     """Nodes of the cells of each form, shape (m, k)."""
     found: list[Indices] = []

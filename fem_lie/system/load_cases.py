@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 
 from fem_lie import lie
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.body import Body
 from fem_lie.forms.term import Term
 from fem_lie.scene import Scene
@@ -184,6 +184,14 @@ class LoadCases:
     def constant(self) -> Array:
         """Forces on (x, d₁, d₂, d₃) fixed in space without history, (n, 4, 3)."""
         return self._cases[0].dead
+
+    @property
+    def changing(self) -> Flags:
+        """Nodes with loads fixed in space that have a history or a factor, (n,)."""
+        found = np.zeros(len(self.constant), dtype=bool)
+        for case in self._cases[1:]:
+            found |= case.dead.any(axis=(1, 2))
+        return found
 
     @property
     def contents(self) -> Contents:

@@ -104,6 +104,11 @@ class ContactLaw(ABC):
         """Whether forces depend on the path; default: they do not."""
         return False
 
+    @property
+    def largest_stiffness(self) -> float:
+        """Stiffness of the stiffest spring, normal or tangential; default: there are none."""
+        return 0.0
+
     def penalty(self, label: str) -> Penalty:
         """The law, if it is a penalty.
 
@@ -218,6 +223,11 @@ class Penalty(ContactLaw):
         return self.stiffness
 
     @property
+    def largest_stiffness(self) -> float:
+        """Stiffness of the stiffest spring; see :attr:`k` for errors."""
+        return max(self.k, self.coulomb.holding) if self.friction > 0.0 else self.k
+
+    @property
     def normal(self) -> PenaltyConstants:
         """Stiffness and damping as constants; see :attr:`k` for errors."""
         return PenaltyConstants(float(self.k), float(self.damping), float(self.ramp))
@@ -265,6 +275,11 @@ class MortarLaw(ContactLaw):
         if self.stiffness is None:
             raise ValueError(f"{type(self).__name__}: stiffness is chosen by its Contact")
         return self.stiffness
+
+    @property
+    def largest_stiffness(self) -> float:
+        """Stiffness of the stiffest spring; see :attr:`k` for errors."""
+        return self.k if self.coulomb is None else max(self.k, self.coulomb.k)
 
 
 @dataclass(frozen=True)

@@ -156,6 +156,26 @@ def run(flight: PlainFlight, queue: PlainQueue, end: float) -> int:
 
 
 @compiled
+def fly(flight: PlainFlight, time: float) -> None:
+    """Move all nodes to a time."""
+    for i in range(flight[2].shape[0]):
+        _fly(flight, i, time)
+
+
+@compiled
+def kick(flight: PlainFlight, size: float, forces: Array) -> None:
+    """Change the velocities of all nodes by impulses.
+
+    Args:
+        flight: The nodes.
+        size: Duration of the forces.
+        forces: Forces along the axes of the nodes, (n, 6); those on held components become zero.
+    """
+    for i in range(forces.shape[0]):
+        _kick(flight, i, size, forces[i])
+
+
+@compiled
 def state_at(flight: PlainFlight, queue: PlainQueue, time: float, out: PlainFlight) -> None:
     """All nodes at one time, with the velocities due to forces up to then.
 
@@ -167,8 +187,7 @@ def state_at(flight: PlainFlight, queue: PlainQueue, time: float, out: PlainFlig
     """
     rows, nodes, _, steps, made, _ = queue
     out[0][:], out[1][:], out[2][:] = flight[0], flight[1], flight[2]
-    for i in range(out[2].shape[0]):
-        _fly(out, i, time)
+    fly(out, time)
     most = 6 * most_nodes(rows)
     workspace, buffer = stack(workspace_size(rows)), stack(most)
     forces = vector_at(buffer, most)
@@ -180,30 +199,3 @@ def state_at(flight: PlainFlight, queue: PlainQueue, time: float, out: PlainFlig
             for i in range(rows[f, NODES]):
                 _kick(out, nodes[first + i], time - kicked, forces[6 * i : 6 * i + 6])
             e += 1
-
-
-@compiled
-def stiffness_at_nodes(H: Array, rows: Indices, nodes: Indices, size: float) -> Array:
-    """Derivative of each cell's force on each of its nodes by the position of this node, (…, 3, 3).
-
-    By central differences over a length; in the order of ``nodes``.
-    """
-    out = np.zeros((nodes.shape[0], 3, 3))
-    most = 6 * most_nodes(rows)
-    workspace, buffer = stack(workspace_size(rows)), stack(most)
-    forces = vector_at(buffer, most)
-    for f in range(rows.shape[0]):
-        for cell in range(rows[f, CELLS]):
-            first = rows[f, FIRST] + rows[f, NODES] * cell
-            for i in range(rows[f, NODES]):
-                node = nodes[first + i]
-                x = load_row(H[node], 0)
-                for k in range(3):
-                    axis = load_row(H[node], 1 + k)
-                    for sign in (-1.0, 1.0):
-                        store_row(H[node], 0, combined(1.0, x, sign * size, axis))
-                        cell_forces(address_of(H), rows[f], nodes, cell, workspace, buffer)
-                        for j in range(3):
-                            out[first + i, j, k] += sign * forces[6 * i + j] / (2.0 * size)
-                store_row(H[node], 0, x)
-    return out

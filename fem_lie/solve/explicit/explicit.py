@@ -132,10 +132,7 @@ class ExplicitRun(Integration[Recorder]):
         self._summed = summed and not shared.several
         self._largest = int(shared.largest(float(n)))
         self._supported = len(supports) > 0
-        # points with convected axes of their surroundings; cables have those of the tangent
-        self._convects_axes = shared.any(
-            bool(np.isin(masses.kinds, (SURFACE_GRADIENT, MIXED_DERIVATIVE)).any())
-        )
+        self._convects_axes = shared.any(convects_axes(masses))
         self._remembers = shared.any(any(term.passage or term.path for term in known.terms))
         self.progress = loop.PROGRESS()
         packed = loop.Packed(
@@ -299,7 +296,8 @@ class ExplicitRun(Integration[Recorder]):
         """Make the next step with joints; return whether it was made."""
         self.progress.step += 1
         start = self.H.copy()
-        if not joints.step(self.h, self.H, self.p, self.r) or not self._accept_history(start):
+        made = joints.step(self.h, self.H, self.p, self.r, self._weigh)
+        if not made or not self._accept_history(start):
             return False
         self._look()
         return True
@@ -312,7 +310,7 @@ class ExplicitRun(Integration[Recorder]):
         contacts.history.begin_step(last)
         if self._joints is not None:
             self.progress.step += 1
-            if not self._joints.step(self.h, self.H, self.p, self.r):
+            if not self._joints.step(self.h, self.H, self.p, self.r, self._weigh):
                 return False
         else:
             while loop.run(self._packed.addresses, self._how, last) == loop.RESIDUAL:
@@ -350,10 +348,7 @@ class ExplicitRun(Integration[Recorder]):
         if self.reason:
             return self._because("", steps, self.index)
         if self._joints is not None and np.isfinite(self.p).all():
-            return (
-                f"step {self.index} of {steps} (h = {self.h:g}) failed: joints were left open by "
-                f"{self._joints.left:.2g} of the model; try a smaller step"
-            )
+            return f"step {self.index} of {steps} (h = {self.h:g}) failed: {self._joints.open}"
         return (
             f"step {self.index} of {steps} (h = {self.h:g}) failed: numbers are not finite. At the "
             f"start steps up to {self.limit.step:.4g} were stable; a scene that becomes stiffer "
@@ -381,9 +376,7 @@ class ExplicitRun(Integration[Recorder]):
 
     def _convect_axes(self) -> None:
         """Update convected axes, and write forces along the new ones."""
-        before = self.H.copy()
-        self.equations.history_variables.rotate_axes(self.H)
-        nodes.write_in_new_axes(self.masses.kinds, before, self.H, self.r)
+        convect_axes(self.equations, self.H, self.r)
         if self._joints is not None:
             self._joints.restart()
 
@@ -393,6 +386,21 @@ class ExplicitRun(Integration[Recorder]):
         steps = self._contacts.history.result(self.h)
         history.add(steps)
         return with_others(history.result(0, history.seconds), {"contacts": steps})
+
+
+def convects_axes(masses: nodes.Masses) -> bool:
+    """Whether there are points with convected axes of their surroundings.
+
+    Cables have those of the tangent.
+    """
+    return bool(np.isin(masses.kinds, (SURFACE_GRADIENT, MIXED_DERIVATIVE)).any())
+
+
+def convect_axes(equations: Equations, H: Array, r: Array) -> None:
+    """Update convected axes of frames ``H``, and write forces ``r`` along the new ones."""
+    before = H.copy()
+    equations.history_variables.rotate_axes(H)
+    nodes.write_in_new_axes(equations.unknowns.kinds, before, H, r)
 
 
 def limit_of(equations: Equations, masses: nodes.Masses) -> StableStep:
@@ -497,10 +505,15 @@ class Explicit(Integrator):
 
 def _refuse(equations: Equations) -> None:
     """Raise ``ValueError`` if the scheme does not support the scene."""
-    refuse_floating(equations)
+    refuse_floating("Explicit", equations)
+    refuse("Explicit", unsupported(equations))
+
+
+def unsupported(equations: Equations) -> dict[str, bool]:
+    """What explicit steps do not support, and whether the scene has it."""
     unknowns, arrays = equations.unknowns, equations.arrays
     dampers = bool(np.any(joint_arrays(arrays.joints).springs[:, 1] != 0.0))
-    reasons = {
+    return {
         "force laws without a potential (ForceLaw)": unknowns.laws_without_potential,
         "friction in joints (JointFriction)": unknowns.joint_friction,
         "velocity constraints (KnifeEdge, RollingDisc), whose motion makes no action stationary": (
@@ -516,4 +529,3 @@ def _refuse(equations: Equations) -> None:
         ),
         "strains that change in time": unknowns.strains_change,
     }
-    refuse("Explicit", reasons)

@@ -13,7 +13,7 @@ Reported multipliers are those of the equations of motion there.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -78,6 +78,11 @@ class Joints(Stateful):
         self.impulses, self.left = np.zeros(m), 0.0
         self._rows: _Rows | None = None
 
+    @property
+    def open(self) -> str:
+        """Why the last step failed, for messages."""
+        return f"joints were left open by {self.left:.2g} of the model; try a smaller step"
+
     def _at(self, H: Array) -> _Rows:
         B = self._equations.constraints(H).jacobian
         return _Rows(B, splu((B @ self._light @ B.T).tocsc()) if B.shape[0] else None)
@@ -91,7 +96,7 @@ class Joints(Stateful):
     def _push(self, rows: _Rows, impulses: Array, H: Array, p: Array) -> None:
         nodes.kick(self._masses, H, rows.B.T @ impulses, 1.0, p)
 
-    def step(self, h: float, H: Array, p: Array, r: Array) -> bool:
+    def step(self, h: float, H: Array, p: Array, r: Array, weigh: Callable[[], None]) -> bool:
         """Make a step in place; return whether the joints could be kept closed.
 
         Args:
@@ -99,6 +104,7 @@ class Joints(Stateful):
             H: Frames of all nodes, ground and prescribed motions.
             p: Momenta, (n, 6).
             r: Forces at the start on entry, at the end on return, (≥ 6 n,).
+            weigh: Evaluates these forces at the frames.
         """
         rows, shared = self._rows or self._at(H), self._equations.shared
         nodes.kick(self._masses, H, r, 0.5 * h, p)
@@ -111,11 +117,11 @@ class Joints(Stateful):
             nodes.decay(self._decay, p)
             if not shared.all(bool(np.isfinite(p).all() and np.isfinite(H).all())):
                 return False
-            wrong = self._weigh(H, self._rest)[6 * self._n :]
+            wrong = self._equations.constraints(H).values
             self.left = shared.largest(float(np.abs(wrong * self._measure).max(initial=0.0)))
             at_round_off = self.left <= _ROUND_OFF_LEVEL and self.left > _FALLS * previous
             if self.left <= _FINE or at_round_off:
-                r[: 6 * self._n] = self._r[: 6 * self._n]
+                weigh()
                 self._rows = self._at(H)
                 nodes.kick(self._masses, H, r, 0.5 * h, p)
                 self.project(H, p)

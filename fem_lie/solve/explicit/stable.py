@@ -139,7 +139,7 @@ def _check_masses(equations: Equations, ways: Array, weights: Array, J: Array) -
     light |= free & ~(least > _NEGLIGIBLE * moments[:, 2])
     if light.any():
         raise ValueError(
-            "Explicit: no step is stable where a node has no mass or no rotary inertia of its own: "
+            "no explicit step is stable where a node has no mass or no rotary inertia of its own: "
             f"{_node_names(equations, light)}; give sections a density and rotary inertia, or use "
             "GeneralisedAlpha"
         )
@@ -148,8 +148,8 @@ def _check_masses(equations: Equations, ways: Array, weights: Array, J: Array) -
     partly |= (ways == FRAME) & free & held[:, 3:].any(axis=1)
     if partly.any():
         raise ValueError(
-            "Explicit: a frame may be fixed as a whole, in its rotation or in its position, but "
-            f"{_node_names(equations, partly)} is fixed in part: use GeneralisedAlpha"
+            "explicit steps: a frame may be fixed as a whole, in its rotation or in its position, "
+            f"but {_node_names(equations, partly)} is fixed in part: use GeneralisedAlpha"
         )
 
 
@@ -176,7 +176,39 @@ def stable_step(equations: Equations, masses: Masses, H: Array) -> StableStep:
         masses: Lumped inertia of its nodes.
         H: Frames of all nodes, ground and prescribed motions.
     """
-    n, held = len(masses.kinds), equations.unknowns.held | (masses.ways == STILL)[:, np.newaxis]
+    values = squared_frequencies(equations, masses, stiffness_at_nodes(equations, H))
+    own = float(values.max(initial=0.0))
+    largest = equations.shared.largest(own)
+    step = 2.0 / np.sqrt(largest) if largest > 0.0 else np.inf
+    here = own == largest and len(values) > 0
+    node = int(equations.unknowns.masters[int(values.argmax())]) if here else -1
+    return StableStep(float(step), node)
+
+
+def squared_frequencies(equations: Equations, masses: Masses, K: Array) -> Array:
+    """Largest eigenvalue of ``M⁻¹ K`` of each node, (n,).
+
+    Args:
+        equations: Equations of the scene, with lumped inertia.
+        masses: Lumped inertia of its nodes.
+        K: See :func:`stiffness_at_nodes`, (n, 6, 6).
+    """
+    held, K = equations.unknowns.held | (masses.ways == STILL)[:, np.newaxis], K.copy()
+    K[held], K.swapaxes(1, 2)[held] = 0.0, 0.0
+    M = in_axes(masses)
+    M[held], M.swapaxes(1, 2)[held] = 0.0, 0.0
+    M[:, np.arange(6), np.arange(6)] += held
+    return np.asarray(np.linalg.eigvals(np.linalg.solve(M, K)).real.max(axis=1))
+
+
+def stiffness_at_nodes(equations: Equations, H: Array) -> Array:
+    """Stiffness ``Σ_e k K_e,ii`` of all terms at each node, symmetric, along its axes, (n, 6, 6).
+
+    Args:
+        equations: Equations of the scene.
+        H: Frames of all nodes, ground and prescribed motions.
+    """
+    n = equations.unknowns.moving
     K = np.zeros((n, 6, 6))
     for term in equations.arrays.terms:
         rows, columns = term.pairs
@@ -185,18 +217,7 @@ def stable_step(equations: Equations, masses: Masses, H: Array) -> StableStep:
         blocks, own = term.tangent(H, kept), rows == columns
         np.add.at(K, rows[own], _cell_size(term) * blocks[own])
     equations.shared.sum(K)
-    K[:] = 0.5 * (K + K.swapaxes(1, 2))
-    K[held], K.swapaxes(1, 2)[held] = 0.0, 0.0
-    M = in_axes(masses)
-    M[held], M.swapaxes(1, 2)[held] = 0.0, 0.0
-    M[:, np.arange(6), np.arange(6)] += held
-    values = np.linalg.eigvals(np.linalg.solve(M, K)).real.max(axis=1)
-    own = float(values.max(initial=0.0))
-    largest = equations.shared.largest(own)
-    step = 2.0 / np.sqrt(largest) if largest > 0.0 else np.inf
-    here = own == largest and len(values) > 0
-    node = int(equations.unknowns.masters[int(values.argmax())]) if here else -1
-    return StableStep(float(step), node)
+    return np.asarray(0.5 * (K + K.swapaxes(1, 2)))
 
 
 def in_axes(masses: Masses) -> Array:
@@ -227,12 +248,17 @@ def _cell_size(term: Term) -> int:
     return _MANY if term.of_bodies else _FEW
 
 
-def refuse_floating(equations: Equations) -> None:
-    """Raise ``ValueError`` for reduced-order bodies, whose mass cannot be lumped."""
+def refuse_floating(scheme: str, equations: Equations) -> None:
+    """Raise ``ValueError`` for reduced-order bodies, whose mass cannot be lumped.
+
+    Args:
+        scheme: Name of the scheme in the message.
+        equations: Equations of the scene.
+    """
     floating = equations.unknowns.floating
     names = ", ".join(floating)
     refuse(
-        "Explicit",
+        scheme,
         {
             f"reduced-order bodies ({names}), whose inertia couples all of their nodes, so that "
             "none has a mass of its own": bool(floating)

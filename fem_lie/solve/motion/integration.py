@@ -220,6 +220,11 @@ class Integration(Driver[HistoryT]):
         summary = equations.unknowns.summary, self.matrix_terms, type(policy).__name__
         _log.info("%s; %s; matrix: %s", *summary)
 
+    @property
+    def _between(self) -> float:
+        """Time between accepted states; default: the step size."""
+        return self.h
+
     def _accept_history(self, start: Array | None, middle: Array | None = None) -> bool:
         """Accept the current frames; return whether surfaces and joints admit them.
 
@@ -233,7 +238,7 @@ class Integration(Driver[HistoryT]):
             self.reason = str(error)
             return False
         if start is not None:
-            self.equations.history_variables.watch(start, self.frames, self.h, middle)
+            self.equations.history_variables.watch(start, self.frames, self._between, middle)
         return True
 
     def _surfaces_stay_separate(self, start: Array, end: Array) -> bool:

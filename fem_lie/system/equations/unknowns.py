@@ -206,6 +206,7 @@ class SystemArrays(NamedTuple):
         damping: Mass-proportional damping on (x, d₁, d₂, d₃); empty without.
         loads: Loads at the time that was set last.
         conservative: Loads with a potential on (x, d₁, d₂, d₃), (n, 4, 3).
+        changing: Nodes with loads fixed in space that change in time, (n,).
         joints: Joint constraints and springs.
         probes: Coordinates in results.
         probed: Numbers of these among all coordinates in results, increasing, (p,).
@@ -243,6 +244,7 @@ class SystemArrays(NamedTuple):
     damping: Inertia
     loads: Loads
     conservative: Array
+    changing: Flags
     joints: PackedJoints
     probes: PackedJoints
     probed: Indices
@@ -286,6 +288,7 @@ class SystemArrays(NamedTuple):
             Inertia.none() if rates is None else Inertia(*rates),
             system.lasting_loads,
             system.load_cases.constant,
+            system.load_cases.changing,
             connections.packed,
             connections.packed_probes,
             connections.first.probed,
