@@ -10,6 +10,11 @@ are those of all positions, over the largest way, against explicit steps a quart
 
     python -m benchmarks.asynchronous [--cells 20] [--pieces 2] [--duration 0.02]
     python -m benchmarks.asynchronous --cells 4 --events 10000000
+
+With contact the net falls on a ball, with all of its knots or with those of the regular net alone.
+
+    python -m benchmarks.asynchronous --contact all
+    python -m benchmarks.asynchronous --contact regular
 """
 
 from __future__ import annotations
@@ -44,6 +49,19 @@ def net(cells: int, pieces: int, short: float = 0.01) -> fl.Scene:
     body.velocities[edge] = 0.0
     scene = fl.Scene()
     scene.add(body)
+    return scene
+
+
+def touching(cells: int, pieces: int, knots: str) -> fl.Scene:
+    """The net on a fixed ball, which ``knots`` touch: "all", or those of "regular" cells alone."""
+    scene = net(cells, pieces)
+    (body,) = scene.bodies
+    short, middle = range((cells + 1) ** 2, len(body.frames)), cells // 2 * (cells + 2)
+    without = {*short, middle, middle + 1} if knots == "regular" else set()
+    chosen = [body.point(k) for k in range(len(body.frames)) if k not in without]
+    ball = fl.contact.Sphere(fl.ground((0.3, 0.3, 0.11)), 0.1)
+    knot = fl.contact.Vertices(chosen, 1e-3)
+    scene.add(fl.contact.Contact(knot, ball, fl.contact.Penalty(100.0)))
     return scene
 
 
@@ -86,6 +104,29 @@ def against_explicit(cells: int, pieces: int, duration: float) -> dict[str, floa
     return record
 
 
+def with_contact(cells: int, pieces: int, knots: str, duration: float) -> dict[str, float]:
+    """Processor time of both, and errors over the largest way."""
+    limit = fl.Explicit().stable_step(touching(cells, pieces, knots))
+    steps = int(np.ceil(duration / (0.8 * limit)))
+    plans = {
+        "explicit": (fl.Explicit(), steps),
+        "asynchronous": (fl.schemes.Asynchronous(), 20),
+        "quarter": (fl.schemes.Asynchronous(0.2), 20),
+    }
+    ends, record = {}, {}
+    for name, (scheme, count) in plans.items():
+        step = duration / count
+        scheme.run(touching(cells, pieces, knots), duration=step, step=step)  # compiles
+        start = process_time()
+        run = scheme.run(
+            touching(cells, pieces, knots), duration=duration, step=step, save_every=count
+        )
+        record[f"{name}: seconds"] = process_time() - start
+        ends[name], way = run.frames[-1, :, 0], np.ptp(run.frames[:, :, 0], axis=0).max()
+        record[f"{name}: error"] = float(np.abs(ends[name] - ends["explicit"]).max() / way)
+    return record
+
+
 def long_run(cells: int, pieces: int, events: int) -> dict[str, float]:
     """The energy over so many steps of cells."""
     trial = fl.schemes.Asynchronous().run(net(cells, pieces), duration=0.01, step=1e-3)
@@ -114,8 +155,11 @@ def main() -> None:
     parser.add_argument("--pieces", type=int, default=2)
     parser.add_argument("--duration", type=float, default=0.02)
     parser.add_argument("--events", type=int, default=0)
+    parser.add_argument("--contact", choices=("all", "regular"))
     options = parser.parse_args()
-    if options.events:
+    if options.contact:
+        record = with_contact(options.cells, options.pieces, options.contact, options.duration)
+    elif options.events:
         record = long_run(options.cells, options.pieces, options.events)
     else:
         record = against_explicit(options.cells, options.pieces, options.duration)
