@@ -660,14 +660,6 @@ def test_a_restart_agrees_to_the_last_bit(tmp_path, make, every, scheme):
 # --- bad input ---
 
 
-def with_cable() -> fl.Scene:
-    cable = fl.Cable.straight((0, 0, 1), (1, 0, 1), fl.Section.circle(0.02, STEEL), cells=4)
-    ball = fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, 1.1))
-    scene = floored(ball, fl.contact.Sphere(ball.point("centre"), 0.1), fl.contact.Impact())
-    scene.add(cable)
-    return scene
-
-
 def with_guide() -> fl.Scene:
     ball = fl.RigidBody(1.0, 4e-3 * np.ones(3), (0, 0, 1.1))
     scene = floored(ball, fl.contact.Sphere(ball.point("centre"), 0.1), fl.contact.Impact())
@@ -699,9 +691,8 @@ def with_disc() -> fl.Scene:
 
 
 REFUSED = {
-    "cable": (with_cable, "frames or positions, not for cables"),
     "guide": (with_guide, "without supports along fixed axes"),
-    "reduced-order body": (with_a_reduced_body, "cables, thin shells and reduced-order bodies"),
+    "reduced-order body": (with_a_reduced_body, "without reduced-order bodies"),
     "rolls": (with_disc, "without joints that roll"),
 }
 

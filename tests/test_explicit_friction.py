@@ -166,17 +166,6 @@ def test_a_shell_falls_on_the_floor():
     assert result.balance[-1, 1] == pytest.approx(result.kinetic[0], rel=2e-2)
 
 
-def test_cables_are_refused():
-    """Cones need frames or positions; penalties do not."""
-    tube = fl.Section.circle(0.01, fl.Material(1e7, 0.3, 1000.0))
-    scene = fl.Scene()
-    cable = scene.add(fl.Cable.straight((0, 0, 0.1), (1, 0, 0.1), tube, cells=2))
-    floor = fl.contact.Plane(fl.ground(), (0, 0, 1))
-    scene.add(fl.contact.Contact(fl.contact.Sphere(cable.point("start"), 0.01), floor, CONES))
-    with pytest.raises(ValueError, match="Impact is for bodies whose nodes are frames or"):
-        run(scene, 1e-3, 1e-4)
-
-
 @pytest.mark.parametrize("make", ["beam", "cable"])
 def test_a_rope_slides_over_a_drum(make):
     """Along the drum ``T - ρv² + ρaR/μ`` grows by ``exp(μφ)``, in the tails ``T`` by ``ρa``."""

@@ -90,7 +90,7 @@ MAY_IMPORT = {
     "contact.pairs": {"contact.rings", "contact.convex", "bodies.shells", "bodies.thin_shells"},
     "contact.mortar": {"contact.pairs", "bodies.solids", "joints"},
     "contact": {"contact.mortar"},
-    "contact.cones": {"lie"},
+    "contact.cones": {"lie.node_types"},
     "contact.impact": {"contact", "contact.cones"},
     "pictures": {"bodies.beams", "ranks"},
     "pictures.page": {"pictures"},

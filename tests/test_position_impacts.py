@@ -1,4 +1,7 @@
-"""Impacts and friction by cones of bodies whose nodes have no rotations: nets and solids."""
+"""Impacts and friction by cones of bodies whose nodes have no rotations.
+
+Nets and solids have positions, cables and thin shells gradients in addition to them.
+"""
 
 import numpy as np
 import pytest
@@ -83,6 +86,87 @@ def test_friction_keeps_angular_momentum(swapped):
     assert np.abs(momentum - momentum[0]).max() < 1e-12 * np.abs(momentum).max()
     # that of the scheme is 7e-6; a moment of friction about the node that is lost, 6e-3
     assert np.abs(angular - angular[0]).max() < 1e-4 * np.abs(angular).max()
+
+
+def cable() -> tuple[fl.Cable, list[int]]:
+    """A thread with bending of its axis by gradients, and its nodes."""
+    tube = fl.Section.circle(0.01, fl.Material(1e7, 0.3, 1000.0))
+    return fl.Cable.straight((0, 0, 0), (0, 1, 0), tube, cells=4), list(range(5))
+
+
+def sheet() -> tuple[fl.ThinShell, list[int]]:
+    """A plate of bicubic patches, and its nodes with positions."""
+    patch = fl.mesh.smooth_patch(lambda a, b: (0.3 * a, 0.3 * b, 0.0 * a), (2, 2))
+    layer = fl.ShellSection.layer(0.01, fl.Material(1e8, 0.3, 1000.0))
+    return fl.ThinShell(patch, layer), list(range(9))
+
+
+@schemes
+@pytest.mark.parametrize("make", [cable, sheet])
+def test_gradients_slide(scheme, make):
+    """Friction takes ``μ`` times the impulse of normal forces, though spans sag between nodes."""
+    (body, nodes), friction, duration = make(), 0.2, 0.05
+    scene, count = on_slope(body, nodes, friction, 0.01), 50
+    if isinstance(scheme, fl.Explicit):
+        count = int(np.ceil(duration / (0.5 * scheme.stable_step(scene))))
+    result = scheme.run(scene, duration=duration, step=duration / count, progress=False)
+    along, _, across = result.momentum[-1]
+    weight = result.info.mass * GRAVITY * duration
+    expected = weight * np.sin(ANGLE) - friction * (across + weight * np.cos(ANGLE))
+    assert along == pytest.approx(expected, rel=1e-3)
+    assert result.contacts.friction_loss.sum() > 0.0
+    assert result.divided == 0
+
+
+@schemes
+@pytest.mark.parametrize("make", [cable, sheet])
+def test_a_spinning_ball_hits_gradients(scheme, make):
+    """Momenta are kept and no energy is gained, with the matrix of the contact's own axes."""
+    body, nodes = make()
+    scene = fl.Scene()
+    scene.add(body)
+    at = body.frames[nodes[len(nodes) // 2], 0] + (0.005, 0.0, 0.052)
+    ball = scene.add(fl.RigidBody(0.05, 2e-5 * np.eye(3), at))
+    ball.add_velocity((0.3, 1.0, -2.0), omega=(3.0, 20.0, -5.0), about=at)
+    for node in nodes:
+        law, round_ball = fl.contact.Impact(friction=0.3), ball.point("centre")
+        sides = fl.contact.Sphere(body.point(node), 0.01), fl.contact.Sphere(round_ball, 0.04)
+        scene.add(fl.contact.Contact(*sides, law))
+    result = scheme.run(scene, duration=5e-3, step=2.5e-5, progress=False)
+    assert result.contacts.friction_loss.sum() > 1e-3
+    assert result.contacts.impact_loss.sum() > 1e-2
+    momentum, angular = result.momentum, result.angular_momentum
+    # 4e-4 of a cable with the matrix in axes of long ago
+    assert np.abs(momentum - momentum[0]).max() < 1e-5 * np.abs(momentum).max()
+    assert np.abs(angular - angular[0]).max() < 2e-4 * np.abs(angular).max()
+    assert (result.kinetic + result.potential)[-1] < 0.9 * result.kinetic[0]
+    assert result.energy_error < 1e-4
+
+
+def test_a_cable_between_hinges_is_hit():
+    """Joints on nodes with gradients: schemes that differ in everything else find the same."""
+
+    def found(scheme: fl.GeneralisedAlpha | fl.schemes.Variational) -> np.ndarray:
+        body, nodes = cable()
+        scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+        scene.add(body)
+        for name in ("start", "end"):
+            scene.add(fl.joints.Spherical(fl.ground(), body.point(name)))
+        ball = scene.add(fl.RigidBody(0.05, 2e-5 * np.eye(3), (0.005, 0.5, 0.052)))
+        ball.add_velocity((0.0, 0.2, -2.0))
+        for node in nodes[1:-1]:
+            sides = (
+                fl.contact.Sphere(body.point(node), 0.01),
+                fl.contact.Sphere(ball.point(0), 0.04),
+            )
+            scene.add(fl.contact.Contact(*sides, fl.contact.Impact(friction=0.2)))
+        result = scheme.run(scene, duration=0.02, step=1e-4, progress=False)
+        assert result.joint_violations.max() < 1e-9
+        return result.frames[-1, :, 0]
+
+    one, other = found(SCHEMES["generalised-alpha"]), found(SCHEMES["variational"])
+    assert np.abs(one - other).max() < 1e-5
+    assert one[2, 2] < -0.01
 
 
 def test_is_refused():

@@ -4,7 +4,8 @@ The same record holds the rows ``B`` of the relative velocities at contacts, and
 ``M⁻¹ B̄ᵀ``: the nodal velocities per unit impulse. For free rigid bodies ``M`` is block-diagonal
 and both have the same nodes. Joints and elements transmit an impulse to other nodes, so that the
 second has more blocks. The velocity of a node is ``ẋ`` in global axes and ``ω`` in its own, for
-either group of its motion.
+either group of its motion. Nodes that are no frames have ``ẋ`` only: a contact acts on their
+positions, not on their gradients.
 """
 
 from __future__ import annotations
@@ -15,9 +16,10 @@ import numpy as np
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled, inlined_uncounted, uncounted
-from fem_lie.lie.motions import global_components, local_components
+from fem_lie.lie.motions import local_components
+from fem_lie.lie.node_types.node_type import POSITION_GRADIENT, axes
 from fem_lie.lie.so3 import log_so3
-from fem_lie.lie.tuples import Vector, dot, load, load_row
+from fem_lie.lie.tuples import Vector, dot, load, load_row, rotate, rotate_back
 
 
 class BlockRows(NamedTuple):
@@ -94,15 +96,18 @@ def rates(rows: BlockRows, v: Array, out: Array) -> None:
 
 
 @uncounted
-def twist_rates(rows: BlockRows, H: Array, twists: Array, out: Array) -> None:
-    """:func:`rates` of twists in the axes of frames ``H``; nodes without a twist are at rest."""
+def twist_rates(rows: BlockRows, kinds: Indices, H: Array, twists: Array, out: Array) -> None:
+    """:func:`rates` of twists in the axes of nodes at ``H``; nodes without a twist are at rest."""
     for c in range(out.shape[0]):
         u0, u1, u2 = 0.0, 0.0, 0.0
         for s in range(rows.first[c], rows.first[c + 1]):
             node, values = rows.nodes[s], rows.values[s]
             if node >= twists.shape[0]:
                 continue
-            v, ω = global_components(H[node], load(twists[node], 0)), load(twists[node], 3)
+            e1, e2, e3 = axes(kinds[node], H[node])
+            v, ω = rotate(e1, e2, e3, load(twists[node], 0)), load(twists[node], 3)
+            if kinds[node] >= POSITION_GRADIENT:
+                ω = (0.0, 0.0, 0.0)
             u0 += dot(load(values[0], 0), v) + dot(load(values[0], 3), ω)
             u1 += dot(load(values[1], 0), v) + dot(load(values[1], 3), ω)
             u2 += dot(load(values[2], 0), v) + dot(load(values[2], 3), ω)
@@ -110,19 +115,26 @@ def twist_rates(rows: BlockRows, H: Array, twists: Array, out: Array) -> None:
 
 
 @compiled
-def slides(rows: tuple[BlockRows, BlockRows], H: tuple[Array, Array], out: Array) -> None:
+def slides(
+    rows: tuple[BlockRows, BlockRows], kinds: Indices, H: tuple[Array, Array], out: Array
+) -> None:
     """Relative displacements of contacts between two frames, by the mean of ``B``, shape (k, 3)."""
     d, D, θ = np.empty(6), np.empty((3, 3)), np.empty(3)
     first, last = rows
     for c in range(out.shape[0]):
         out[c] = 0.0
         for s in range(first.first[c], first.first[c + 1]):
-            before, after = H[0][first.nodes[s]], H[1][first.nodes[s]]
+            node = first.nodes[s]
+            before, after = H[0][node], H[1][node]
             for k in range(3):
                 d[k] = after[0, k] - before[0, k]
-                axis = local_components(before, load_row(after, 1 + k))
-                D[k, 0], D[k, 1], D[k, 2] = axis
-            log_so3(D, θ)
+            if kinds[node] >= POSITION_GRADIENT:
+                θ[:] = 0.0
+            else:
+                for k in range(3):
+                    axis = local_components(before, load_row(after, 1 + k))
+                    D[k, 0], D[k, 1], D[k, 2] = axis
+                log_so3(D, θ)
             d[3:] = θ
             for k in range(3):
                 for at in range(6):
@@ -132,41 +144,58 @@ def slides(rows: tuple[BlockRows, BlockRows], H: tuple[Array, Array], out: Array
 
 @uncounted
 def add_local_forces(
-    nodes: Indices, numbers: Indices, forces: Array, H: Array, free: Flags, out: Array
+    nodes: Indices,
+    numbers: Indices,
+    forces: Array,
+    kinds: Indices,
+    H: Array,
+    free: Flags,
+    out: Array,
 ) -> None:
-    """Add blocks of forces to right-hand sides in the axes of frames ``H``.
+    """Add blocks of forces to right-hand sides in the axes of nodes at ``H``.
 
     Args:
         nodes: Node of each block, shape (b,).
         numbers: Index of the right-hand side of each block, shape (b,).
         forces: Blocks of forces, shape (b, 3, 6).
+        kinds: Types of the nodes.
         H: Frames of the nodes.
         free: Whether each unknown is free, shape (n, 6).
         out: Right-hand sides, shape (n, 6, s, 3).
     """
     for b in range(nodes.shape[0]):
         node, s = nodes[b], numbers[b]
+        e1, e2, e3 = axes(kinds[node], H[node])
+        turns = kinds[node] < POSITION_GRADIENT
         for k in range(3):
-            local = local_components(H[node], load(forces[b, k], 0))
+            local = rotate_back(e1, e2, e3, load(forces[b, k], 0))
             for at in range(3):
                 if free[node, at]:
                     out[node, at, s, k] += local[at]
-                if free[node, 3 + at]:
+                if turns and free[node, 3 + at]:
                     out[node, 3 + at, s, k] += forces[b, k, 3 + at]
 
 
 @uncounted
 def take_local_velocities(
-    nodes: Indices, numbers: Indices, x: Array, H: Array, free: Flags, out: Array
+    nodes: Indices,
+    numbers: Indices,
+    x: Array,
+    kinds: Indices,
+    H: Array,
+    free: Flags,
+    out: Array,
 ) -> None:
     """Blocks (b, 3, 6) of the solutions (n, 6, s, 3); the inverse of :func:`add_local_forces`."""
     for b in range(nodes.shape[0]):
         node, s = nodes[b], numbers[b]
+        e1, e2, e3 = axes(kinds[node], H[node])
+        turns = 1.0 if kinds[node] < POSITION_GRADIENT else 0.0
         for k in range(3):
             u = (x[node, 0, s, k], x[node, 1, s, k], x[node, 2, s, k])
             held = free[node, 0], free[node, 1], free[node, 2]
             u = (u[0] * held[0], u[1] * held[1], u[2] * held[2])
-            v = global_components(H[node], u)
+            v = rotate(e1, e2, e3, u)
             for at in range(3):
                 out[b, k, at] = v[at]
-                out[b, k, 3 + at] = x[node, 3 + at, s, k] * free[node, 3 + at]
+                out[b, k, 3 + at] = turns * x[node, 3 + at, s, k] * free[node, 3 + at]

@@ -84,8 +84,13 @@ class Run(Newton):
         if contacts := equations.scene.impacts:
             unknowns, factors = equations.unknowns, None
             if not unknowns.rigid or len(known.terms):
-                factors = Factors(self._solve_for_contacts, self.r, self.dx, self.scale)
+                renew, solve = self._factorise_for_contacts, self._solve_for_contacts
+                factors = Factors(renew, solve, self.r, self.dx, self.scale)
             self._contacts = CoupledContacts(contacts, equations, self._end_rule, factors)
+
+    def _factorise_for_contacts(self) -> None:
+        """Factorise the matrix at the end of the step."""
+        self._refactorise(Refactorisation.ALL, self.s.H1)
 
     def _solve_for_contacts(self) -> None:
         """Solve for the motion by contact forces; free rigid bodies move as those alone do.

@@ -14,7 +14,7 @@ from fem_lie.contact.impact.rows import append_rows, set_gaps
 from fem_lie.contact.impact.touching import Touching
 from fem_lie.contact.sides.table import on_masters
 from fem_lie.lie.node_types import all_to_group, move_all
-from fem_lie.lie.node_types.node_type import POSITION
+from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
 from fem_lie.solve.impacts.delassus import islands_of
 from fem_lie.solve.impacts.impulses import Impulses
 from fem_lie.solve.impacts.step_end import Factors, Rule
@@ -49,13 +49,15 @@ class CoupledBodies:
         self._n, self._m, self._kinds = unknowns.moving, unknowns.m, unknowns.kinds
         self._rows, self._length = len(start.frames), unknowns.length
         self._free, self._known = ~unknowns.held.ravel(), -1
+        # ground and prescribed motions are frames
+        self._all_kinds = np.append(self._kinds, np.zeros(self._rows - self._n, dtype=np.int64))
         self.near = Touching(
             contacts,
             unknowns.bodies.__getitem__,
             np.full(self._rows, unknowns.length),
             start.frames,
             partial(on_masters, master=arrays.master, offset=arrays.offset),
-            np.append(self._kinds != POSITION, np.ones(self._rows - self._n, dtype=np.bool_)),
+            self._all_kinds < POSITION_GRADIENT,
         )
         sides = self.near.touch.a, self.near.touch.b
         self._width = sum(int((side.nodes >= 0).sum(axis=1).max()) for side in sides)
@@ -94,7 +96,7 @@ class CoupledBodies:
     def _rates_of(self, rows: BlockRows, H: Array, twists: Array) -> Array:
         """Contact velocities or increments (k, 3) from twists of nodes in frames ``H``."""
         found = np.empty((len(rows.first) - 1, 3))
-        twist_rates(rows, H, twists.reshape(-1, 6), found)
+        twist_rates(rows, self._all_kinds, H, twists.reshape(-1, 6), found)
         return found
 
     @property

@@ -149,7 +149,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
             axis,
             closed[pairs],
             rows,
-            Delassus(rows, self._islands, self._free),
+            Delassus(rows, self._islands, self._kinds, self._free),
             speed[keep],
             before[pairs],
             smooth[pairs],
@@ -172,6 +172,8 @@ class CoupledContacts(CoupledVelocities, Stateful):
         if not (smooth <= 0.0).any():
             self.near.work.impulses[:] = 0.0
             return None
+        if self._kept is not None and self._impulses.turning:
+            self._kept.renew()  # in axes of long ago, its mass is not that of now
         V = self._all_rows(step.twists, time)
         old = self._accelerations(step.frames, V, time)
         solve = partial(self._solve_end, step, V, smooth)

@@ -53,15 +53,18 @@ class Delassus:
         touched: Moving nodes of any contact, shape (t,).
     """
 
-    def __init__(self, rows: BlockRows, islands: tuple[Indices, Indices], free: Flags) -> None:
+    def __init__(
+        self, rows: BlockRows, islands: tuple[Indices, Indices], kinds: Indices, free: Flags
+    ) -> None:
         """Number the solutions.
 
         Args:
             rows: Contact Jacobian of k contacts; only its structure is used.
             islands: See :func:`islands_of`.
+            kinds: Types of the moving nodes, shape (n,).
             free: Unknowns that are not fixed, shape (6 n,).
         """
-        self._free = free.reshape(-1, 6)
+        self._kinds, self._free = kinds, free.reshape(-1, 6)
         label, self._labels = islands[0], islands
         k, n = len(rows.first) - 1, len(label)
         contacts = np.repeat(np.arange(k), np.diff(rows.first))
@@ -100,17 +103,18 @@ class Delassus:
 
         Args:
             forces: Rows of ``B̄``, in the blocks of the contact Jacobian, shape (b, 3, 6).
-            H: Frames in whose axes the unknowns of the nodes are.
+            H: Coordinates of the nodes, in whose axes the unknowns are.
             solve: ``M⁻¹`` with constraints, from forces (6 n, s) to unknowns and multipliers.
         """
         n, s = len(self._free), self._solutions
         f = np.zeros((n, 6, s, 3))
         blocks = self._node, self._number, forces[self._moving]
-        add_local_forces(*blocks, H, self._free, f)
+        add_local_forces(*blocks, self._kinds, H, self._free, f)
         x, multipliers = solve(f.reshape(6 * n, 3 * s))
         x, of_joints = x.reshape(n, 6, s, 3), multipliers.reshape(len(multipliers), s, 3)
         (ends, at), pushes = self._pushes, np.empty((len(self._numbers), 3, 6))
-        take_local_velocities(self.touched[at], self._numbers, x, H, self._free, pushes)
+        blocks = self.touched[at], self._numbers, x
+        take_local_velocities(*blocks, self._kinds, H, self._free, pushes)
         return Responses(self, x, of_joints, BlockRows(ends, at, pushes))
 
     def problem(self, rows: Array, responses: Responses, friction: Array) -> Cones:

@@ -92,7 +92,7 @@ class CoupledPositions(CoupledBodies):
     def _slips(self, chosen: Chosen, H: Array, B: BlockRows, glide: Array) -> Array:
         """Sliding distances in the step of contacts that close in it, shape (k, 2)."""
         total = np.empty((len(chosen.pairs), 3))
-        slides((chosen.before, B), (self._H0, H), total)
+        slides((chosen.before, B), self._all_kinds, (self._H0, H), total)
         return np.where(chosen.closed[:, np.newaxis], total[:, 1:], glide)
 
     def part(

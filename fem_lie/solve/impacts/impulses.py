@@ -29,7 +29,8 @@ import scipy.linalg as la
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from fem_lie._arrays import Array, Flags
+from fem_lie._arrays import Array, Flags, Indices
+from fem_lie.lie.node_types import WITH_GRADIENTS, all_axes
 from fem_lie.lie.node_types.inertia import Inertia
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.impacts.step_end import StepEnd
@@ -49,11 +50,14 @@ _DENSE = 150
 """Number of unknowns up to which a dense factorisation is faster."""
 
 
-def massless(inertia: Inertia, held: Flags) -> sp.csr_matrix:
+def massless(inertia: Inertia, kinds: Indices, held: Flags) -> sp.csr_matrix:
     """Projector on the free directions in which nodes have no inertia, shape (6 n, 6 n).
+
+    All gradients have inertia.
 
     Args:
         inertia: Inertia of the nodes.
+        kinds: Their types, shape (n,).
         held: Which of their unknowns are zero, shape (n, 6).
     """
     free = (~held).astype(np.float64)
@@ -70,15 +74,29 @@ def massless(inertia: Inertia, held: Flags) -> sp.csr_matrix:
     N[:, :3, :3] = (blocks[:, 0, 0] <= 0.0)[:, np.newaxis, np.newaxis] * np.eye(3)
     N[:, 3:, 3:] = np.einsum("nak,nk,nbk->nab", axes, light, axes)
     N *= free[:, :, np.newaxis] * free[:, np.newaxis]
+    N[np.isin(kinds, WITH_GRADIENTS)] = 0.0
     n = len(held)
     return sp.bsr_matrix((N, np.arange(n), np.arange(n + 1)), shape=(6 * n, 6 * n)).tocsr()
 
 
+def _in_fixed_axes(kinds: Indices, H: Array) -> Array:
+    """Rotations of unknowns to axes in which ``M`` is constant, shape (n, 6, 6).
+
+    These are global axes for nodes with gradients, whose own axes rotate with them.
+    """
+    T = np.tile(np.eye(6), (len(kinds), 1, 1))
+    nodes = np.flatnonzero(np.isin(kinds, WITH_GRADIENTS))
+    R = all_axes(kinds[nodes], H[nodes]).swapaxes(1, 2)
+    T[nodes, :3, :3], T[nodes, 3:, 3:] = R, R
+    return T
+
+
 class Impulses:
-    """Solutions of ``M x + Jᵀ λ = f, J x = g``, with a constant mass matrix.
+    """Solutions of ``M x + Jᵀ λ = f, J x = g``, with a mass matrix that is constant in fixed axes.
 
     Attributes:
         mass: The matrix ``M``; ``h² K/4`` in directions without inertia, shape (6 n, 6 n).
+        turning: Whether axes of nodes rotate relative to those in which it is constant.
     """
 
     def __init__(self, equations: Equations, step: float) -> None:
@@ -88,14 +106,35 @@ class Impulses:
             equations: Equations of the scene; their matrix is overwritten.
             step: Step size.
         """
-        unknowns = equations.unknowns
+        unknowns, start = equations.unknowns, equations.start.frames
         self._equations, self._n, self._m = equations, 6 * unknowns.moving, unknowns.m
-        self._inertia, self._first = _at_rest(equations, _TINY * step), step
+        self._kinds = unknowns.kinds
+        self.turning = bool(np.isin(self._kinds, WITH_GRADIENTS).any())
+        self._to_fixed = _in_fixed_axes(self._kinds, start)
+        self._inertia, self._first = self._fixed(_at_rest(equations, _TINY * step)), step
         self._elastic: sp.csr_matrix | None = None
-        N = massless(equations.arrays.inertia, unknowns.held)
+        N = massless(equations.arrays.inertia, unknowns.kinds, unknowns.held)
         if N.count_nonzero():
-            self._elastic = N @ (_at_rest(equations, step) - self._inertia) @ N
+            self._elastic = N @ (self._fixed(_at_rest(equations, step)) - self._inertia) @ N
         self.resize(step)
+
+    def _fixed(self, M: sp.csr_matrix) -> sp.csr_matrix:
+        """A matrix (6 n, 6 n) in fixed axes."""
+        if not self.turning:
+            return M
+        n = len(self._kinds)
+        T = sp.bsr_matrix((self._to_fixed, np.arange(n), np.arange(n + 1)), shape=M.shape)
+        return (T @ M @ T.T).tocsr()
+
+    def _jacobian(self, H: Array) -> sp.csr_matrix:
+        """Constraint Jacobian at ``H`` in fixed axes, with the same pattern for all ``H``."""
+        J = self._equations.constraints(H).jacobian
+        if not self.turning or not self._m:
+            return J
+        blocks = J.tobsr(blocksize=(1, 6))
+        values = np.einsum("bij,bkj->bki", self._to_fixed[blocks.indices], blocks.data)
+        columns = 6 * blocks.indices[:, np.newaxis] + np.arange(6)
+        return sp.csr_matrix((values.ravel(), columns.ravel(), 6 * blocks.indptr), shape=J.shape)
 
     def resize(self, step: float) -> None:
         """Change the step size."""
@@ -103,7 +142,7 @@ class Impulses:
         if self._elastic is not None:
             mass = mass + (step / self._first) ** 2 * self._elastic
         self.mass = mass.tocsc()
-        J = self._equations.constraints(self._equations.start.frames).jacobian
+        J = self._jacobian(self._equations.start.frames)
         self._columns, self._of = J.indices, np.repeat(np.arange(self._m), np.diff(J.indptr))
         self._weights = 1.0 / self.mass.diagonal()[self._columns]
         self._matrix = SaddlePoint(self.mass, J)
@@ -111,9 +150,11 @@ class Impulses:
 
     def go_to(self, H: Array) -> None:
         """Factorise with the constraint Jacobian at frames ``H``, unless it is the present one."""
+        if self.turning:
+            self._to_fixed = _in_fixed_axes(self._kinds, H)
         if not self._m:
             return
-        entries = self._equations.constraints(H).jacobian.data
+        entries = self._jacobian(H).data
         if not np.array_equal(entries, self._entries):
             self._factorise(entries)
 
@@ -125,7 +166,7 @@ class Impulses:
         self._entries = entries
 
     def solve(self, f: Array, g: Array | None = None) -> tuple[Array, Array]:
-        """Solutions ``x`` and ``λ``.
+        """Solutions ``x`` and ``λ``, in the axes of the nodes at the last :meth:`go_to`.
 
         Args:
             f: Impulses on the nodes, shape (6 n,) or (6 n, k).
@@ -133,8 +174,15 @@ class Impulses:
         """
         scale = self._scale.reshape(-1, *([1] * (f.ndim - 1)))
         rest = np.zeros((self._m, *f.shape[1:])) if g is None else scale * g
-        x, multipliers = self._matrix.solve(f, rest)
-        return x, scale * multipliers
+        x, multipliers = self._matrix.solve(self._turned("nij,njk->nik", f), rest)
+        return self._turned("nji,njk->nik", x), scale * multipliers
+
+    def _turned(self, product: str, f: Array) -> Array:
+        """Unknowns or forces (6 n,) or (6 n, k) in other axes."""
+        if not self.turning:
+            return f
+        by_node = f.reshape(len(self._kinds), 6, -1)
+        return np.einsum(product, self._to_fixed, by_node).reshape(f.shape)
 
 
 class SaddlePoint:

@@ -27,7 +27,7 @@ from fem_lie.contact.impact.touching import (
     WIDTH,
     Touching,
 )
-from fem_lie.lie.node_types.node_type import POSITION_GRADIENT, NodeType
+from fem_lie.lie.node_types.node_type import NodeType
 from fem_lie.results.record import ContactSteps
 from fem_lie.system.equations import Equations
 
@@ -36,12 +36,14 @@ class Factors(NamedTuple):
     """Factors of an iteration matrix ``S = ∂(residual)/∂d`` with constraints.
 
     Attributes:
+        renew: Factorises the matrix of the current state.
         solve: Solves for ``right_hand_side`` and writes ``solution``.
         right_hand_side: Shape (6 n + m,).
         solution: Shape (6 n + m,).
         scale: Scale of the constraints in the matrix, shape (m,).
     """
 
+    renew: Callable[[], None]
     solve: Callable[[], None]
     right_hand_side: Array
     solution: Array
@@ -97,19 +99,16 @@ def refuse_impacts(equations: Equations) -> None:
     """Raise an error for scenes that do not support contacts by impacts.
 
     Raises:
-        ValueError: Nodes have gradients or modal amplitudes, are supported along fixed axes, or
-            there are velocity constraints.
+        ValueError: There are modal amplitudes, supports along fixed axes, or velocity constraints.
     """
     unknowns = equations.unknowns
-    wanted = "Impact is for bodies whose nodes are frames or positions"
-    if ((unknowns.kinds >= POSITION_GRADIENT) & (unknowns.kinds != NodeType.POSITION)).any():
-        raise ValueError(
-            f"{wanted}, not for cables, thin shells and reduced-order bodies; give Penalty"
-        )
+    wanted = "Impact is for scenes"
+    if (unknowns.kinds == NodeType.MODAL).any():
+        raise ValueError(f"{wanted} without reduced-order bodies; give Penalty")
     if equations.supports:
         raise ValueError(f"{wanted} without supports along fixed axes (Shell.roller); give Penalty")
     if unknowns.of_velocities:
-        raise ValueError(f"{wanted}, without joints that roll; give Penalty")
+        raise ValueError(f"{wanted} without joints that roll; give Penalty")
 
 
 _LARGEST = "contacts", "residual", "penetration"

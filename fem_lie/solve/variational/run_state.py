@@ -112,7 +112,7 @@ class RunState(DividedIntegration[Recorder]):
         if contacts := equations.scene.impacts:
             factors = None
             if not unknowns.rigid or len(known.terms):
-                factors = StepFactors(self._solve, self._r, self._x, self.scale)
+                factors = StepFactors(self._factorise, self._solve, self._r, self._x, self.scale)
             self._contacts = CoupledContacts(contacts, equations, self._end_rule, factors)
 
     @property

@@ -123,7 +123,8 @@ class Variational(Integrator):
         equations = self.equations(scene.without_impacts())
         if equations.scene.impacts:
             refuse_impacts(equations)
-            if massless(equations.arrays.inertia, equations.unknowns.held).count_nonzero():
+            unknowns = equations.unknowns
+            if massless(equations.arrays.inertia, unknowns.kinds, unknowns.held).count_nonzero():
                 raise ValueError(
                     "Variational computes velocities for impacts from momenta: expected "
                     "rotary inertia at all nodes, got a beam whose section has none; give its "
