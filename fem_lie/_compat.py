@@ -117,9 +117,29 @@ def first_column(form: fem.Form, coefficient: fem.Function | None) -> int:
     return column
 
 
-def has_same_coefficients(form: fem.Form, other: fem.Form) -> bool:
-    """Whether two forms have the same coefficients in the same order."""
-    return bool(form._cpp_object.coefficients == other._cpp_object.coefficients)
+def coefficients_from(form: fem.Form, column: int) -> list[Any]:
+    """DOLFINx's coefficients of a form whose packed values start at a column or after it."""
+    found, at = [], 0
+    for each in form._cpp_object.coefficients:
+        if at >= column:
+            found.append(each)
+        dofmap = each.function_space.dofmap
+        at += dofmap.map().shape[1] * dofmap.bs
+    return found
+
+
+def has_plain_values(coefficient: Any) -> bool:
+    """Whether packed values are those of the dofs, whatever the orientation of a cell."""
+    return not coefficient.function_space.element.needs_dof_transformations
+
+
+def values_and_dofs(coefficient: Any) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int32]]:
+    """Values of one of DOLFINx's coefficients, a row for each dof, and the dofs of each cell.
+
+    Both are views.
+    """
+    dofmap = coefficient.function_space.dofmap
+    return coefficient.x.array.reshape(-1, dofmap.bs), dofmap.map()
 
 
 def is_on_space(bc: fem.DirichletBC, space: fem.FunctionSpace) -> bool:

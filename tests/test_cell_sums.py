@@ -17,7 +17,7 @@ from fem_lie.forms.cells import VISCOUS, CellArrays, viscous_forces
 from fem_lie.solve.conserving.run import Run
 from fem_lie.solve.conserving.vector_cells.cells import Energies, Nodes, energies_at
 from fem_lie.solve.conserving.vector_cells.position_cells import add_position_cells
-from fem_lie.system.parts import Parts
+from fem_lie.system.parts import Parts, Sharing
 from tests.test_point_nodes import GRAVITY
 
 DOUBLES = types.CPointer(types.float64)
@@ -69,7 +69,7 @@ def sums(cells, kernel, separate):
     values[:, 36] = 1.0 + np.arange(len(cells))
     values = values[:, 36:] if separate else values
     given = values, np.array([2.0]), np.zeros((len(cells), 1))
-    return CellSum(cells, kernel.address, *given, separate_nodes=separate)
+    return CellSum(cells, kernel.address, *given, written=36 if separate else 0)
 
 
 @pytest.mark.parametrize("separate", [False, True], ids=["in a workspace", "separate"])
@@ -176,9 +176,8 @@ def test_shares_of_positions_sum_to_one():
         np.testing.assert_allclose(one, two, rtol=0.0, atol=1e-13 * np.abs(two).max())
     # all but the masses at the corners are positions
     pairs = len(equations.matrix.indices)
-    assert len(Parts(equations.unknowns.kinds, equations.matrix.indices, separate=False).blocks) < (
-        1.2 * pairs
-    )
+    parts = Parts(equations.unknowns.kinds, equations.matrix.indices, Sharing.POSITIONS)
+    assert len(parts.blocks) < 1.2 * pairs
 
 
 # --- forces of a step on cells of positions: work, resultant, moment, and whose gradient ---

@@ -1,7 +1,8 @@
-"""A factorisation that lacks memory says so, and not that the matrix is singular."""
+"""Memory of equilibria. A factorisation without enough does not say that a matrix is singular."""
 
 import subprocess
 import sys
+import tracemalloc
 from pathlib import Path
 
 from petsc4py import PETSc
@@ -138,3 +139,23 @@ def test_a_singular_matrix_is_still_called_so():
         made.factorise()
         made.right_hand_side[:] = np.ones(len(made.solution))
         made.solve()
+
+
+def most_memory(cells):
+    """Most memory of arrays in an equilibrium of a pinched hemisphere, and its nodes."""
+    scene = pinched(0.04, quarter(cells), fl.elements.HellingerReissner())
+    tracemalloc.start()
+    try:
+        fl.statics(scene)
+        return tracemalloc.get_traced_memory()[1], len(scene.bodies[0].frames)
+    finally:
+        tracemalloc.stop()
+
+
+def test_arrays_of_statics_take_less_than_16_kilobytes_a_node():
+    """Blocks of the stiffness that stay, a mass matrix or three copies of the cells' data miss it.
+
+    Factors, and what DOLFINx has, are not arrays of numpy.
+    """
+    small, large = most_memory(16), most_memory(48)
+    assert (large[0] - small[0]) / (large[1] - small[1]) < 16e3

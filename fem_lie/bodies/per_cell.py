@@ -2,12 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TypeVar
 
-from fem_lie._arrays import Indices, instance
+import numpy as np
+
+from fem_lie._arrays import Array, Indices, instance
 
 Given = TypeVar("Given")
+
+
+def of_sections(given: Sequence[Given], value: Callable[[Given], Array]) -> Array:
+    """Value of the section of each cell, shape (m, …), read only if all have one section.
+
+    That value is then stored once: each rank has the sections of all cells.
+
+    Args:
+        given: Section of each cell.
+        value: Returns the value of a section.
+    """
+    first = given[0]
+    if all(each is first for each in given):
+        one = np.asarray(value(first), dtype=np.float64)
+        return np.broadcast_to(one, (len(given), *one.shape))
+    return np.array([value(each) for each in given], dtype=np.float64)
+
+
+def of_cells(values: Array, cells: Indices) -> Array:
+    """Values of some cells, stored once if those of all cells are.
+
+    Args:
+        values: Value of each cell, as of :func:`of_sections`, shape (m, …).
+        cells: Indices of the cells, shape (s,).
+    """
+    if values.strides[0] == 0 and len(cells):
+        return np.broadcast_to(values[0], (len(cells), *values.shape[1:]))
+    return values[cells]
 
 
 def of_groups(

@@ -87,6 +87,11 @@ class CellsOnSurface(SurfaceModel):
         shapes, weights = self._measure()
         return np.einsum("gk,mg->mk", shapes, weights)
 
+    @property
+    def mass(self) -> float:
+        """Total mass, kg."""
+        return float(self.areas().sum(axis=1) @ self.density[:, 0, 0])
+
     def element_inertia(self) -> Array:
         """Consistent mass matrix in (x, d₁, d₂, d₃) of each cell, shape (m, k, 4, k, 4)."""
         density = np.zeros((len(self.density), 4, 4))
@@ -96,7 +101,8 @@ class CellsOnSurface(SurfaceModel):
     def _integrated(self, density: Array) -> Array:
         """Products of shape functions times densities (m, 4, 4), shape (m, k, 4, k, 4)."""
         shapes, weights = self._measure()
-        return np.einsum("gi,gj,mg,mab->miajb", shapes, shapes, weights, density)
+        products = np.einsum("gi,gj,mg->mij", shapes, shapes, weights)
+        return np.einsum("mij,mab->miajb", products, density)
 
     def _measure(self) -> tuple[Array, Array]:
         """Shape functions (g, k), and quadrature weights times area (m, g)."""

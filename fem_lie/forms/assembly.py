@@ -60,13 +60,15 @@ class BodyTerm(Term):
         order: Node of this term for each node of the bodies, one body after the other.
         cell_order: Cell of this term for each cell of the bodies.
         indptr: Row starts of the pattern of node pairs, with ``indices``.
-        inertia: Mass matrix in that pattern, or ``None`` without mass.
+        inertia: Mass matrix in that pattern, or ``None`` without mass; shells compute it at each
+            call, as statics has no use for it.
         around: Factors ``b_ik`` of each pair in that pattern, shape (nnz, 3), 1/m, if nodal axes
             are convected: the mean deformation around node i is ``Σ x_k ⊗ b_ik``.
         further_terms: Other terms on its nodes, such as springs and drilling.
     """
 
     label, of_bodies = "elements", True
+    inertia: NodalInertia | None = None
 
     def __init__(
         self,
@@ -85,7 +87,6 @@ class BodyTerm(Term):
         """
         self.cells, self.order, self.cell_order = cells, order, cell_order
         self.count = len(order)
-        self.inertia: NodalInertia | None = None
         self.around: Array | None = None
         self.further_terms: list[Term] = []
         self._pattern = Pattern.of(cells, self.count) if pattern is None else pattern
@@ -96,6 +97,12 @@ class BodyTerm(Term):
         """First and second node of each block of the pattern."""
         rows = np.repeat(np.arange(self.count), np.diff(self.indptr))
         return rows, self.indices.astype(np.int64)
+
+    @property
+    def mass(self) -> float:
+        """Total mass, kg."""
+        known = self.inertia
+        return 0.0 if known is None else float(known.mass[:, 0, 0].sum())
 
     def summed(self, elements: Array) -> Array:
         """Sum element matrices (m, k, b, k, b) to blocks of the pattern, shape (nnz, b, b)."""
@@ -184,21 +191,26 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress, LocalUnknowns):
             self.load = self.turning = True
             self.conserved, self.label = False, "virtual work"
 
-        def sum_of(form: fem.Form, kernel: Any, known: CellForm | None = None) -> CellForm:
-            return CellForm(form, kernel, cells, entities, known)
+        def sum_of(
+            form: fem.Form, kernel: Any, known: CellForm | None = None, further: int = 0
+        ) -> CellForm:
+            written = 12 * cells.shape[1] + further
+            return CellForm(form, kernel, cells, entities, written, known)
 
-        self._residual = sum_of(forms.residual, forms.residual_kernel)
+        # the kernel of forces solves for the change of local fields
+        self._residual = sum_of(forms.residual, forms.residual_kernel, None, forms.local_size)
         known = self._residual
         if forms.has_energy:
             self._energy = sum_of(forms.energy, kernels.energy_kernel, known)
         self._tangent = sum_of(forms.tangent, kernels.tangent_kernel, known)
-        self._unknowns = forms.increment.function_space.dofmap.bs
+        self._tangent.unknowns = forms.increment.function_space.dofmap.bs
         if forms.viscous is not None:
             assert forms.viscous_tangent is not None
             of_forces, of_tangent = forms.viscous_kernels
             self._viscous = sum_of(forms.viscous, of_forces)
             self._viscous_tangent = sum_of(forms.viscous_tangent, of_tangent)
-            # coefficients of the state, which come first, are stored separately
+            self._viscous_tangent.unknowns = self._tangent.unknowns
+            # coefficients of the state, which come first, are not stored
             self._velocity_at = forms.velocity_at - 12 * cells.shape[1]
 
     def require_no_stress(self, formulation: object, law: object = None) -> None:
@@ -307,11 +319,8 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress, LocalUnknowns):
 
     def add_tangent(self, H: Array, kept: Array, index: Indices, K: Array) -> None:
         """Add the tangent stiffness at frames ``H`` to blocks ``K`` at ``index``."""
-        if self._unknowns == K.shape[1]:
-            self._tangent.pack()
-            self._tangent.add_matrix(H, self._pattern, index, K)
-        else:
-            super().add_tangent(H, kept, index, K)
+        self._tangent.pack()
+        self._tangent.add_matrix(H, self._pattern, index, K)
 
     def viscous_tangent(self, H: Array, v: Array) -> tuple[Array, Array | None]:
         """Derivative in the twists (nnz, 6, 6); that in frames is neglected."""
@@ -320,7 +329,7 @@ class Assembly(BodyTerm, ViscousForces, LinearisedStress, LocalUnknowns):
     def _blocks(self, H: Array, form: CellForm) -> Array:
         """Sum of the cells' matrices with the current coefficients, shape (nnz, u, u)."""
         form.pack()
-        return form.matrix(H, self._pattern, self._unknowns)
+        return form.matrix(H, self._pattern)
 
     def set_eigenstrain(self, values: Array) -> None:
         """Set the eigenstrains of the bodies' cells, one body after the other, shape (m, s)."""

@@ -23,8 +23,8 @@ KERNEL, CELLS, NODES, FIRST, W, WIDTH, C, X, EXTENT, GATHERED = range(10)
 
 Address of the kernel; number of cells, nodes per cell, index of the first node; address and length
 of the coefficients, address of the constants, address and length of the coordinates; number of
-coefficients that a kernel reads before these and that are not stored per cell: twelve per node, or
-none.
+coefficients before these that are written for each cell and not stored: twelve per node and those
+that the kernel writes, or none.
 """
 
 NO_ROWS: Indices = np.empty((0, GATHERED + 1), dtype=np.int64)
@@ -222,9 +222,9 @@ def add_blocks(
         arrays: See :class:`FormArrays`.
         pair_of: Index of each pair of nodes of each cell of each form among all pairs.
         index: Index of each pair's block in ``out``.
-        unknowns: Unknowns per node.
+        unknowns: Unknowns per node of the kernels.
         used: Number of unknowns with entries, the first ones; kernels leave the others zero.
-        out: Blocks of pairs of nodes, added to, shape (nnz, unknowns, unknowns).
+        out: Blocks of pairs of nodes, added to, shape (nnz, ≥ used, ≥ used).
     """
     rows, nodes = arrays
     most = unknowns * most_nodes(rows)

@@ -72,10 +72,12 @@ class CellSum:
         cells: Nodes of each cell, shape (m, k).
         values: Data of each cell, at a fixed address, shape (m, any).
         arrays: Table for :func:`~fem_lie.forms.cell_forms.add_forces`.
-        used: Number of unknowns of a node with matrix entries, the first ones.
+        unknowns: Number of unknowns of a node in the kernel's matrices.
+        used: Number of these with entries, the first ones.
         own_only: Whether matrices are summed over the cells of :meth:`choose` only.
     """
 
+    unknowns: int = 6
     used: int = 6
     own_only: bool = False
 
@@ -87,7 +89,7 @@ class CellSum:
         constants: Array,
         coordinates: Array,
         *,
-        separate_nodes: bool = False,
+        written: int = 0,
     ) -> None:
         """Store the data that the kernel reads.
 
@@ -98,20 +100,20 @@ class CellSum:
                 coordinates.
             constants: Constants, the same for all cells.
             coordinates: Coordinates of each cell, shape (m, any).
-            separate_nodes: Whether ``values`` are without these 12 k numbers, so that the kernel
-                reads a copy on the stack: for many cells with little data.
+            written: Number of coefficients that are written for each cell, at least the nodal
+                coordinates, and that ``values`` are without: the kernel reads a copy on the stack.
         """
         self.cells, rows = cells, 12 * cells.shape[1]
         self.values, self._x = (np.ascontiguousarray(a, np.float64) for a in (values, coordinates))
         self._constants = constants
-        least = 0 if separate_nodes else rows
+        least = 0 if written else rows
         if self.values.shape != (len(cells), max(self.values.shape[1], least)):
             raise ValueError(
                 f"cells of shape {cells.shape} need data of shape ({len(cells)}, ≥ {least}), got "
                 f"{self.values.shape}"
             )
         row = [kernel, *cells.shape, 0, *_address_and_width(self.values), constants.ctypes.data]
-        row += [*_address_and_width(self._x), rows if separate_nodes else 0]
+        row += [*_address_and_width(self._x), written]
         self.table = FormArrays(np.array([row], dtype=np.int64), cells.ravel().astype(np.int64))
         self._plain: tuple[Indices, Indices] = (self.table[0], self.table[1])
 
@@ -120,11 +122,11 @@ class CellSum:
         add_forces(H, self._plain, out)
 
     def add_matrix(self, H: Array, pattern: Pattern, index: Indices, out: Array) -> None:
-        """Add matrices at coordinates ``H`` to blocks (any, u, u), at ``index`` of the pairs."""
+        """Add matrices at coordinates ``H`` to blocks (any, ≥ u, ≥ u) at ``index`` of the pairs."""
         arrays, pairs = self._plain, pattern.pair_index
         if self.own_only:
             arrays, pairs = self._own, pairs.reshape(len(self.cells), -1)[self._chosen].ravel()
-        size = out.shape[1]
+        size = self.unknowns
         add_blocks(H, arrays, pairs, index, size, min(size, self.used), out)
 
     def choose(self, cells: Flags) -> None:
@@ -142,10 +144,10 @@ class CellSum:
         )
         return (own / np.maximum(every, 1))[:, np.newaxis]
 
-    def matrix(self, H: Array, pattern: Pattern, unknowns: int = 6) -> Array:
+    def matrix(self, H: Array, pattern: Pattern) -> Array:
         """Matrix at coordinates ``H`` in blocks of the pattern, shape (nnz, u, u)."""
         count = len(pattern.indices)
-        blocks = np.zeros((count, unknowns, unknowns))
+        blocks = np.zeros((count, self.unknowns, self.unknowns))
         self.add_matrix(H, pattern, np.arange(count), blocks)
         return blocks
 
@@ -225,7 +227,10 @@ class LinearisedCellTerm(CellTerm, LinearisedStress):
 
 
 class CellForm(CellSum):
-    """DOLFINx form with packed constants and coefficients; the state is the first coefficient."""
+    """DOLFINx form with packed constants and coefficients; the state is the first coefficient.
+
+    Forms with the same coefficients after those that are written for each cell share their values.
+    """
 
     cells: npt.NDArray[np.int32]
 
@@ -235,6 +240,7 @@ class CellForm(CellSum):
         kernel: Any,
         cells: npt.NDArray[np.int32],
         entities: Entities,
+        written: int,
         other: CellForm | None = None,
     ) -> None:
         """Pack constants and coefficients.
@@ -244,10 +250,14 @@ class CellForm(CellSum):
             kernel: See :mod:`fem_lie.forms.kernels`.
             cells: Nodes of each entity's cell.
             entities: Cells, or facets, over which the form is integrated.
+            written: Number of coefficients, the first ones, that are written for each cell.
             other: A form on the same cells, whose coordinates are shared, and whose coefficients
                 are shared if they are the same.
         """
-        self._form, self.cells, self._index = form, cells, entities.order
+        self._form, self.cells, self._entities = form, cells, entities
+        self._written, self._stored = written, _compat.coefficients_from(form, written)
+        plain = all(map(_compat.has_plain_values, self._stored))
+        self._sources = list(map(_compat.values_and_dofs, self._stored)) if plain else None
         constants = entities.constants(_compat.packed_constants(form))
         if other is None:
             mesh = form.mesh
@@ -255,14 +265,14 @@ class CellForm(CellSum):
             x = x.reshape(len(cells), -1)
             values = self._packed()
         else:
-            x, same = other._x, _compat.has_same_coefficients(form, other._form)
+            x, same = other._x, self._stored == other._stored
             values = other.values if same else self._packed()
-        super().__init__(cells, int(kernel.address), values, constants, x, separate_nodes=True)
+        super().__init__(cells, int(kernel.address), values, constants, x, written=written)
         self._split(entities.sizes)
 
     def _packed(self) -> Array:
-        """Packed coefficients without the state."""
-        return _compat.packed_coefficients(self._form)[self._index, 12 * self.cells.shape[1] :]
+        """Packed coefficients without those that are written for each cell."""
+        return _compat.packed_coefficients(self._form)[self._entities.order, self._written :]
 
     def _split(self, sizes: Indices) -> None:
         """Make one row of the table for each local number, with constants of its own."""
@@ -275,8 +285,15 @@ class CellForm(CellSum):
         self._plain = (rows, self.table.nodes)
 
     def pack(self) -> None:
-        """Pack all coefficients again."""
-        self.values[:] = self._packed()
+        """Pack all coefficients again, one after the other, as all take much memory."""
+        if self._sources is None:
+            self.values[:] = self._packed()
+            return
+        cells, at = self._entities.cells, 0
+        for values, dofs in self._sources:
+            end = at + dofs.shape[1] * values.shape[1]
+            self.values[:, at:end] = values[dofs[cells]].reshape(len(cells), -1)
+            at = end
 
 
 def _address_and_width(array: Array) -> tuple[int, int]:

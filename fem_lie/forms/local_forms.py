@@ -170,7 +170,7 @@ class LocalFrameForms:
             CompiledForm(energy),
             [condensed, CompiledForm(rows), own],
             [stiffness, force, coupling, own],
-            Forces(kernels.residual_kernel, [z]),
+            scratch=[z],
         )
         extra = [self.increment, dy]
         self._update_stress = self._wrapping.form(kernels.local_kernel, [S], [changed, own], extra)
@@ -267,6 +267,7 @@ class LocalFrameForms:
         residual: Sequence[CompiledForm],
         tangent: Sequence[CompiledForm],
         forces: Forces | None = None,
+        scratch: Sequence[fem.Function] = (),
     ) -> None:
         forces = Forces(kernels.residual_kernel) if forces is None else forces
         V, form = self.increment.function_space, self._wrapping.form
@@ -275,8 +276,8 @@ class LocalFrameForms:
         if energy is not None:
             self.energy = form(kernels.energy_kernel, [], [energy])
         self.residual_kernel, self.found_energy = forces.kernel, forces.energy
-        self.residual = form(forces.kernel, [V], residual, forces.reads)
-        self.tangent = form(kernels.tangent_kernel, [V, V], tangent)
+        self.residual = form(forces.kernel, [V], residual, forces.reads, scratch=scratch)
+        self.tangent = form(kernels.tangent_kernel, [V, V], tangent, alike=self._stored)
         self.entities = Entities.of(self.residual, self._stored[0].kind)
 
     @property

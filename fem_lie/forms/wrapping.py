@@ -149,6 +149,9 @@ class Wrapping:
         spaces: Sequence[fem.FunctionSpace],
         inner: Sequence[CompiledForm],
         extra: Sequence[fem.Function] = (),
+        *,
+        scratch: Sequence[fem.Function] = (),
+        alike: Sequence[CompiledForm] = (),
     ) -> fem.Form:
         """Form with one kernel around FFCx's functions.
 
@@ -156,19 +159,26 @@ class Wrapping:
             kernel: One of :mod:`fem_lie.forms.kernels`.
             spaces: Function spaces of the arguments of the new form.
             inner: One to four compiled forms, in the order that the kernel expects.
-            extra: Functions that the kernel reads or fills: the increment ``h``, and ``δy = L h``,
-                or ``z`` of the residual with element-local fields.
+            extra: Functions that the kernel reads or fills: the increment ``h``, and ``δy = L h``.
+            scratch: Functions that the kernel fills, right after the state: ``z`` of the residual
+                with element-local fields.
+            alike: Further forms whose coefficients are coefficients, too, so that another form has
+                the same ones.
         """
         # state first: fem_lie.forms.assembly writes it into the packed coefficients itself
-        functions = dict.fromkeys([self.state, self.coordinates, *extra])
-        functions |= dict.fromkeys(f for part in inner for f in part.coefficients)
+        functions = dict.fromkeys([self.state, *scratch, self.coordinates, *extra])
+        # in one order, so that forms of the same functions share what is packed
+        read = {f for part in (*inner, *alike) for f in part.coefficients}
+        functions |= dict.fromkeys(sorted(read, key=lambda f: f.count()))
         sizes = [packed_size(f.function_space) for f in functions]
         starts = np.cumsum([0, *sizes[:-1]]).tolist()
         offsets = dict(zip(functions, starts, strict=True))
         constants = [c for part in inner for c in part.constants]
         mesh = self.state.function_space.mesh
         # constants are doubles; kernels reinterpret the bits as integers
-        bits = np.array(self._header(inner, offsets, extra), dtype=np.int64).view(np.float64)
+        bits = np.array(self._header(inner, offsets, [*scratch, *extra]), dtype=np.int64).view(
+            np.float64
+        )
         constants.insert(0, fem.Constant(mesh, bits))
         entities = max((part.entities for part in inner), key=len)  # a zero form has none
         return _compat.custom_form(

@@ -29,10 +29,11 @@ from fem_lie.linear.packages import (
     ON_RANKS,
     RESCUES,
     Method,
+    free_unused_memory,
     lacks_memory,
 )
 from fem_lie.ranks.divided_matrix import DividedMatrix
-from fem_lie.ranks.shared_factors import SharedMatrix, Subdomains, shared
+from fem_lie.ranks.shared_factors import FROM, SharedMatrix, Subdomains, shared
 
 if TYPE_CHECKING:
     from fem_lie.linear.redundancy import IdleMultipliers
@@ -176,6 +177,8 @@ class DirectSolver:
         if self._shared is not None:
             self._shared.take()
         self._idle = self._own.idle()
+        if not self.factorisations and self._kkt.size > FROM:
+            free_unused_memory()
         self._set_up()
         self.factorisations += 1
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -218,6 +219,17 @@ other errors are those of its arguments; statuses of CHOLMOD are out of memory a
 
 DIAGNOSIS = Method("lu", "mumps")
 """Hint about failures of a package without a message of its own: KLU."""
+
+
+def free_unused_memory() -> None:
+    """Return memory to the system that numpy and others have freed, if the C library can.
+
+    Large arrays are allocated from the system, and not from what is free within the process: as
+    the factors of a package.
+    """
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+    if trim is not None:
+        trim(0)
 
 
 def lacks_memory(factorising: PETSc.PC | None, error: Exception | None) -> bool:

@@ -1,10 +1,13 @@
 """Blocks of the tangent matrix as arrays, and the scaling of constraints.
 
 ``A`` are derivatives in corrections of increments, ``K`` in twists. For columns of position nodes
-both are equal and share their blocks; the separate blocks of ``K`` follow those of ``A``.
+both are equal and share their blocks, and in statics, where only ``K`` has contributions, all do;
+the separate blocks of ``K`` follow those of ``A``.
 """
 
 from __future__ import annotations
+
+from enum import Enum
 
 import numpy as np
 
@@ -112,28 +115,56 @@ def _product(ptr: Indices, nodes: Indices, rows: Array, soft: Array, a: int, b: 
     return total
 
 
+class Sharing(Enum):
+    """Pairs of nodes that have one block for ``A`` and ``K``."""
+
+    NONE = "none"
+    POSITIONS = "those whose columns are of position nodes"
+    ALL = "all, as A has no contributions of its own at rest"
+
+
 class Parts:
     """The matrices ``A`` and ``K``.
+
+    If all pairs share their blocks, the blocks exist only from :meth:`clear` to :meth:`release`:
+    in statics nothing reads them after the matrix is filled, and they take more memory than it.
 
     Attributes:
         blocks: Blocks of ``A``, then the separate blocks of ``K``, shape (any, 6, 6).
         of_K: Position of the block of ``K`` of each pair, shape (nnz,).
+        separate: Whether all blocks of ``K`` are separate.
     """
 
-    def __init__(self, kinds: Indices, bind: Indices, *, separate: bool) -> None:
-        """Allocate the blocks.
+    def __init__(self, kinds: Indices, bind: Indices, sharing: Sharing) -> None:
+        """Find the positions of the blocks.
 
         Args:
             kinds: Types of the nodes.
             bind: Node of the columns of each block.
-            separate: Whether all blocks of ``K`` are separate.
+            sharing: Pairs that share their blocks.
         """
         self._bind, count = bind, len(bind)
-        alone = np.full(count, True) if separate else kinds[bind] != POSITION
+        alone = kinds[bind] != POSITION
+        if sharing is not Sharing.POSITIONS:
+            alone[:] = sharing is Sharing.NONE
         self.separate = bool(alone.all())
         self.of_K: Indices = np.arange(count)
         self.of_K[alone] = count + np.arange(alone.sum())
-        self.blocks = np.zeros((count + alone.sum(), 6, 6))
+        self._shape = count + int(alone.sum()), 6, 6
+        self._lasts = sharing is not Sharing.ALL
+        self.blocks = np.zeros(self._shape if self._lasts else (0, 6, 6))
+
+    def clear(self) -> None:
+        """Set all blocks to zero."""
+        if self._lasts:
+            self.blocks[:] = 0.0
+        else:
+            self.blocks = np.zeros(self._shape)
+
+    def release(self) -> None:
+        """Free the blocks if nothing reads them after the matrix is filled."""
+        if not self._lasts:
+            self.blocks = np.zeros((0, 6, 6))
 
     @property
     def A(self) -> Array:

@@ -20,6 +20,7 @@ from fem_lie.bodies.body import Body
 from fem_lie.bodies.model import MassMatrix
 from fem_lie.joints.joint import RedundantConstraints
 from fem_lie.lie.motions import Group, Parametrisation
+from fem_lie.lie.node_types.inertia import Inertia
 from fem_lie.linear.redundancy import redundant_constraints
 from fem_lie.parts.part_scene import ScenePart
 from fem_lie.scene import Scene
@@ -32,6 +33,7 @@ from fem_lie.system.nodes.masses import Loads, floating_of, inertia_of, weight_o
 from fem_lie.system.nodes.numbering import numbering_for
 from fem_lie.system.nodes.parts import shared_nodes
 from fem_lie.system.nodes.sums import add_joints, nodal_residual, report, residual
+from fem_lie.system.parts import Sharing
 from fem_lie.system.tangent import Tangent, every, whole
 from fem_lie.system.terms.all_terms import terms_of
 from fem_lie.system.time_state import Forces, NodalData, Plan, TimeState
@@ -52,7 +54,7 @@ class System:
         held: Unknowns of the moving nodes that are zero, shape (n, 6).
         supported: Moving nodes that clamps and bodies support, shape (s,).
         separates_director: Moving nodes that move by ``x + R u`` in statics, shape (n,).
-        inertia: Mass matrix of the moving nodes.
+        inertia: Mass matrix of the moving nodes, zero in statics without gravity.
         floating: Further inertia of bodies that deform within their frames.
         rows: Frames of all nodes, ground and prescribed motions at the start.
         load_cases: Loads as functions of time.
@@ -127,9 +129,9 @@ class System:
         if self.connections.of_velocities and not dynamics:
             raise ValueError("KnifeEdge and RollingDisc constrain velocities: use dynamics")
         self.size = 6 * self.count + self.m
-        required = dynamics or bool(scene.gravity.any())
-        masses = scene.bodies, self.numbering, mass, lumped
-        self.inertia, damping = inertia_of(*masses, required=required)
+        self.inertia, damping = Inertia.zero(self.count), Inertia.none()
+        if dynamics or scene.gravity.any():
+            self.inertia, damping = inertia_of(scene.bodies, self.numbering, mass, lumped)
         self.floating = floating_of(self.numbering)
         self._gravity = scene.gravity
         z, n = np.zeros, self.count
@@ -153,6 +155,7 @@ class System:
             self.kinds,
             redundant=scene.redundant is not RedundantConstraints.REFUSE,
             switched=bool(scene.switched),
+            sharing=Sharing.POSITIONS if dynamics else Sharing.ALL,
             units=self.units,
             length=self.length,
         )

@@ -27,7 +27,7 @@ from fem_lie.system.constraints import Connections
 from fem_lie.system.domains import Domain, division_of
 from fem_lie.system.nodes.fixed_axes import Supports
 from fem_lie.system.nodes.sums import load_tangent, to_inertial
-from fem_lie.system.parts import Parts, Vectors
+from fem_lie.system.parts import Parts, Sharing, Vectors
 from fem_lie.system.terms.all_terms import Terms
 from fem_lie.system.time_state import Plan, TimeState
 
@@ -68,7 +68,6 @@ class Tangent:
 
     domain: Domain | None = None
     _share: Array | None = None
-    _separate = False
     _given: Array | None = None
 
     def __init__(
@@ -83,6 +82,7 @@ class Tangent:
         *,
         redundant: bool,
         switched: bool,
+        sharing: Sharing,
         units: Array,
         length: float,
     ) -> None:
@@ -99,13 +99,14 @@ class Tangent:
             kinds: Types of the nodes.
             redundant: Whether constraints may be redundant.
             switched: Whether constraints may be inactive.
+            sharing: Pairs of nodes that share the blocks of ``A`` and ``K``.
             units: Unit of each unknown of the nodes, shape (6 n,).
             length: Length of the model.
         """
         self._mass, self._terms, self._connections = mass, terms, connections
         self._bodies = bodies
         self._incidences, self.vectors = connections.incidences, Vectors(connections.joined)
-        self._held, self._count, self._kinds = held, len(held), kinds
+        self._held, self._count, self._kinds, self._sharing = held, len(held), kinds, sharing
         self._splits = self._averaged = any(each.means for each in connections.sets)
         pairs, angular = self._pairs(), connections.angular
         self.kkt = KKT(
@@ -139,7 +140,7 @@ class Tangent:
         block_index, diagonal = self.kkt.block_index, np.arange(self._count)
         own, floating, *coupled = self._pairs()
         self._versions = self._terms.versions
-        self.parts = Parts(self._kinds, self.kkt.indices, separate=self._separate)
+        self.parts = Parts(self._kinds, self.kkt.indices, self._sharing)
         in_K = self.parts.index_in_K
         self._mass_index, self._bodies_index = (
             (at, in_K(at)) for at in (block_index(*own), block_index(*floating))
@@ -168,7 +169,7 @@ class Tangent:
 
     def separate_blocks(self) -> None:
         """Store all blocks of ``K`` separately from ``A``, from the next matrix on."""
-        self._separate = True
+        self._sharing = Sharing.NONE
         if not self.parts.separate:
             self._settle()
             if self.domain is not None:
@@ -274,14 +275,15 @@ class Tangent:
     def clear(self) -> None:
         """Set all blocks to zero, with the current node pairs of terms."""
         self._couple()
-        self.parts.blocks[:] = 0.0
+        self.parts.clear()
         self.friction_columns[:] = 0.0
         self._averages.clear()
         self._filled = False
 
     def _couple(self) -> None:
         """Update the pattern to the current pairs of terms and treatment of attachments."""
-        splits = self._averaged and self.kkt.splits and not self._separate
+        splits = self._averaged and self.kkt.splits
+        splits &= self._sharing is not Sharing.NONE
         if self._versions == self._terms.versions and self._splits == splits:
             return
         if self.domain is not None:
@@ -295,7 +297,7 @@ class Tangent:
         if np.array_equal(indptr, self.kkt.indptr) and np.array_equal(indices, self.kkt.indices):
             return
         self.kkt.couple([(np.repeat(np.arange(self._count), np.diff(indptr)), indices)])
-        self.parts = Parts(self._kinds, indices, separate=self._separate)
+        self.parts = Parts(self._kinds, indices, self._sharing)
         self._versions, self._filled = (), False
 
     def add_inertia(
@@ -390,7 +392,9 @@ class Tangent:
         term.add_tangent(H, kept, index, self.parts.blocks)
         self.parts.add_K()
         self.supports.rotate_blocks(H, self.A)
-        return sp.bsr_matrix((self.A, self.kkt.indices, self.kkt.indptr)).tocsr()
+        found = sp.bsr_matrix((self.A, self.kkt.indices, self.kkt.indptr)).tocsr()
+        self.parts.release()
+        return found
 
     def add_geometric(self, H: Array, multipliers: Array) -> None:
         """Add the geometric stiffness of joints with these multipliers, and of terms, to ``K``.
@@ -534,5 +538,6 @@ class Tangent:
             to_inertial(kinds, self.A, columns, self._rows, ahead, nodes, *pattern)
         scale = self.constraint_scale(ahead, plan.spread) if plan.scale is None else plan.scale
         self._fill(self.A, columns, scale)
+        self.parts.release()
         self._filled = True
         return scale

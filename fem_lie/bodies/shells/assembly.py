@@ -88,6 +88,10 @@ class ShellData(OnSurface, Protocol):
     damping: Damping
     has_mass: bool
 
+    @property
+    def mass(self) -> float:
+        """Total mass, kg."""
+
     def element_inertia(self) -> Array:
         """Mass matrix in (x, d₁, d₂, d₃) of each cell's nodes, shape (m, k, 4, k, 4)."""
 
@@ -141,19 +145,33 @@ class SurfaceAssembly(Assembly):
         rows = np.repeat(np.arange(self.count), np.diff(self.indptr))
         self._diagonal = np.flatnonzero(self.indices == rows)
         self._all = np.ones(self.count, dtype=bool)
-        if all(body.has_mass for body in bodies):
-            elements = np.concatenate([body.element_inertia() for body in bodies])
-            # as the cells of the bodies, and their nodes, are ordered there
-            further = None
-            if drilling is not None:
-                each = np.split(
-                    drilling, np.cumsum([len(body.connectivity) for body in bodies])[:-1]
-                )
-                given = zip(bodies, each, strict=True)
-                rotary = np.concatenate([body.element_drilling_inertia(γ) for body, γ in given])
-                further = self.summed(rotary[permutation])
-            mass, rate = self.summed(elements[permutation]), first.damping.mass
-            self.inertia = NodalInertia(mass, rate * mass if rate else None, further)
+        self._bodies, self._drilling, self._permutation = bodies, drilling, permutation
+
+    @property
+    def inertia(self) -> NodalInertia | None:  # type: ignore[override]
+        """Mass matrix in the pattern, or ``None`` without mass, computed at each call."""
+        bodies, drilling = self._bodies, self._drilling
+        if not self._has_mass:
+            return None
+        # as the cells of the bodies, and their nodes, are ordered there
+        elements = np.concatenate([body.element_inertia() for body in bodies])
+        mass, rate = self.summed(elements[self._permutation]), bodies[0].damping.mass
+        further = None
+        if drilling is not None:
+            each = np.split(drilling, np.cumsum([len(body.connectivity) for body in bodies])[:-1])
+            given = zip(bodies, each, strict=True)
+            rotary = np.concatenate([body.element_drilling_inertia(γ) for body, γ in given])
+            further = self.summed(rotary[self._permutation])
+        return NodalInertia(mass, rate * mass if rate else None, further)
+
+    @property
+    def _has_mass(self) -> bool:
+        return all(body.has_mass for body in self._bodies)
+
+    @property
+    def mass(self) -> float:
+        """Total mass, kg."""
+        return sum(body.mass for body in self._bodies) if self._has_mass else 0.0
 
 
 class ShellAssembly(SurfaceAssembly):
@@ -199,10 +217,14 @@ class ShellAssembly(SurfaceAssembly):
     def tangent(self, H: Array, kept: Array) -> Array:
         """Tangent stiffness in twists, (nnz, 6, 6), with the current independent stress."""
         blocks = np.zeros((len(self.indices), 6, 6))
-        blocks[:, :_FIVE, :_FIVE] = self._blocks(H, self._tangent)
-        forces = kept * self._tangent.share(self.count)
-        add_turnings(forces, -1.0, self._diagonal, self._all, blocks)
+        self.add_tangent(H, kept, np.arange(len(blocks)), blocks)
         return blocks
+
+    def add_tangent(self, H: Array, kept: Array, index: Indices, K: Array) -> None:
+        """Add the tangent stiffness at frames ``H`` to blocks ``K`` at ``index``."""
+        super().add_tangent(H, kept, index, K)
+        forces = kept * self._tangent.share(self.count)
+        add_turnings(forces, -1.0, index[self._diagonal], self._all, K)
 
     def update_stress(self, H: Array, h: Array) -> None:
         """Update the independent stress or fields linearly for an increment."""
@@ -221,6 +243,7 @@ class WeightedSurfaceCells:
     formulation: ShellFormulation
     damping: Damping = field(default_factory=Damping)
     has_mass: bool = False
+    mass: float = 0.0
     source: dolfinx.mesh.Mesh | None = None
 
     def element_inertia(self) -> Array:

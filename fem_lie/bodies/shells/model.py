@@ -10,6 +10,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices, number
 from fem_lie.bodies.model import NO_HOLDS, HeldRotation, Holds, RotationLimit
+from fem_lie.bodies.per_cell import of_cells, of_sections
 from fem_lie.bodies.shells.assembly import (
     SurfaceAssembly,
     assembly_of,
@@ -73,8 +74,8 @@ class ShellModel(SurfaceNodes, CellsOnSurface):
         """
         mesh, patches, sections = given.mesh, given.patches, given.sections
         self.source, self.axes = mesh.source, given.axes
-        self.stiffness = np.array([s.stiffness for s in sections])
-        self.density = np.array([s.inertia for s in sections])
+        self.stiffness = of_sections(sections, lambda s: s.stiffness)
+        self.density = of_sections(sections, lambda s: s.inertia)
         self.has_mass = all(s.inertia[0, 0] > 0 for s in sections)
         (self.connectivity,) = patches.cells
         super().__init__(given)
@@ -141,7 +142,7 @@ class ShellModel(SurfaceNodes, CellsOnSurface):
         part.mesh = self.mesh.restricted(cells)
         part.connectivity = np.searchsorted(nodes, self.connectivity[cells])
         for name in "stiffness", "density", "axes":
-            setattr(part, name, getattr(self, name)[cells])
+            setattr(part, name, of_cells(getattr(self, name), cells))
         part.thickness = self.thickness[cells]
         part.drilling, stiffness = self.drilling_for(holds)
         part._drilling_of_whole = None if stiffness is None else stiffness[cells]

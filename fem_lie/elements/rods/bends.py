@@ -55,7 +55,8 @@ class Springs(CellTerm):
         nodes, data = springs.nodes, np.ascontiguousarray(values, dtype=np.float64)
         none = np.zeros(1), np.zeros((len(nodes), 1))
         self._energy, self._forces, self._matrix = (
-            CellSum(nodes, kernel.address, data, *none, separate_nodes=True) for kernel in kernels
+            CellSum(nodes, kernel.address, data, *none, written=12 * nodes.shape[1])
+            for kernel in kernels
         )
         self._pattern = Pattern.of(nodes, count)
         self.springs = springs

@@ -138,8 +138,8 @@ class ThinPushes(Term):
         self._constants = np.concatenate([[1.0, len(values)], tables.ravel()])
         data = np.concatenate([sizes, pressure], axis=1)
         given = data, self._constants, np.zeros((len(cells), 1))
-        self._forces = CellSum(cells, force_kernel.address, *given, separate_nodes=True)
-        self._matrix = CellSum(cells, tangent_kernel.address, *given, separate_nodes=True)
+        self._forces = CellSum(cells, force_kernel.address, *given, written=12 * cells.shape[1])
+        self._matrix = CellSum(cells, tangent_kernel.address, *given, written=12 * cells.shape[1])
         self._pattern = Pattern.of(cells, int(cells.max()) + 1)
         count = len(self._pattern.indptr) - 1
         rows = np.repeat(np.arange(count), np.diff(self._pattern.indptr))

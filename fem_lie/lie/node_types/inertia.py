@@ -298,6 +298,11 @@ class Inertia(NamedTuple):
         """Matrix without rows, for compiled functions where there is no inertia."""
         return cls(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros((0, 4, 4)))
 
+    @classmethod
+    def zero(cls, count: int) -> Inertia:
+        """Matrix of ``count`` nodes without blocks."""
+        return cls.none()._replace(indptr=np.zeros(count + 1, dtype=np.int64))
+
     @property
     def pairs(self) -> tuple[Indices, Indices]:
         """Nodes of each block, shape (nnz,) each."""

@@ -32,6 +32,7 @@ from fem_lie.system.equations.prescribed import Prescribed
 from fem_lie.system.equations.report import ConstraintsAt, Report, contents
 from fem_lie.system.equations.unknowns import Start, SystemArrays, Unknowns
 from fem_lie.system.nodes.fixed_axes import Supports
+from fem_lie.system.nodes.masses import total_mass
 from fem_lie.system.small_motions import SmallMotions, fill_steady
 from fem_lie.system.system import System
 from fem_lie.system.time_state import Forces, Plan, TimeState
@@ -222,7 +223,7 @@ class Equations:
     def _info(self) -> SceneInfo:
         """Bodies and joints in the numbering of all nodes."""
         system = self._system
-        mass = float(system.inertia.blocks[:, 0, 0].sum())
+        mass = total_mass(self.scene.bodies, system.numbering)
         joints = system.connections.info()
         strained = strained_bodies(self.scene.loads)
         return describe.catalogue(system.numbering, joints, system.supported, mass, strained)

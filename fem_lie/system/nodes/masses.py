@@ -47,8 +47,6 @@ def inertia_of(
     numbering: Numbering,
     kind: MassMatrix,
     lumped: Collection[Body] = (),
-    *,
-    required: bool,
 ) -> tuple[Inertia, Inertia]:
     """Mass matrix and mass-proportional damping matrix on (x, d₁, d₂, d₃) of the master nodes.
 
@@ -57,7 +55,6 @@ def inertia_of(
         numbering: Numbering of their nodes.
         kind: Which mass matrix.
         lumped: Bodies whose mass matrix is lumped whatever ``kind`` is.
-        required: Whether elements without inertia are an error; otherwise they have no mass.
 
     Returns:
         The two matrices; the second has no rows if no body has such damping.
@@ -69,21 +66,18 @@ def inertia_of(
     columns: list[Indices] = [np.empty(0, dtype=np.int64)]
     mass: list[Array] = []
     damping: list[Array] = []
-    damps = any(
-        assembly.inertia is not None and assembly.inertia.damping is not None
-        for _, assembly in numbering.assemblies
-    )
-    pairs = zip(numbering.members, numbering.assemblies, strict=True)
-    for members, (where, assembly) in pairs:
-        if assembly.inertia is not None:
+    known = [assembly.inertia for _, assembly in numbering.assemblies]
+    damps = any(own is not None and own.damping is not None for own in known)
+    pairs = zip(numbering.members, numbering.assemblies, known, strict=True)
+    for members, (where, assembly), own in pairs:
+        if own is not None:
             r = np.repeat(np.arange(assembly.count), np.diff(assembly.indptr))
             rows.append(where.start + r)
             columns.append(where.start + assembly.indices)
-            mass.append(_mass_of(assembly.inertia, kind))
-            given = assembly.inertia.damping
+            mass.append(_mass_of(own, kind))
             if damps:
-                damping.append(np.zeros_like(mass[-1]) if given is None else given)
-        elif required:
+                damping.append(np.zeros_like(mass[-1]) if own.damping is None else own.damping)
+        else:
             raise ValueError(
                 f"{', '.join(body.label for body in members)}: dynamics and gravity need the "
                 "inertia of all sections, and the density of all materials: Section.from_stiffness("
@@ -107,6 +101,17 @@ def inertia_of(
         return inertia, damped
     kinds = numbering.kinds
     return _lumped(inertia, kinds, chosen), _lumped(damped, kinds, chosen) if damps else damped
+
+
+def total_mass(bodies: Iterable[Body], numbering: Numbering) -> float:
+    """Mass of all bodies, kg.
+
+    Args:
+        bodies: Bodies of the scene.
+        numbering: Numbering of their nodes.
+    """
+    rigid = (body.model.mass_matrix[0, 0] for body in bodies if isinstance(body, RigidBody))
+    return float(sum(rigid) + sum(assembly.mass for _, assembly in numbering.assemblies))
 
 
 def _mass_of(inertia: NodalInertia, kind: MassMatrix) -> Array:
