@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 import scipy.sparse as sp
+from scipy.integrate import solve_ivp
 
 import fem_lie as fl
 from fem_lie.linear.redundancy import IdleMultipliers, redundant_constraints
@@ -210,3 +211,57 @@ def test_what_binds_nothing_that_is_free_is_to_be_removed():
     with pytest.raises(ValueError, match="Remove twice: the others suffice") as caught:
         fl.statics(scene)
     assert "Spherical" not in str(caught.value)
+
+
+def parallelograms(count: int, gravity: float) -> tuple[fl.Scene, fl.RigidBody]:
+    """N-four-bar mechanism of the IFToMM benchmarks: equal bars, upright at first, 1 m/s."""
+    scene = fl.Scene(
+        gravity=(0, -gravity, 0), redundant=fl.joints.RedundantConstraints.MINIMUM_NORM
+    )
+    across, along = 1.0 / 12.0, 1e-4
+
+    def bar(x: float, y: float, inertia: tuple[float, float, float]) -> fl.RigidBody:
+        return scene.add(fl.RigidBody(1.0, inertia, (x, y, 0)))
+
+    upright = [bar(i, 0.5, (across, along, across)) for i in range(count + 1)]
+    level = [bar(i + 0.5, 1.0, (along, across, across)) for i in range(count)]
+    for i, each in enumerate(upright):
+        each.add_velocity((0.5, 0, 0), omega=(0, 0, -1), about=each.frames[0, 0])
+        root = fl.joints.Revolute(fl.ground(), each.point("centre"), at=(i, 0, 0), axis=Z)
+        scene.add(root)
+    for i, each in enumerate(level):
+        each.add_velocity((1.0, 0, 0))
+        for k in (i, i + 1):
+            ends = upright[k].point("centre"), each.point("centre")
+            scene.add(fl.joints.Revolute(*ends, at=(k, 1, 0), axis=Z))
+    return scene, upright[0]
+
+
+@pytest.mark.parametrize(
+    ("scheme", "drift"),
+    [
+        pytest.param(fl.GeneralisedAlpha(), 3e-4, id="generalised-alpha"),
+        pytest.param(fl.EnergyMomentum(), 1e-6, id="energy-momentum"),
+        pytest.param(fl.EnergyDecaying(), 1e-5, id="energy-decaying"),
+        pytest.param(fl.schemes.Variational(), 3e-4, id="variational"),
+    ],
+)
+def test_parallelograms_swing_through_the_singular_posture(scheme, drift):
+    """One pendulum, whose bars are all in line on the way: 3 (2 N + 1) constraints too many."""
+    count, gravity, duration = 2, 9.81, 1.6
+    scene, bar = parallelograms(count, gravity)
+    result = scheme.run(scene, duration=duration, step=2e-3, progress=False)
+    inertia, weight = (count + 1) / 3 + count, ((count + 1) / 2 + count) * gravity
+    exact = solve_ivp(
+        lambda _, y: (y[1], -weight / inertia * np.cos(y[0])),
+        (0.0, duration),
+        (np.pi / 2, -1.0),
+        rtol=1e-10,
+        atol=1e-12,
+        t_eval=result.times,
+    )
+    way = 0.5 * np.column_stack([np.cos(exact.y[0]), np.sin(exact.y[0])])
+    assert exact.y[0].min() < -0.5 * np.pi
+    assert np.abs(result.position(bar.point("centre"))[:, :2] - way).max() < 2e-4
+    energy = result.kinetic + result.potential
+    assert np.abs(energy - energy[0]).max() < drift * result.kinetic.max()

@@ -53,7 +53,7 @@ class Modes(ModeDisplacements[np.complex128]):
     @property
     def frequencies(self) -> Array:
         """Angular frequencies, rad per time, shape (k,)."""
-        return np.asarray(self.eigenvalues.imag)
+        return np.asarray(self.eigenvalues.imag + 0.0)  # growth without oscillation is not −0
 
     @property
     def hertz(self) -> Array:

@@ -85,7 +85,6 @@ def refuse_scene(equations: Equations) -> None:
         "reduced-order bodies, sections without rotary inertia)": (
             _binds_massless_rotations(equations)
         ),
-        "redundant constraints": unknowns.may_be_redundant,
         ", ".join(dict.fromkeys(apart)): bool(apart),
     }
     refuse("a conserving scheme", reasons)

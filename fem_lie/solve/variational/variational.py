@@ -163,7 +163,6 @@ def _refuse(equations: Equations) -> None:
             unknowns.of_velocities > 0
         ),
         "supports along axes fixed in space (Shell.roller)": bool(equations.supports),
-        "redundant constraints": unknowns.may_be_redundant,
         "friction of penalties": any(term.has_friction for term in equations.arrays.terms),
     }
     refuse("Variational", reasons)
