@@ -327,7 +327,7 @@ class ShellEdges:
         known = np.isin(np.arange(m * c), [a, b])
         shares = _shares(mesh.cell, known.reshape(m, c))
         turns = _turns(shell, ends)
-        plain = np.linalg.inv(shell.model.stiffness)
+        plain = np.asarray(np.linalg.inv(shell.model.stiffness), dtype=np.float64)
         inverse = np.linalg.inv(turns)
         compliance = np.einsum("mcki,mkl,mclj->mcij", inverse, plain, inverse)
         rule, _ = integration(shell)

@@ -195,7 +195,7 @@ class ShellStress:
         diagonals = np.diagonal(shell.model.stiffness, axis1=-2, axis2=-1)
         self._scale = 1.0 / np.sqrt(diagonals)[:, np.newaxis]
         self._noise = 1e-12 * float((1.0 / self._scale[..., :3]).max())
-        self.compliance = np.linalg.inv(shell.model.stiffness)
+        self.compliance = np.asarray(np.linalg.inv(shell.model.stiffness), dtype=np.float64)
 
     def __call__(self, frames: Array, strains: Array | None = None) -> Array:
         """Stress resultants at frames, shape (m, g, 8).
