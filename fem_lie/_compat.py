@@ -335,9 +335,9 @@ def indexed_expressions() -> Iterator[None]:
     """Context in which FFCx looks up the number of an expression in its index of them.
 
     Otherwise it compares each expression of a form with all others, which takes three quarters of
-    its time for a form of 10⁴ of them (FFCx 0.9 and 0.10). Can go with these.
+    its time for a form of 10⁴ of them (FFCx 0.9 to 0.11). Can go with these.
     """
-    if VERSION > (0, 10):
+    if VERSION > (0, 11):
         yield
         return
     of_list = ValueNumberer.get_node_symbols

@@ -110,7 +110,7 @@ def test_ffcx_writes_the_same_code_with_an_index_of_expressions():
     options = ffcx.get_options()
 
     def written() -> str:
-        return "".join(ffcx.compiler.compile_ufl_objects([form], options))
+        return str(ffcx.compiler.compile_ufl_objects([form], options))
 
     plain = written()
     with _compat.indexed_expressions():
