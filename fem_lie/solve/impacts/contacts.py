@@ -173,7 +173,7 @@ class CoupledContacts(CoupledVelocities, Stateful):
             self.near.work.impulses[:] = 0.0
             return None
         if self._kept is not None and self._impulses.turning:
-            self._kept.renew()  # in axes of long ago, its mass is not that of now
+            self._kept.renew()  # axes have rotated since, and the mass in it with them
         V = self._all_rows(step.twists, time)
         old = self._accelerations(step.frames, V, time)
         solve = partial(self._solve_end, step, V, smooth)
