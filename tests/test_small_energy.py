@@ -238,6 +238,7 @@ def test_the_element_of_the_page_is_that_of_the_package():
         ({"products": [(0, 0, 2, 1.0)]}, r"products must be of vectors 0 to 1 in strains 0 to 0"),
         ({"products": [(1, 0, 0, 1.0)]}, r"products must be of vectors 0 to 1 in strains 0 to 0"),
         ({"products": [(0, 0, 0, 1.0)], "law": stiffening}, "a law that is a function needs"),
+        ({"products": [(0, 0, 0, 1.0)], "pairs": [(0, 1)]}, "pairs must be of strains 0 to 0"),
         ({"products": [(0, 0, 0, 1.0)], "inputs": [(0, 1)]}, "linear vectors 0 to 1, got no func"),
         (
             {"products": [(0, 0, 2, 1.0)], "derive": unit_normal, "inputs": [(0, 2)]},

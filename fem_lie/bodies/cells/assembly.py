@@ -37,7 +37,10 @@ class ElementCells(Protocol):
 
 
 def assemble_cells(
-    of: Element, functions: CellFunctions, bodies: Sequence[ElementCells]
+    of: Element,
+    functions: CellFunctions,
+    bodies: Sequence[ElementCells],
+    constants: Array | None = None,
 ) -> ElementAssembly:
     """Assembly of the cells of bodies, one body after the other; coincident nodes stay separate.
 
@@ -45,13 +48,14 @@ def assemble_cells(
         of: Element of all bodies.
         functions: Compiled functions of the element.
         bodies: The bodies; inertia is assembled if all of them have mass.
+        constants: Constants for the functions, if they do not include them; default: none.
     """
     starts = np.cumsum([0] + [len(body.frames) for body in bodies])
     pairs = zip(bodies, starts[:-1], strict=True)
     cells = np.concatenate([body.element_nodes + start for body, start in pairs])
     data = np.concatenate([body.element_data() for body in bodies])
     kind = ViscousElementAssembly if of.cells.viscosities else ElementAssembly
-    assembly = kind(of, functions, cells, data, int(starts[-1]))
+    assembly = kind(of, functions, cells, data, int(starts[-1]), constants)
     if all(body.has_mass for body in bodies):
         parts = [body.element_inertia() for body in bodies]
         rates = [body.damping.mass for body in bodies]

@@ -65,7 +65,7 @@ class ElementCells(LinearisedCellTerm):
             self._sum(each) for each in (functions.energy, functions.forces, functions.tangent)
         )
         self._size = of.cells.points * of.cells.strains
-        self._stress = self._values[:, -self._size :]
+        self._stress = self._values[:, -self._size - of.cells.points * len(of.cells.pairs) :]
 
     def _sum(self, function: Any) -> CellSum:
         none = np.zeros((len(self._nodes), 1))
@@ -95,7 +95,13 @@ class ElementAssembly(ElementCells, BodyTerm):
     """
 
     def __init__(
-        self, of: Element, functions: CellFunctions, cells: Indices, data: Array, count: int
+        self,
+        of: Element,
+        functions: CellFunctions,
+        cells: Indices,
+        data: Array,
+        count: int,
+        constants: Array | None = None,
     ) -> None:
         """Bind the functions to the data.
 
@@ -105,6 +111,7 @@ class ElementAssembly(ElementCells, BodyTerm):
             cells: Nodes of each cell, shape (m, k).
             data: Data of the cells, see :func:`.element.cell_data`.
             count: Number of nodes.
+            constants: Constants for the functions, see :func:`.element.packed`; default: none.
 
         Raises:
             ValueError: Cells have another number of nodes than the element.
@@ -115,7 +122,7 @@ class ElementAssembly(ElementCells, BodyTerm):
             )
         super().__init__(cells, np.arange(count), np.arange(len(cells)))
         self._element = of
-        self._bind(of, functions, cells, data)
+        self._bind(of, functions, cells, data, constants)
 
     @property
     def contents(self) -> tuple[str, list[Array], list[Array]]:
@@ -124,7 +131,7 @@ class ElementAssembly(ElementCells, BodyTerm):
         return (
             "sums of products",
             [of.terms.astype(np.float64), of.factors],
-            [self._data[:, : -self._size]],
+            [self._data[:, : -self._stress.shape[1]]],
         )
 
 

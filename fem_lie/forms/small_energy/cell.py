@@ -5,7 +5,8 @@ The author of an element defines its cells, without any derivatives in the unkno
 - vectors ``z = T q + z₀`` at each quadrature point, linear in the nodal coordinate vectors ``q``;
   constant vectors; and derived vectors that are functions of few linear ones, such as unit normals;
 - strains ``e(s)``, sums of scalar products ``s = z_a·z_b`` or a function of these;
-- a law ``W(e)``: ``½ (e − e₀)·C (e − e₀)``, or a function, times the quadrature weight.
+- a law ``W(e)``: ``½ (e − e₀)·C (e − e₀)``, possibly with products of strains, or a function,
+  times the quadrature weight.
 
 With ``N = ∂W/∂e``, ``C = ∂²W/∂e²`` and ``g = N·∂e/∂s``, forces and tangent stiffness are::
 
@@ -41,9 +42,11 @@ from fem_lie.forms.small_energy.derived import (
 from fem_lie.forms.small_energy.element import Cells, CompiledFunction, Element
 from fem_lie.forms.small_energy.laws import (
     Function,
+    add_pair_stiffness,
     add_second_of_strains,
     energy_at,
     find_between,
+    find_pair_stress,
     find_strains,
     find_stress,
     first,
@@ -272,6 +275,7 @@ def _tangent(
     e_at, L = stack(n), stack(second_size(n))
     Y, J, e = derivatives_at(Y_at, E, size), matrix_at(J_at, n, width), vector_at(e_at, n)
     N, g = vector_at(stack(n), n), vector_at(stack(sums), sums)
+    stress = vector_at(stack(E.pairs.shape[0]), E.pairs.shape[0])
     C, M = matrix_at(stack(n * n), n, n), matrix_at(stack(sums * sums), sums, sums)
     CJ, D = matrix_at(stack(n * sums), n, sums), blocks_at(stack(9 * r), r, 3, 3)
     B, S_at = blocks_at(stack(3 * sums * r), sums, r, 3), stack(3 * sums * u)
@@ -293,6 +297,7 @@ def _tangent(
         find_strains(E, strain, order, like, data, p, z, s_at, J_at, J, e)
         if viscous is None:
             find_stress(E, law, order, like, data, p, e_at, e, L, N, C)
+            find_pair_stress(E, data, p, e, stress)
         else:
             for i in range(n):
                 for k in range(n):
@@ -300,6 +305,10 @@ def _tangent(
         if linearised is not None:
             for i in range(n):
                 N[i] = data.stress[p, i]
+            for i in range(E.pairs.shape[0]):
+                stress[i] = data.stress[p, n + i]
+        if viscous is None:
+            add_pair_stiffness(E, stress, C)
         if strain is None:
             add_congruent(C, matrix_at(S_at, sums, 3 * u), MS, K)
         else:
@@ -357,6 +366,7 @@ def _stress(
         for i in range(n):
             e[i] += change[i]
         find_stress(E, law, first, like, data, p, e_at, e, L, N, None)
+        find_pair_stress(E, data, p, e, data.stress[p, n:])
         for i in range(n):
             data.stress[p, i], out[p, i] = N[i], e[i]
 

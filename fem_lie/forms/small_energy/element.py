@@ -56,6 +56,7 @@ class Cells(NamedTuple):
         offsets: Number of linear vectors with a constant part at each point: all or none.
         constants: Number of constant vectors at each point.
         viscosities: Number of entries of the viscosity at each point.
+        pairs: Both strains of each product of strains in a quadratic law, shape (c, 2).
     """
 
     types: Indices
@@ -73,6 +74,7 @@ class Cells(NamedTuple):
     offsets: int
     constants: int
     viscosities: int
+    pairs: Indices
 
 
 class Element(NamedTuple):
@@ -111,6 +113,7 @@ def element(
     constants: int = 0,
     offsets: bool = False,
     viscous: bool = False,
+    pairs: npt.ArrayLike = (),
 ) -> Element:
     """Element for :mod:`fem_lie.forms.small_energy.cell`.
 
@@ -125,13 +128,18 @@ def element(
         strain: Compiled function of the tuples of products and parameters, which returns the tuple
             of strains. With a quadratic law the second tuple is empty.
         law: Compiled function of the tuples of strains and parameters, which returns the energy at
-            a point. Default: ``½ (e − e₀)·C (e − e₀)`` with parameters ``e₀`` and ``C``.
+            a point. Default: ``½ (e − e₀)·C (e − e₀)`` with parameters ``e₀`` and ``C``, a
+            quadratic law.
         derive: Compiled function of the tuple of components of linear vectors, which returns the
             three components of a derived vector, such as the unit normal of two tangents.
         inputs: Linear vectors on which each derived vector depends.
         constants: Number of constant vectors at each point.
         offsets: Whether linear vectors have a constant part.
         viscous: Whether there is a viscous stress ``η ė`` (Kelvin-Voigt).
+        pairs: Both strains of each product of strains, a strain of second order, that is added to
+            a quadratic law, shape (c, 2). The stress conjugate to it is ``g·(e − e₀)``, whose
+            factors ``g``, shape (c, strains), are further parameters. Such an energy of third order
+            contributes to the stiffness by a stress that is linearised, too.
 
     Raises:
         ValueError: Products refer to vectors or strains that do not exist, or have another shape;
@@ -156,7 +164,13 @@ def element(
         )
     if law is not None and parameters is None:
         raise ValueError("a law that is a function needs the number of its parameters, got none")
-    count = strains + strains**2 if parameters is None or law is None else parameters
+    both = np.asarray(pairs, dtype=np.int64).reshape(-1, 2)
+    if (both < 0).any() or (both >= strains).any() or (law is not None and len(both)):
+        raise ValueError(
+            f"pairs must be of strains 0 to {strains - 1} in a quadratic law, got {both.tolist()}"
+        )
+    quadratic = strains + strains**2 + strains * len(both)
+    count = quadratic if parameters is None or law is None else parameters
     coordinates, groups = _coordinates(node_types)
     cells = Cells(
         types=np.array([int(each) for each in node_types], dtype=np.int64),
@@ -174,6 +188,7 @@ def element(
         offsets=vectors if offsets else 0,
         constants=constants,
         viscosities=strains**2 if viscous else 0,
+        pairs=np.ascontiguousarray(both),
     )
     # unused tuples of hundreds of numbers would be compiled, too
     like = (
@@ -249,7 +264,7 @@ def cell_data(
     """
     cells, m = of.cells, len(tables)
     p, v, e = cells.points, cells.vectors, cells.strains
-    parts = [np.zeros((m, p * e))]
+    parts = [np.zeros((m, p * (e + len(cells.pairs))))]
     for what, given, needed, shape in (
         ("viscosity", viscosity, cells.viscosities > 0, (m, p, e, e)),
         ("parameters", parameters, True, (m, p, cells.parameters)),
@@ -290,7 +305,7 @@ Arguments are the result to add to, the data of a cell, the constants, and twist
 its nodes.
 """
 
-_HEAD = 14
+_HEAD = 15
 """Number of sizes before the arrays."""
 
 
@@ -298,7 +313,9 @@ def packed(cells: Cells) -> Array:
     """Constants as an array of doubles for :func:`unpacked`; integers keep their bits."""
     sizes = [len(cells.types), len(cells.coordinates), len(cells.groups), len(cells.terms)]
     sizes += [*cells.inputs.shape, *(each for each in cells if isinstance(each, int))]
-    arrays = cells.types, cells.coordinates, cells.starts, cells.groups, cells.terms, cells.inputs
+    sizes.append(len(cells.pairs))
+    arrays = [cells.types, cells.coordinates, cells.starts, cells.groups, cells.terms]
+    arrays += [cells.inputs, cells.pairs]
     integers = np.concatenate([np.array(sizes), *(each.ravel() for each in arrays)])
     return np.concatenate([integers.astype(np.int64).view(np.float64), cells.factors])
 
@@ -308,7 +325,7 @@ def unpacked(c: Pointer) -> Cells:
     """Constants of an element at the address ``c``."""
     head = vector_at(c, _HEAD).view(np.int64)
     k, r, u, t, d, i = head[0], head[1], head[2], head[3], head[4], head[5]
-    size = k + 5 * r + u + 3 * t + d * i
+    size = k + 5 * r + u + 3 * t + d * i + 2 * head[14]
     rest = vector_at(shift(c, _HEAD), size).view(np.int64)
     at = k + 5 * r + u
     return Cells(
@@ -318,7 +335,7 @@ def unpacked(c: Pointer) -> Cells:
         rest[k + 5 * r : at],
         rest[at : at + 3 * t].reshape((t, 3)),
         vector_at(shift(c, _HEAD + size), t),
-        rest[at + 3 * t : size].reshape((d, i)),
+        rest[at + 3 * t : at + 3 * t + d * i].reshape((d, i)),
         head[6],
         head[7],
         head[8],
@@ -327,4 +344,5 @@ def unpacked(c: Pointer) -> Cells:
         head[11],
         head[12],
         head[13],
+        rest[at + 3 * t + d * i :].reshape((head[14], 2)),
     )

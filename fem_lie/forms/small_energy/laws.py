@@ -108,6 +108,57 @@ def _quadratic(E: Cells, data: CellData, p: int, e: Array, N: Array) -> None:
 
 
 @inlined
+def _factors(E: Cells, data: CellData, p: int) -> Array:
+    """Factors of the stress conjugate to products of strains, shape (c, strains)."""
+    at = shift(data.parameters, p * E.parameters + E.strains + E.strains * E.strains)
+    return numba.carray(at, (E.pairs.shape[0], E.strains))
+
+
+@inlined
+def find_pair_stress(E: Cells, data: CellData, p: int, e: Array, S: Array) -> None:
+    """Set the stress ``S`` (c,) conjugate to products of strains; ``e₀`` has been subtracted."""
+    g = _factors(E, data, p)
+    for c in range(E.pairs.shape[0]):
+        S[c] = 0.0
+        for i in range(E.strains):
+            S[c] += g[c, i] * e[i]
+
+
+@inlined
+def _add_pairs(E: Cells, data: CellData, p: int, e: Array, N: Array, C: Array | None) -> float:
+    """Add the stress of products of strains to ``N``, and return their energy.
+
+    The derivative of ``N`` without that of :func:`add_pair_stiffness` is added to ``C``.
+    """
+    g, value = _factors(E, data, p), 0.0
+    for c in range(E.pairs.shape[0]):
+        j, k, stress = E.pairs[c, 0], E.pairs[c, 1], 0.0
+        for i in range(E.strains):
+            stress += g[c, i] * e[i]
+        product = e[j] * e[k]
+        value += stress * product
+        N[j] += stress * e[k]
+        N[k] += stress * e[j]
+        for i in range(E.strains):
+            N[i] += g[c, i] * product
+            if C is not None:
+                C[i, j] += g[c, i] * e[k]
+                C[j, i] += g[c, i] * e[k]
+                C[i, k] += g[c, i] * e[j]
+                C[k, i] += g[c, i] * e[j]
+    return value
+
+
+@inlined
+def add_pair_stiffness(E: Cells, S: Array, C: Array) -> None:
+    """Add the second derivative of products of strains at their stress ``S`` (c,) to ``C``."""
+    for c in range(E.pairs.shape[0]):
+        j, k = E.pairs[c, 0], E.pairs[c, 1]
+        C[j, k] += S[c]
+        C[k, j] += S[c]
+
+
+@inlined
 def _moduli(E: Cells, data: CellData, p: int) -> Array:
     """Moduli ``C`` of a quadratic law."""
     at = shift(data.parameters, p * E.parameters + E.strains)
@@ -124,7 +175,7 @@ def energy_at(
         _quadratic(E, data, p, e, N)
         for i in range(E.strains):
             value += 0.5 * N[i] * e[i]
-        return value
+        return value + _add_pairs(E, data, p, e, N, None)
     else:
         return float(law(numbers_at(e_at, like[1]), _parameters(E, like, data, p)))
 
@@ -145,6 +196,8 @@ def find_stress(
 ) -> None:
     """Set the stress ``N`` at a point, and ``C = ∂N/∂e`` unless it is ``None``.
 
+    ``C`` is without :func:`add_pair_stiffness`.
+
     ``e₀`` of a quadratic law is subtracted from the strains; ``L`` is a workspace for a jet of this
     order.
     """
@@ -156,6 +209,7 @@ def find_stress(
             for i in range(n):
                 for j in range(n):
                     C[i, j] = moduli[i, j]
+        _add_pairs(E, data, p, e, N, C)
     else:
         jets = (law(order(numbers_at(e_at, like[1])), _parameters(E, like, data, p)),)
         store_parts(jets, L)

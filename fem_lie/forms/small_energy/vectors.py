@@ -37,7 +37,7 @@ class CellData(NamedTuple):
         constants: Constant vectors, shape (points, constants, 3).
         parameters: Address of the parameters of the first point.
         viscosity: ``η``, shape (points, strains or none, strains).
-        stress: Linearised stress, shape (points, strains).
+        stress: Linearised stress, that of products of strains last, shape (points, strains + c).
     """
 
     H: Array
@@ -64,7 +64,8 @@ def read(E: Cells, w: Pointer) -> CellData:
     parameters = shift(w, at)
     at += E.points * E.parameters
     viscosity = numba.carray(shift(w, at), (E.points, n if E.viscosities > 0 else 0, n))
-    stress = numba.carray(shift(w, at + E.points * E.viscosities), (E.points, n))
+    widths = E.points, n + E.pairs.shape[0]
+    stress = numba.carray(shift(w, at + E.points * E.viscosities), widths)
     H = numba.carray(w, (k, 4, 3))
     return CellData(H, w, tables, offsets, constants, parameters, viscosity, stress)
 
@@ -255,7 +256,7 @@ def find_changes(
     for t in range(E.terms.shape[0]):
         i, a, b = E.terms[t]
         za, zb = scaled(E.factors[t], load_row(z, a)), scaled(E.factors[t], load_row(z, b))
-        if derive is None:
+        if derive is None and E.constants == 0:
             for k in range(r):
                 moved = combined(T[a, k], zb, T[b, k], za)
                 store(B[i, k], 0, plus(load_row(B[i], k), moved))
