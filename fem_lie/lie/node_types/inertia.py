@@ -22,7 +22,13 @@ from fem_lie._jit.stack import matrix_at, stack
 from fem_lie.lie import directors
 from fem_lie.lie.node_types.all_nodes import push_all_forward
 from fem_lie.lie.node_types.forces import acceleration, acceleration_derivatives, pull_back
-from fem_lie.lie.node_types.node_type import POSITION_GRADIENT, axes, first_vector, vector_count
+from fem_lie.lie.node_types.node_type import (
+    MODAL,
+    POSITION_GRADIENT,
+    axes,
+    first_vector,
+    vector_count,
+)
 from fem_lie.lie.tuples import dot
 
 Invariants: TypeAlias = tuple[float, float, float, float, float, float, float]
@@ -186,14 +192,24 @@ def invariants(
 ) -> Invariants:
     """Invariants of velocities ``v`` (n, 6); ``qdot`` and ``p`` are work arrays (n, 4, 3)."""
     push_all_forward(node_types, H, v, qdot)
-    return invariants_of_rates(H, qdot, indptr, indices, G, p)
+    return invariants_of_rates(node_types, H, qdot, indptr, indices, G, p)
 
 
 @uncounted
 def invariants_of_rates(
-    H: Array, qdot: Array, indptr: Indices, indices: Indices, G: Array, p: Array
+    node_types: Indices,
+    H: Array,
+    qdot: Array,
+    indptr: Indices,
+    indices: Indices,
+    G: Array,
+    p: Array,
 ) -> Invariants:
-    """Invariants of rates ``qdot`` of (x, d₁, d₂, d₃), shape (n, 4, 3); ``p`` is a work array."""
+    """Invariants of rates ``qdot`` of (x, d₁, d₂, d₃), shape (n, 4, 3); ``p`` is a work array.
+
+    Amplitudes of modal nodes are no vectors, and have no momenta. Coordinates beyond those of the
+    nodes of ``node_types`` (≤ n,) are vectors.
+    """
     multiply(indptr, indices, G, qdot, p)
     energy = 0.0
     p0 = p1 = p2 = l0 = l1 = l2 = 0.0
@@ -201,11 +217,13 @@ def invariants_of_rates(
         p0 += p[i, 0, 0]
         p1 += p[i, 0, 1]
         p2 += p[i, 0, 2]
+        turns = i >= node_types.shape[0] or node_types[i] != MODAL
         for k in range(4):
             x, y = H[i, k], p[i, k]
-            l0 += x[1] * y[2] - x[2] * y[1]
-            l1 += x[2] * y[0] - x[0] * y[2]
-            l2 += x[0] * y[1] - x[1] * y[0]
+            if turns:
+                l0 += x[1] * y[2] - x[2] * y[1]
+                l1 += x[2] * y[0] - x[0] * y[2]
+                l2 += x[0] * y[1] - x[1] * y[0]
             for j in range(3):
                 energy += 0.5 * qdot[i, k, j] * y[j]
     return energy, p0, p1, p2, l0, l1, l2

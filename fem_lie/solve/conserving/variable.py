@@ -179,7 +179,8 @@ class ConservingSteps(Run):
         rows = work.copy()
         rows[:n] = s.H[:n]
         products_at(*self.model.bodies, s.H, rows[n:])
-        return np.array(inertia.invariants_of_rates(rows, s.V, *self.model.inertia, work))
+        mass = self.model.inertia
+        return np.array(inertia.invariants_of_rates(self._kinds, rows, s.V, *mass, work))
 
     def damp_oscillations(self, time: float, h: float) -> None:
         """No effect: the energy of unresolved oscillations is conserved."""

@@ -91,7 +91,7 @@ def _of_all_ranks(equations: Equations, blocks: Array) -> Array:
 def _of_vectors(kinds: Indices, G: Array) -> Array:
     """Diagonal of blocks (n, 4, 4) in the rows of both coordinate vectors, (n, 2)."""
     diagonal = G.diagonal(axis1=1, axis2=2)
-    return np.where((kinds == MIXED_DERIVATIVE)[:, np.newaxis], diagonal[:, 1:3], diagonal[:, :2])
+    return np.where((kinds >= MIXED_DERIVATIVE)[:, np.newaxis], diagonal[:, 1:3], diagonal[:, :2])
 
 
 def damping_rates(equations: Equations, masses: Masses) -> Array:

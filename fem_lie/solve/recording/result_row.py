@@ -320,8 +320,8 @@ def _fill(
     potential = 0.0
     if _any(kept.invariants):
         work = np.empty((1, V.shape[0], 4, 3))
-        mass, bodies = given.inertia, given.floating
-        potential = report_rates(H, V, mass, bodies, given.dead, work, kept.invariants[row])
+        mass, bodies, out = given.inertia, given.floating, kept.invariants[row]
+        potential = report_rates(given.kinds, H, V, mass, bodies, given.dead, work, out)
     springs = _fill_joints(H, v, multipliers, scene, rows, row)
     if _any(kept.balance):
         copy_vector(balance, kept.balance[row])

@@ -14,7 +14,7 @@ from fem_lie.bodies.model import MassMatrix
 from fem_lie.bodies.rigid import RigidBody
 from fem_lie.forms.assembly import NodalInertia
 from fem_lie.forms.term import add_at
-from fem_lie.lie.node_types import MODAL, POSITION_GRADIENT, SURFACE_GRADIENT
+from fem_lie.lie.node_types import POSITION_GRADIENT, SURFACE_GRADIENT
 from fem_lie.lie.node_types.floating import Floating, FloatingModes
 from fem_lie.lie.node_types.inertia import Inertia, multiply
 from fem_lie.system.nodes.numbering import Numbering
@@ -188,7 +188,7 @@ def _lumped(inertia: Inertia, kinds: Indices, chosen: Flags) -> Inertia:
     np.add.at(own, rows[rows == columns], inertia.blocks[rows == columns])
     sizes = np.zeros((count, 4))
     np.add.at(sizes, rows, np.abs(inertia.blocks.diagonal(axis1=1, axis2=2)))
-    points = (kinds >= SURFACE_GRADIENT) & (kinds < MODAL)  # modal nodes have no mass of their own
+    points = kinds >= SURFACE_GRADIENT
     whole[points] = sizes[points][:, :, np.newaxis] * np.eye(4)
     sloped = (kinds >= POSITION_GRADIENT) & (kinds < SURFACE_GRADIENT)
     mass = own[sloped, 0, 0]

@@ -201,6 +201,7 @@ def load_potential(H: Array, dead: Array) -> float:
 
 @compiled
 def report_rates(
+    kinds: Indices,
     H: Array,
     qdot: Array,
     mass: PlainInertia,
@@ -216,7 +217,7 @@ def report_rates(
     """
     (indptr, indices, blocks), count = mass, dead.shape[0]
     rates = qdot[:count]
-    values = inertia.invariants_of_rates(H, rates, indptr, indices, blocks, work[0])
+    values = inertia.invariants_of_rates(kinds, H, rates, indptr, indices, blocks, work[0])
     for k in range(7):
         invariants[k] = values[k]
     potential, (integers, numbers) = load_potential(H, dead), bodies
@@ -238,7 +239,7 @@ def report(
 ) -> float:
     """:func:`report_rates` at twists ``v``; ``work`` (2, n, 4, 3)."""
     push_all_forward(kinds, H, v, work[0])
-    return report_rates(H, work[0], mass, bodies, dead, work[1:], invariants)
+    return report_rates(kinds, H, work[0], mass, bodies, dead, work[1:], invariants)
 
 
 @compiled
