@@ -36,6 +36,12 @@ def reduced():
     return fl.reduction.reduced_order_body(full, [beam.point("start"), beam.point("end")], 1)
 
 
+def distorting():
+    shape = fl.sections.SectionShape.rectangle(0.1, 0.1)
+    section = fl.sections.Distortion(shape.mesh, fl.Material(E=1e9, nu=0.3, density=1000.0))
+    return fl.reduction.DistortingBeam.straight(*LINE, section, cells=2)
+
+
 BODIES = {
     fl.RigidBody: lambda: fl.RigidBody(1.0, (1, 1, 1)),
     fl.Beam: lambda: fl.Beam.straight(*LINE, TUBE, cells=2),
@@ -49,6 +55,7 @@ BODIES = {
     fl.ThinShell: lambda: fl.ThinShell(fl.mesh.smooth_patch(flat, (1, 1)), PLATE),
     fl.AncfShell: lambda: fl.AncfShell(fl.mesh.smooth_patch(flat, (1, 1)), PLATE),
     fl.Solid: lambda: fl.Solid.brick((1, 1, 1), fl.sections.NeoHooke(1e6, 0.3), cells=(1, 1, 1)),
+    fl.reduction.DistortingBeam: distorting,
     fl.reduction.ReducedOrderBody: reduced,
     fl.extend.ElementBody: lambda: random_body("derived vectors"),
     fl.extend.FormBody: lambda: own_beam("viscous", "moment"),
@@ -68,6 +75,9 @@ OF_ITS_KIND = {
     fl.ThinShell: {"clamp", "hinge", "roller", "symmetry", "guided", "point_in_cell"},
     fl.AncfShell: {"clamp", "hinge", "roller", "symmetry", "guided", "point_in_cell"},
     fl.Solid: {"brick", "clamp", "roller"},
+    fl.reduction.DistortingBeam: {
+        *("straight", "curve", "hold_shape", "hold_warping", "section_point", "amplitudes")
+    },
     fl.reduction.ReducedOrderBody: set(),
     fl.extend.ElementBody: {"clamp"},
     fl.extend.FormBody: set(),

@@ -1,10 +1,14 @@
-"""Reduced-order bodies: bases in local frames, Craig-Bampton, POD, hyper-reduction, merging."""
+"""Reduced-order bodies: bases in local frames, Craig-Bampton, POD, hyper-reduction, merging.
+
+Beams with sections that distort in few modes are here, too.
+"""
 
 from typing import TYPE_CHECKING
 
 from fem_lie._public_names import public_names
 
 if TYPE_CHECKING:
+    from fem_lie.bodies.distorting.distorting_beam import DistortingBeam
     from fem_lie.bodies.reduced.reduced_body import ReducedOrderBody
     from fem_lie.reduction.axes import FixedAxes, MeanAxes, NodeAxes
     from fem_lie.reduction.bases import (
@@ -32,6 +36,7 @@ else:
 __all__ = [
     "Basis",
     "CellSample",
+    "DistortingBeam",
     "FixedAxes",
     "MeanAxes",
     "MergedMotion",

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from fem_lie._public_names import public_names
 
 if TYPE_CHECKING:
+    from fem_lie.sections.distortion.distortion import Distortion
     from fem_lie.sections.material import Damping
     from fem_lie.sections.orientation import Twisted
     from fem_lie.sections.properties import SectionProperties, director_mass_matrix
@@ -26,6 +27,7 @@ else:
 
 __all__ = [
     "Damping",
+    "Distortion",
     "Hyperelastic",
     "NeoHooke",
     "Orthotropic",

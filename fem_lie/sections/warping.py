@@ -229,7 +229,7 @@ class Warping:
         if degree < 2:
             raise ValueError(f"degree must be at least 2, got {degree!r}")
         self.mesh = mesh
-        materials = _materials(mesh.names, material)
+        materials = materials_of(mesh, material)
         # dimensionless about the middle of the section, so that units do not matter
         low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
         middle, size = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
@@ -296,10 +296,17 @@ class Warping:
         return picture(self, path)
 
 
-def _materials(
-    names: tuple[str, ...], material: Material | Mapping[str, Material]
-) -> list[Material]:
-    """Material of each region."""
+def materials_of(mesh: SectionMesh, material: Material | Mapping[str, Material]) -> list[Material]:
+    """Material of each region of a section.
+
+    Args:
+        mesh: Cells of the section.
+        material: Material of all regions, or of each region by its name.
+
+    Raises:
+        ValueError: A region has no material, or a material no region.
+    """
+    names = mesh.names
     if isinstance(material, Material):
         return [material] * len(names)
     for name in material:

@@ -15,7 +15,7 @@ from fem_lie.bodies.beams.sectioned import SectionedModel, outline_of
 from fem_lie.bodies.body import Body
 from fem_lie.bodies.model import NO_HOLDS, Holds
 from fem_lie.elements.beams.element import BeamFormulation
-from fem_lie.forms.assembly import Assembly
+from fem_lie.forms.assembly import Assembly, BodyTerm
 from fem_lie.lie.node_types import NodeType
 from fem_lie.mesh.lines import LineMesh
 from fem_lie.mesh.shapes import LineQuadrature
@@ -131,7 +131,7 @@ class LineModel(SectionedModel):
         """Lines of elements that continue each other smoothly."""
 
     @classmethod
-    def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> Assembly:
+    def assemble(cls, models: Sequence[Any], holds: Holds = NO_HOLDS) -> BodyTerm:
         """Assembly of all bodies of one :attr:`assembly_key`."""
         return BeamAssembly(models)
 

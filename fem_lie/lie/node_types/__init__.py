@@ -30,8 +30,8 @@ MIXED_DERIVATIVE node. The second has no position of its own: nothing depends on
 rigid motion rotates its vectors without translating them. The axes of both are constant within a
 step; :func:`set_axes` updates them where a state is accepted, from all nodes of the body.
 
-A MODAL node holds six amplitudes of the modes of a reduced-order body. Its axes are the global
-ones, and rigid motion does not change it.
+A MODAL node holds six amplitudes of the modes of a reduced-order body, or of a section that
+distorts. Its axes are the global ones, and rigid motion does not change it.
 
 :mod:`.node_type` defines the types and what a new one has to provide; :mod:`.motion` and
 :mod:`.forces` hold the operations on one node, and :mod:`.all_nodes` the loops over nodes.

@@ -1,0 +1,1 @@
+"""Beams with sections that distort and warp in few modes."""

@@ -1,0 +1,1 @@
+"""Sections that deform: modes of distortion and warping, and their stiffness."""
