@@ -64,8 +64,10 @@ class Run(Steps):
         first = history.row
         made = self._reaches(history)
         # rows that the compiled loop has filled in show which steps it has made
-        self._turning.note(self.this.step[self._framed, 3:])
-        self._turning.note(self.h * history.velocities[first : history.row, self._framed_rows, 3:])
+        self._rotations.note(self.this.step[self._framed, 3:])
+        self._rotations.note(
+            self.h * history.velocities[first : history.row, self._framed_rows, 3:]
+        )
         return made
 
     def _reaches(self, history: History) -> bool:
@@ -163,7 +165,7 @@ class Run(Steps):
         return wanted
 
     def _result(self, history: History) -> Result:
-        self._turning.report()
+        self._rotations.report()
         self.division.report(self.index)
         self._warn_of_cancellation()
         return history.result(int(self.counts[0]), history.seconds, divided=self.division.divided)

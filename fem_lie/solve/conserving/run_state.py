@@ -20,7 +20,7 @@ from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.factors import Factors, factorise
 from fem_lie.solve.conserving.divided import AllRanks
 from fem_lie.solve.conserving.midpoint.any_node import span_from_python, spatial_rates, twists
-from fem_lie.solve.conserving.midpoint.cayley import Turning, midpoint_frames
+from fem_lie.solve.conserving.midpoint.cayley import midpoint_frames
 from fem_lie.solve.conserving.midpoint.products import product_rates, stored_energies
 from fem_lie.solve.conserving.model import (
     assemblies_of_frames,
@@ -49,6 +49,7 @@ from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.motion.policies import RefactorisationPolicy
 from fem_lie.solve.recording.recorder import History
 from fem_lie.solve.recording.result_row import ResultRow
+from fem_lie.solve.rotations import Rotations, by_rates
 from fem_lie.solve.secants import Secants
 from fem_lie.system.equations import Equations, Plan, TimeState
 
@@ -149,7 +150,7 @@ class RunState(DividedIntegration[History]):
         self.this: Step = (
             step_workspace(*parts, dissipates=dissipates) if shared is None else shared.this
         )
-        self._end_forces, self._turning = end_forces_of(equations), Turning()
+        self._end_forces, self._rotations = end_forces_of(equations), Rotations(by_rates)
         scheme = Scheme(self.size, options.dissipation, options.filter_gain)
         self.model = model_of(equations, self.cells, self.vector_cells, scheme, incidences)
         python_forces = None if shared is None else shared._python_forces

@@ -62,6 +62,7 @@ from fem_lie.solve.motion.policies import FactoriseOnce
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.rotations import Rotations, by_momenta
 from fem_lie.system.equations import Equations, TimeState
 
 _log = logging.getLogger(__name__)
@@ -149,6 +150,7 @@ class AsynchronousRun(Integration[Recorder]):
         """
         super().__init__(FactoriseOnce(), equations, step)
         self.equations_state = equations.history_variables
+        self._rotations = Rotations(by_momenta)
         self.masses = masses_of(equations)
         chosen = together(equations, self.masses)
         cells = _cells(equations)
@@ -286,10 +288,13 @@ class AsynchronousRun(Integration[Recorder]):
                 if self.common is not None:
                     self.common.restart()
             self._record_state(time)
-            history.fill(time, *self._now, self.balance.so_far)
+            now = self._now
+            self._rotations.note_velocities(self._between, now.v, self.equations.unknowns.kinds)
+            history.fill(time, *now, self.balance.so_far)
         return wanted
 
     def _result(self, history: Recorder) -> Result:
+        self._rotations.report()
         return history.result(0, history.seconds)
 
 

@@ -66,6 +66,7 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps, Plan
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.recording.whole_state import MovingState
+from fem_lie.solve.rotations import Rotations, by_momenta
 from fem_lie.system.equations import Equations, TimeState
 
 _log = logging.getLogger(__name__)
@@ -112,6 +113,7 @@ class ExplicitRun(Integration[Recorder]):
         """
         super().__init__(FactoriseOnce(), equations, step)
         self.equations_state = equations.history_variables
+        self._rotations = Rotations(by_momenta)
         unknowns, known = equations.unknowns, equations.arrays
         n = unknowns.moving
         self.masses, self.limit, self._n, self.began = masses, limit, n, 0.0
@@ -369,6 +371,7 @@ class ExplicitRun(Integration[Recorder]):
             if self._contacts is not None:
                 joined = now.multipliers + self._contacts.reactions / self.h
                 now = now._replace(multipliers=joined)
+            self._rotations.note_velocities(self.h, self.v, self.equations.unknowns.kinds)
             history.fill(time, *now, self.balance.so_far)
             if self._contacts is not None and self.index:
                 self._contacts.record(self.H, time)
@@ -381,6 +384,7 @@ class ExplicitRun(Integration[Recorder]):
             self._joints.restart()
 
     def _result(self, history: Recorder) -> Result:
+        self._rotations.report()
         if self._contacts is None:
             return history.result(0, history.seconds)
         steps = self._contacts.history.result(self.h)

@@ -48,6 +48,7 @@ from fem_lie.solve.motion.policies import Automatic
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
+from fem_lie.solve.rotations import Rotations, by_rates
 from fem_lie.system.equations import Equations
 
 PREFIX = "fem_lie_dynamics_"
@@ -76,6 +77,7 @@ class HamelRun(DividedIntegration[Recorder]):
         self.H, self.s = equations.start.frames.copy(), np.zeros((n, 6))
         self.impulses, self._made = np.zeros((2, 6)), 0
         self._solver: DirectSolver | None = None
+        self._rotations = Rotations(by_rates)
 
     def history(
         self, plan: EqualSteps, progress: bool | None, store: Checkpoints | None
@@ -164,10 +166,12 @@ class HamelRun(DividedIntegration[Recorder]):
                 rates, multipliers = accelerations(equations, solver, self.H, v, time, self.h)
             balance = np.zeros(TOTAL)
             balance[BY_LOADS:BY_REACTIONS], balance[BY_REACTIONS:] = self.impulses
+            self._rotations.note_velocities(self.h, v[:n], equations.unknowns.kinds)
             history.fill(time, self.H, v[:n], rates, multipliers, balance)
         return wanted
 
     def _result(self, history: Recorder) -> Result:
+        self._rotations.report()
         self.division.report(self.index)
         return history.result(0, history.seconds, divided=self.division.divided)
 

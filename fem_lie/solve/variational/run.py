@@ -384,9 +384,11 @@ class VariationalRun(Newton):
             rates, multipliers = self._ends.accelerations(self.H, v, time)
             if self._contacts is not None:
                 multipliers = multipliers + self._contacts.reactions / self.size
+        self._rotations.note_velocities(self.size, v[:n], self.equations.unknowns.kinds)
         history.fill(time, self.H, v[:n], rates, multipliers, self.balance.total)
 
     def _result(self, history: Recorder) -> Result:
+        self._rotations.report()
         self.division.report(self.index)
         divided, others = self.division.divided, {}
         if self._contacts is not None:

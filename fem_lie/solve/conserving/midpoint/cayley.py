@@ -17,10 +17,7 @@ of ``h ω``, by the angle ``2 atan(h ω/2)`` instead of ``h ω``, which is too s
 
 from __future__ import annotations
 
-import logging
-from math import atan, degrees, radians, sqrt
-
-import numpy as np
+from math import sqrt
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
@@ -151,37 +148,3 @@ def spin(H: Array, V: Array) -> Vector:
     for k in range(1, 4):
         twice = plus(twice, cross(load_row(H, k), load_row(V, k)))
     return scaled(0.5, twice)
-
-
-_log = logging.getLogger(__name__)
-
-_FAR = radians(10.0)
-"""Rotation in a step above which a warning is logged."""
-
-
-class Turning:
-    """Largest rotation in a step of a run."""
-
-    def __init__(self) -> None:
-        """Start with no rotation."""
-        self._largest = 0.0
-
-    def note(self, rotations: Array) -> None:
-        """Take rotation vectors of nodes in a step, or ``h ω``, into account.
-
-        Args:
-            rotations: Rotation vectors, shape (…, 3), rad.
-        """
-        squares = np.einsum("...i,...i->...", rotations, rotations)
-        self._largest = max(self._largest, float(squares.max(initial=0.0)) ** 0.5)
-
-    def report(self) -> None:
-        """Log a warning if nodes rotate far in a step."""
-        if self._largest <= _FAR:
-            return
-        missing = 1.0 - 2.0 * atan(0.5 * self._largest) / self._largest
-        _log.warning(
-            "bodies turn by up to %.3g° in a step, and %.2g %% too slowly: take smaller steps, or "
-            "GeneralisedAlpha, which turns them by exponential maps",
-            *(degrees(self._largest), 100.0 * missing),
-        )

@@ -1,0 +1,76 @@
+"""How far schemes without exponential maps rotate bodies in a step, and a warning where it matters.
+
+A body that rotates at a constant rate ``ω`` should rotate by ``θ = h ω`` in a step. Neither energy
+nor momenta show that it does not, because they are those of ``ω``.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from math import asin, atan, degrees, radians
+
+import numpy as np
+
+from fem_lie._arrays import Array, Indices
+from fem_lie.lie.node_types import POSITION_GRADIENT
+
+_log = logging.getLogger(__name__)
+
+_FAR = radians(10.0)
+"""Rotation in a step above which a warning is logged."""
+
+
+def by_rates(angle: float) -> float:
+    """Rotation by the Cayley map of ``θ``, for a constant rate: ``2 atan(θ/2)``, too small."""
+    return 2.0 * atan(0.5 * angle)
+
+
+def by_momenta(angle: float) -> float:
+    """Rotation by the Cayley map for a constant discrete momentum: ``asin θ``, too large.
+
+    No step rotates by more than a quarter of a turn.
+    """
+    return asin(min(angle, 1.0))
+
+
+class Rotations:
+    """Largest rotation in a step of a run."""
+
+    def __init__(self, made: Callable[[float], float]) -> None:
+        """Start with no rotation.
+
+        Args:
+            made: Rotation that the scheme makes for a rotation ``h ω``, rad.
+        """
+        self._made, self._largest = made, 0.0
+
+    def note(self, rotations: Array) -> None:
+        """Take rotation vectors of nodes in a step, or ``h ω``, into account.
+
+        Args:
+            rotations: Rotation vectors, shape (…, 3), rad.
+        """
+        squares = np.einsum("...i,...i->...", rotations, rotations)
+        self._largest = max(self._largest, float(squares.max(initial=0.0)) ** 0.5)
+
+    def note_velocities(self, h: float, v: Array, node_types: Indices) -> None:
+        """Take the rotation of frames in a step of size ``h`` into account.
+
+        Args:
+            h: Step size.
+            v: Velocities of nodes, shape (n, 6).
+            node_types: Their types, shape (n,).
+        """
+        self.note(h * v[node_types < POSITION_GRADIENT, 3:])
+
+    def report(self) -> None:
+        """Log a warning if nodes rotate far in a step."""
+        if self._largest <= _FAR:
+            return
+        error = self._made(self._largest) / self._largest - 1.0
+        _log.warning(
+            "bodies turn by up to %.3g° in a step, and %.2g %% too %s: take smaller steps, or "
+            "GeneralisedAlpha, which turns them by exponential maps",
+            *(degrees(self._largest), 100.0 * abs(error), "slowly" if error < 0.0 else "fast"),
+        )
