@@ -3,10 +3,14 @@
 import json
 import re
 import sys
+from collections.abc import Callable
+from inspect import ismodule, signature
+from itertools import takewhile
 from pathlib import Path
 
 import pytest
 
+import fem_lie as fl
 from tools.site import gallery
 
 if sys.version_info >= (3, 11):
@@ -16,6 +20,7 @@ ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 MOST_WORDS = 35_000
 LINK = re.compile(r"!?\[([^\]]*)\]\(([^)\s]+)\)")
+CALL = re.compile(r"`(([A-Za-z_.]+)\(([^`()]+)\))`")
 PICTURE = re.compile(r"!\[([^\]]*)\]\([^)\s]+\)")
 COMMAND = re.compile(r"(?:tests|benchmarks|demos|studies)/\w+\.py|-m (?:benchmarks|studies)\.\w+")
 MADE = "gallery", "lessons", "reference", "scenes", "_pages"
@@ -65,6 +70,34 @@ def test_commands_run_files_that_exist(page):
         for name in sorted(named - {"demos/x", "studies/NAME"})
         if not (ROOT / f"{name}.py").exists()
     ] == []
+
+
+def callables() -> dict[str, Callable]:
+    """Public classes and functions by name, with and without their module."""
+    members = {name: getattr(fl, name) for name in fl.__all__}
+    modules = {"fl": fl} | {f"fl.{name}": each for name, each in members.items() if ismodule(each)}
+    found = {}
+    for prefix, module in modules.items():
+        for name in module.__all__:
+            each = getattr(module, name)
+            if callable(each):
+                found |= {name: each, f"{prefix}.{name}": each}
+    return found
+
+
+def test_arguments_in_texts_have_the_order_of_the_signature():
+    """``Name(a, b)`` of a text can be called as it stands: no two numbers change places."""
+    known, wrong = callables(), []
+    for page in PAGES:
+        for text, name, arguments in CALL.findall(page.read_text(encoding="utf-8")):
+            if name not in known:
+                continue
+            names = list(signature(known[name]).parameters)
+            positional = takewhile(str.isidentifier, arguments.split(", "))
+            order = [(names.index(each), k) for k, each in enumerate(positional) if each in names]
+            if any(index != k for index, k in order):
+                wrong.append(f"{page.name}: {text}, expected the order {names}")
+    assert wrong == []
 
 
 @pytest.mark.parametrize("record", sorted(gallery.KEPT.glob("*.json")), ids=lambda f: f.stem)
