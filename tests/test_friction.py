@@ -77,6 +77,43 @@ def test_a_ball_rolls():
     assert result.position(centre)[-1, 0] == pytest.approx(wanted, rel=2e-3)
 
 
+def on_turntable(rate: float, radius: float, speed: float) -> tuple[fl.Scene, fl.extend.Point]:
+    """A ball that rolls on a heavy table, which rotates, and starts outwards along x."""
+    stiffness, mass = 4e5, 0.2
+    scene = fl.Scene(gravity=(0, 0, -GRAVITY))
+    table = scene.add(fl.RigidBody.cylinder(1e4, 1.0, (0, 0, -SIZE), (0, 0, 0)))
+    centre = table.point("centre")
+    scene.add(fl.joints.Revolute(fl.ground(), centre, at=(0, 0, 0), axis=(0, 0, 1)))
+    table.add_velocity((0, 0, 0), omega=(0, 0, rate), about=(0, 0, 0))
+    height = SIZE / 2 - mass * GRAVITY / stiffness
+    rolling = scene.add(fl.RigidBody.ball(mass, SIZE / 2, (radius, 0, height)))
+    spin = np.array([rate * radius, speed, 0]) / (SIZE / 2)
+    rolling.add_velocity((speed, 0, 0), omega=spin, about=rolling.point("centre"))
+    surface = fl.contact.Sphere(rolling.point("centre"), SIZE / 2)
+    plane = fl.contact.Plane(centre, (0, 0, 1), at=(0, 0, 0))
+    scene.add(fl.contact.Contact(surface, plane, fl.contact.Penalty(stiffness, friction=0.6)))
+    return scene, rolling.point("centre")
+
+
+@pytest.mark.parametrize(
+    ("scheme", "step"), [(fl.GeneralisedAlpha(), 1e-3), (fl.EnergyMomentum(), 2e-3)]
+)
+def test_a_ball_on_a_turntable_runs_in_circles(scheme, step):
+    """With 2/7 of the table's rate, whatever the start (Weltner, Am. J. Phys. 47 (1979) 984).
+
+    Both surfaces rotate while the contact point moves, and springs must not take that for slip.
+    """
+    rate, speed, errors = 10.0, 0.8, []
+    for h in (step, step / 2):
+        scene, centre = on_turntable(rate, 0.3, speed)
+        result = scheme.run(scene, duration=0.25, step=h, progress=False)
+        turned = 2 / 7 * rate * result.times
+        exact = 3.5 * speed / rate * np.column_stack([np.sin(turned), 1 - np.cos(turned)])
+        errors.append(np.abs(result.position(centre)[:, :2] - (0.3, 0) - exact).max())
+    assert errors[1] < 0.3 * errors[0]
+    assert errors[1] < 3e-4
+
+
 def forces_of(term, H: np.ndarray) -> np.ndarray:
     out = np.zeros((len(H), 6))
     term.add_forces(H, out)

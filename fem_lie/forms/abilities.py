@@ -196,8 +196,13 @@ class PathDependence(ABC):
         return np.empty((0, FRICTION_COLUMNS))
 
     @abstractmethod
-    def accept(self, H: Array) -> None:
-        """Accept the state with frames ``H``."""
+    def accept(self, H: Array, start: Array | None = None) -> None:
+        """Accept the state with frames ``H``.
+
+        Args:
+            H: Frames of all nodes at the end of a step, shape (n, 4, 3).
+            start: Those at its start, if there was a step.
+        """
 
 
 class PassageCheck(ABC):

@@ -1,16 +1,21 @@
 """Coulomb's law as a return mapping, and the springs of friction by penalty; compiled.
 
 When a step is accepted, each pair of points that are near each other gets two anchors: the material
-points at the contact point of either side. The second is offset by the elongation of the tangential
-spring. For later frames, ``u = P − Q`` is the difference of the positions of the anchors, linear in
-the nodal coordinates; ``n`` and ``p`` are the normal and the normal force::
+points that meet in the middle of the next step if the motion goes on steadily. The second is offset
+so that ``u`` is the elongation of the tangential spring at the accepted frames. For later frames,
+``u = P − Q`` is the difference of the positions of the anchors, linear in the nodal coordinates;
+``n`` and ``p`` are the normal and the normal force::
 
     τ = k u_T,  u_T = u − n n·u          while |τ| ≤ μ p, else τ = μ p u_T/|u_T|
 
 Anchors are material points and rotate with their nodes, so rolling moves them from step to step
-without slip. A node without rotations takes no moment: there the anchor is on the axis of the line,
-not on its surface, and that of the other side, which rotates, is the material point at the same
-position and has the elongation.
+without slip. Points that meet in the middle approach and separate symmetrically: of the slip of
+surfaces that roll and pivot, or rotate both, the error is of third order in the step. Points that
+met at its start would slip at second order, at every step in the same direction.
+
+A node without rotations takes no moment: there the anchor is on the axis of the line, not on its
+surface, and that of the other side, which rotates, is the material point at the same position and
+has the elongation.
 """
 
 from __future__ import annotations
@@ -176,6 +181,18 @@ def found(known_keys: Indices, keys: Indices) -> Indices:
 
 
 @inlined_uncounted
+def stretch_of(H: Array, anchors: Anchors, q: int) -> Vector:
+    """Elongation vector ``u`` of a spring."""
+    u = load_row(anchors.fixed, q)
+    for s in range(SLOTS):
+        node = anchors.nodes[q, s]
+        if node >= 0:
+            u = plus(u, scaled(anchors.weights[q, s], load_row(H[node], 0)))
+            u = plus(u, global_components(H[node], load_row(anchors.arms[q], s)))
+    return u
+
+
+@inlined_uncounted
 def _rotates(types: Indices, side: Side, i: int) -> bool:
     """Whether a point is on nodes with rotations, or on ground."""
     node = side.nodes[i, 0]
@@ -193,7 +210,7 @@ def _held(H: Array, types: Indices, at: ContactPoints, e: int) -> Vector:
 
 
 @inlined_uncounted
-def _anchor(
+def _add_point(
     H: Array,
     types: Indices,
     side: Side,
@@ -203,7 +220,7 @@ def _anchor(
     out: Anchors,
     e: int,
 ) -> None:
-    """Store a point of a side, displaced by ``off``, as a material point.
+    """Add a point of a side, displaced by ``off``, as a material point, to anchors.
 
     There is no displacement at nodes without rotations.
     """
@@ -224,9 +241,28 @@ def _anchor(
         store_row(out.arms[e], first + k, moved)
 
 
+@inlined_uncounted
+def _displace(
+    H: Array, types: Indices, side: Side, i: int, d: Vector, sign: float, out: Anchors, e: int
+) -> None:
+    """Add ``d`` to the difference of two anchors: displace that of a side with rotations."""
+    first = 0 if sign > 0.0 else MOST_NODES
+    for k in range(MOST_NODES):
+        node, w = side.nodes[i, k], side.weights[i, k]
+        if node == UNUSED:
+            break
+        if node == GROUND:
+            store_row(out.fixed, e, combined(1.0, load_row(out.fixed, e), w, d))
+        elif types[node] < POSITION_GRADIENT:
+            arm = load_row(out.arms[e], first + k)
+            moved = combined(1.0, arm, w, local_components(H[node], d))
+            store_row(out.arms[e], first + k, moved)
+
+
 @compiled
 def set_anchors(
     H: Array,
+    middle: Array,
     types: Indices,
     at: ContactPoints,
     a: Side,
@@ -234,10 +270,11 @@ def set_anchors(
     springs: Array,
     out: Anchors,
 ) -> None:
-    """Set anchors at frames ``H`` so that springs have the elongations ``springs`` (m, 3).
+    """Set anchors so that springs have the elongations ``springs`` (m, 3) at frames ``H``.
 
     Args:
         H: Frames.
+        middle: Frames at which the points of both sides meet.
         types: Types of all nodes, shape (n,).
         at: Pairs of points.
         a: Material points for anchors of the first side.
@@ -247,26 +284,15 @@ def set_anchors(
     """
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
-        X, u = _held(H, types, at, e), load_row(springs, e)
-        P, Q = minus(X, position(H, a, i)), minus(X, position(H, b, j))
+        X = _held(middle, types, at, e)
+        P, Q = minus(X, position(middle, a, i)), minus(X, position(middle, b, j))
+        _add_point(middle, types, a, i, P, 1.0, out, e)
+        _add_point(middle, types, b, j, Q, -1.0, out, e)
+        d = minus(load_row(springs, e), stretch_of(H, out, e))
         if _rotates(types, b, j):
-            Q = minus(Q, u)
+            _displace(H, types, b, j, d, -1.0, out, e)
         else:
-            P = plus(P, u)
-        _anchor(H, types, a, i, P, 1.0, out, e)
-        _anchor(H, types, b, j, Q, -1.0, out, e)
-
-
-@inlined_uncounted
-def stretch_of(H: Array, anchors: Anchors, q: int) -> Vector:
-    """Elongation vector ``u`` of a spring."""
-    u = load_row(anchors.fixed, q)
-    for s in range(SLOTS):
-        node = anchors.nodes[q, s]
-        if node >= 0:
-            u = plus(u, scaled(anchors.weights[q, s], load_row(H[node], 0)))
-            u = plus(u, global_components(H[node], load_row(anchors.arms[q], s)))
-    return u
+            _displace(H, types, a, i, d, 1.0, out, e)
 
 
 @compiled

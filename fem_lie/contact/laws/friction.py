@@ -25,6 +25,7 @@ from fem_lie.contact.laws.friction_tangents import add_traction_tangents
 from fem_lie.contact.sides.table import ContactPoints
 from fem_lie.contact.sides.two_sides import Sides, Stations
 from fem_lie.forms.abilities import FRICTION_COLUMNS, Done, Ends
+from fem_lie.lie.node_types import go_all_on
 
 
 class Friction:
@@ -97,8 +98,13 @@ class Friction:
         given = H, self._types, stations.at, self._anchors, which, self._law, none
         add_traction_tangents(*given, blocks)
 
-    def accept(self, H: Array) -> None:
-        """Set new anchors at frames ``H``, with springs that keep their present elongation."""
+    def accept(self, H: Array, start: Array | None = None) -> None:
+        """Set new anchors at frames ``H``, with springs that keep their present elongation.
+
+        Args:
+            H: Frames at the end of a step.
+            start: Frames at its start, if there was a step.
+        """
         (at, keys, a, b), _, τ = self._tractions(H)
         self.pressed = overlap_energy(H, at, self._law.normal)
         over_step = self._ahead is not None
@@ -113,9 +119,17 @@ class Friction:
             now = found(keys, self._anchors.keys)
             self.dissipated += slip_work(H, self._anchors, now, forces, springs)
         anchors = empty_anchors(len(at.pairs))
-        set_anchors(H, self._types, at, a, b, springs, anchors)
+        set_anchors(H, self._middle(H, start), self._types, at, a, b, springs, anchors)
         anchors.keys[:], anchors.forces[:] = keys, forces
         self._anchors = anchors
+
+    def _middle(self, H: Array, start: Array | None) -> Array:
+        """Frames in the middle of the next step, if the motion goes on as from ``start``."""
+        if start is None:
+            return H
+        middle = H.copy()
+        go_all_on(self._types, start, H, middle)
+        return middle
 
     def rows(self, H: Array, v: Array) -> Array:
         """Friction forces in the last accepted state, with ``H`` and twists ``v``, shape (k, 9).

@@ -57,8 +57,8 @@ class ContactTerm(Term, ContactState):
         return values
 
     @abstractmethod
-    def accept(self, H: Array) -> None:
-        """Accept the state with frames ``H`` at the end of a step."""
+    def accept(self, H: Array, start: Array | None = None) -> None:
+        """Accept the state with frames ``H`` at the end of a step from ``start``."""
 
     @abstractmethod
     def touching(self, H: Array, v: Array) -> tuple[Indices, Array, Array, Array]:

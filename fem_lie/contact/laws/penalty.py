@@ -252,7 +252,10 @@ class PenaltyForces(
                 *(self._name, part, k),
             )
         held = 0.0 if self._friction is None else self._friction.energy(H)
-        return 0.5 * float(found.elastic @ deep) + held
+        # the order of the sum must not depend on near pairs that do not touch: their list is longer
+        # or shorter in a resumed run
+        touching = deep < 0.0
+        return 0.5 * float(found.elastic[touching] @ deep[touching]) + held
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """Add the contact forces to the residual."""
@@ -317,11 +320,11 @@ class PenaltyForces(
         """State of the friction springs, which are attached to nodes, with other numbers."""
         return values if self._friction is None else renumbered(values, numbers)
 
-    def accept(self, H: Array) -> None:
+    def accept(self, H: Array, start: Array | None = None) -> None:
         """Accept frames: update ignored pairs and friction springs."""
         self._sides.near.part(H)
         if self._friction is not None:
-            self._friction.accept(H)
+            self._friction.accept(H, start)
 
     @property
     def dissipated(self) -> float:

@@ -362,7 +362,7 @@ class MortarForces(ContactTerm, PassageCheck, GroundForces, LinearisedStress, Pa
 
     # --- steps ---
 
-    def accept(self, H: Array) -> None:
+    def accept(self, H: Array, start: Array | None = None) -> None:
         """Accept the present tractions of friction."""
         if self._friction is not None:
             found = self._gaps(H)
@@ -466,7 +466,7 @@ class MultiplierForces(MortarForces):
         """Set the multipliers to zero."""
         self.multipliers = np.zeros_like(self.multipliers)
 
-    def accept(self, H: Array) -> None:
+    def accept(self, H: Array, start: Array | None = None) -> None:
         """Accept the pressures as multipliers of the next step."""
         self.multipliers = self.pressures(H)
 

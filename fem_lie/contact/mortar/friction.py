@@ -403,7 +403,7 @@ def _facing(H: Array, types: Indices, points: Weighted, count: int) -> Slips:
     """Slips of the points of a state, with springs that are not elongated."""
     of, m = points.of, len(points.of.at.pairs)
     anchors = empty_anchors(m)
-    set_anchors(H, types, of.at, of.at.a, of.at.b, np.zeros((m, 3)), anchors)
+    set_anchors(H, H, types, of.at, of.at.a, of.at.b, np.zeros((m, 3)), anchors)
     lengths = points.means(np.ones((m, 1)), count)[:, 0]
     each = of.shapes * points.weights[:, np.newaxis]
     per = np.divide(each, lengths[of.pressures], out=np.zeros_like(each), where=each != 0.0)

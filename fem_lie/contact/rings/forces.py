@@ -219,7 +219,7 @@ class RingForces(ContactTerm, LinearisedStress, PathDependence, StepForces, Grou
         self._dissipated = float(values[0])
         self._feet, self._springs = (part.copy() for part in np.split(values[1:], 2))
 
-    def accept(self, H: Array) -> None:
+    def accept(self, H: Array, start: Array | None = None) -> None:
         """Accept frames; after a step, with the positions at which its forces have done work."""
         if self._ahead is not None:
             self._feet, self._springs = self._over.ends.copy(), self._ahead

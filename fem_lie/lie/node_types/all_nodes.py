@@ -16,6 +16,7 @@ from fem_lie.lie.node_types.motion import (
     cubic_term,
     from_group,
     from_local,
+    go_on,
     move,
     reorthonormalise,
     result_twist,
@@ -155,6 +156,13 @@ def move_all(node_types: Indices, H: Array, d: Array, out: Array) -> None:
     """
     for i in range(node_types.shape[0]):
         move(node_types[i], H[i], d[i], out[i])
+
+
+@compiled
+def go_all_on(node_types: Indices, start: Array, H: Array, out: Array) -> None:
+    """:func:`go_on` for nodes (n,)."""
+    for i in range(node_types.shape[0]):
+        go_on(node_types[i], start[i], H[i], out[i])
 
 
 @compiled

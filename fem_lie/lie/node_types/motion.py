@@ -14,6 +14,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array
 from fem_lie._jit import compiled, inlined
 from fem_lie.lie import motions
+from fem_lie.lie.motions import local_components
 from fem_lie.lie.node_types.node_type import (
     MIXED_DERIVATIVE,
     MODAL,
@@ -24,7 +25,9 @@ from fem_lie.lie.node_types.node_type import (
     axes_spin,
     first_vector,
     second_vector,
+    vector_count,
 )
+from fem_lie.lie.series import exponential, rotation_vector
 from fem_lie.lie.tuples import (
     combined,
     cross,
@@ -37,6 +40,7 @@ from fem_lie.lie.tuples import (
     rotate_back,
     scaled,
     store,
+    store_row,
 )
 
 
@@ -83,6 +87,28 @@ def retract(node_type: int, H: Array, h: Array, out: Array) -> None:
         d = np.empty(6)
         store(d, 0, rotate(d1, d2, d3, load(h, 0)))
         store(d, 3, rotate(d1, d2, d3, load(h, 3)))
+        add_increment(node_type, H, d, out)
+
+
+@inlined
+def go_on(node_type: int, start: Array, H: Array, out: Array) -> None:
+    """Coordinates half a step after ``H`` if the motion from ``start`` goes on steadily."""
+    if node_type < POSITION_GRADIENT:
+        d1, d2, d3 = load_row(H, 1), load_row(H, 2), load_row(H, 3)
+        made = rotation_vector(
+            local_components(start, d1), local_components(start, d2), local_components(start, d3)
+        )
+        dx = minus(load_row(H, 0), load_row(start, 0))
+        _, r1, r2, r3 = exponential((0.0, 0.0, 0.0), scaled(0.5, made))
+        store_row(out, 0, combined(1.0, load_row(H, 0), 0.5, dx))
+        store_row(out, 1, rotate(d1, d2, d3, r1))
+        store_row(out, 2, rotate(d1, d2, d3, r2))
+        store_row(out, 3, rotate(d1, d2, d3, r3))
+    else:
+        d, at = np.zeros(6), first_vector(node_type)
+        for k in range(vector_count(node_type)):
+            change = minus(load_row(H, at + k), load_row(start, at + k))
+            store(d, 3 * k, scaled(0.5, change))
         add_increment(node_type, H, d, out)
 
 

@@ -315,11 +315,12 @@ class Steps(RunState):
         while self.index < last:
             self.reason = ""
             python_forces.begin()
+            start = self.s.H.copy()
             go = self._go_free if python_forces.contacts is None else self._step_with_contacts
             code = go(self.index + 1, rule, limit, always=always)
             if code != loop.DONE:
                 return code
-            self._go_on()
+            self._go_on(start)
         return loop.DONE
 
     def _step_with_contacts(
@@ -348,10 +349,10 @@ class Steps(RunState):
             return loop.FAILED
         return code
 
-    def _go_on(self) -> None:
-        """Tasks after a step."""
+    def _go_on(self, start: Array) -> None:
+        """Tasks after a step from frames ``start``."""
         s, python_forces, history = self.s, self._python_forces, self.equations.history_variables
-        history.accept(s.H)
+        history.accept(s.H, start)
         if python_forces.joints is not None:
             python_forces.joints.accept(s.H, self.model.driven, s.gap)
         python_forces.accept()

@@ -233,6 +233,8 @@ class Integration(Driver[HistoryT]):
             middle: Frames at which forces act in the step; default: at both ends.
         """
         try:
+            if start is not None:
+                self.equations.history_variables.check_passage(start, self.frames)
             self.equations.history_variables.accept(self.frames, start)
         except (PassedThroughError, LostBranchError) as error:
             self.reason = str(error)

@@ -557,6 +557,7 @@ class VariableSteps(Driver[Growing]):
         """Whether the equations accept the end: surfaces and joints admit it."""
         stepper = self._stepper
         try:
+            stepper.equations.history_variables.check_passage(start, stepper.frames)
             stepper.equations.history_variables.accept(stepper.frames, start)
         except (PassedThroughError, LostBranchError) as error:
             stepper.reason = str(error)

@@ -386,6 +386,7 @@ class LoadSteps(Iterated):
         if self._to_check and factor:
             self._check_held(factor)
         pivots = self._negative_pivots(factor)
+        self.equations.history_variables.check_passage(before, self.H)
         self.equations.history_variables.accept(self.H, before)
         return pivots
 

@@ -87,19 +87,15 @@ class HistoryVariables:
 
         Args:
             H: Frames of all nodes, ground and prescribed motions.
-            start: Frames at the start of the step, to check whether surfaces passed through each
-                other.
+            start: Frames at the start of the step, if there was a step.
 
         Raises:
-            PassedThroughError: They did; no history variable has changed.
             LostBranchError: A bushing is rotated by almost half a turn, or something slid off its
                 beam.
         """
-        if start is not None:
-            self.check_passage(start, H)
         with self._system.shared.errors(LostBranchError):
             self._connections.accept(H)
-            self._terms.accept(H)
+            self._terms.accept(H, start)
 
     def move_reference_angles(self, H: Array, h: Array) -> None:
         """Update joint angles along the increment ``h`` (6 n,) made from frames ``H``."""

@@ -190,10 +190,15 @@ class Terms:
         for passage, values in zip(self._watched, watched, strict=True):
             passage.watch_again(values)
 
-    def accept(self, H: Array) -> None:
-        """Accept frames ``H`` as the state from which the next step starts."""
+    def accept(self, H: Array, start: Array | None = None) -> None:
+        """Accept frames ``H`` as the state from which the next step starts.
+
+        Args:
+            H: Frames of all nodes, ground and prescribed motions.
+            start: Frames at the start of the step, if there was a step.
+        """
         for each in self._paths:
-            each.accept(H)
+            each.accept(H, start)
 
     @property
     def has_friction(self) -> bool:

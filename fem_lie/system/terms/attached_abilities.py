@@ -100,9 +100,10 @@ class AttachedPath(PathDependence):
         """Store the path dependence and the nodes."""
         self._of, self._nodes, self.friction, self.key = of, nodes, of.friction, of.key
 
-    def accept(self, H: Array) -> None:
+    def accept(self, H: Array, start: Array | None = None) -> None:
         """Accept the state with frames ``H``."""
-        self._of.accept(self._nodes.frames(H))
+        before = None if start is None else self._nodes.frames(start)
+        self._of.accept(self._nodes.frames(H), before)
 
     @property
     def dissipated(self) -> float:
