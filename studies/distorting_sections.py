@@ -9,6 +9,8 @@
   which distorts the section.
 * A tube of radius 1 m, 20 mm thick, in pure bending: moment at which it collapses, over that of
   L. G. Brazier (Proc. R. Soc. A 116 (1927) 104), ``(2 sqrt 2/9) pi E R t^2/sqrt(1 - nu^2)``.
+* A round bar bent to a half circle: distance of its tip from that of the circle over its length.
+  The element has no correction for large rotations within a cell.
 
 Plain beams of the same sections are in the table, too.
 """
@@ -146,6 +148,18 @@ def collapse(cells: int) -> float:
     return path.critical[0].factor
 
 
+def half_circle(cells: int) -> float:
+    """Error of the tip of a bar bent to a half circle over its length."""
+    shape = fl.sections.SectionShape.circle(0.01)
+    bar = fl.sections.Distortion(shape.mesh, STEEL, modes=1)
+    body = fl.reduction.DistortingBeam.straight((0, 0, 0), (1, 0, 0), bar, cells=cells, up=UP)
+    scene = clamped(body)
+    moment = np.pi * bar.section.stiffness[4, 4]
+    scene.add(fl.PointLoad(body.point("end"), moment=(0, -moment, 0)))
+    tip = fl.statics(scene, load_steps=4).position(body.point("end"))[-1]
+    return float(np.linalg.norm(tip - [0, 0, 2 / np.pi]))
+
+
 def main(cells: int = 32, size: float = 0.01, pictures: bool = True) -> dict[str, Any]:
     """``cells`` of beams; ``size`` of cells of shells across the section."""
     record: dict[str, Any] = {}
@@ -169,6 +183,8 @@ def main(cells: int = 32, size: float = 0.01, pictures: bool = True) -> dict[str
         record["corners"][f"{modes} modes"] = corners(section, 2 * cells)
     record["corners"]["plain beam"] = plain_corners(box.section(STEEL), 2 * cells)
     record["collapse"] = collapse(max(cells // 4, 4))
+    record["half circle"] = half_circle(cells)
+    record["half circle, twice the cells"] = half_circle(2 * cells)
     for name, rows in record.items():
         if not isinstance(rows, dict):
             print(f"{name}: {rows:.4f}")
