@@ -67,14 +67,14 @@ def test_a_segment_with_activity_at_the_first_check_is_repeated():
 
     def build():
         scene = rod()
-        blow = lambda t: np.sin(np.pi * (t - 0.083) / 0.02) * (0.083 < t < 0.103)  # noqa: E731
+        blow = lambda t: np.sin(np.pi * (t - 0.013) / 0.02) * (0.013 < t < 0.033)  # noqa: E731
         scene.add(fl.PointLoad(scene.bodies[0].point("end"), force=(0, 0, 20.0), history=blow))
         return scene
 
-    found = fl.reduction.merged_motion(build, duration=0.14, step=2e-3, every=0.01, tolerance=1e-4)
-    full = fl.GeneralisedAlpha().run(build(), duration=0.14, step=2e-3, progress=False)
+    found = fl.reduction.merged_motion(build, duration=0.06, step=2e-3, every=0.01, tolerance=1e-4)
+    full = fl.GeneralisedAlpha().run(build(), duration=0.06, step=2e-3, progress=False)
     assert found.repeated > 0
-    assert found.segments[0].frames == 1 < found.segments[-1].frames
+    assert found.segments[0].frames > 1
     ends = [H[-1, :, 0] for H in (found.frames, full.frames)]
     bent = np.linalg.norm(ends[1][4] - 0.5 * (ends[1][0] + ends[1][-1]))
     assert bent > 5e-4

@@ -264,6 +264,18 @@ def of_other_cells(arrays: FormArrays, nodes: Flags) -> FormArrays:
     return of_cells(arrays, [np.asarray(~nodes[cells].any(axis=1)) for cells in _cells(arrays)])
 
 
+def of_deforming_cells(arrays: FormArrays, master: Indices) -> FormArrays:
+    """Forms restricted to cells whose nodes are not all attached to the same node.
+
+    Forces of the other cells are in equilibrium on that node.
+
+    Args:
+        arrays: Forms whose arrays stay alive.
+        master: Master node of each node that the arrays number.
+    """
+    return of_cells(arrays, [np.ptp(master[cells], axis=1) > 0 for cells in _cells(arrays)])
+
+
 def _cells(arrays: FormArrays) -> list[Indices]:
     """Nodes of the cells of each form, shape (m, k)."""
     found: list[Indices] = []

@@ -20,12 +20,13 @@ equilibrium.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices, instance, positive
@@ -44,30 +45,108 @@ from fem_lie.system.small_motions import linearised
 _ROUNDS = 20
 
 
+class MotionMatrices:
+    """Matrices of small motions about rest in given frames, with factors that checks share.
+
+    They are in local axes: a rigid motion does not change them, so one factorisation serves all
+    checks until nodes deform. Gyroscopic forces within τ are those of its start, in ``b``.
+
+    Attributes:
+        equations: Equations of the scene.
+        ahead: τ.
+        held: Whether each node has held unknowns, shape (n,).
+        graph: Nodes that share a cell, (n, n).
+    """
+
+    def __init__(self, equations: Equations, frames: Array, ahead: float) -> None:
+        """Linearise about rest.
+
+        Args:
+            equations: Equations of the scene.
+            frames: Frames of all nodes, shape (N, 4, 3).
+            ahead: τ.
+        """
+        unknowns, system = equations.unknowns, equations.system
+        self.equations, self.ahead = equations, ahead
+        self.held: Flags = np.asarray(unknowns.held.any(axis=1))
+        self._free = ~unknowns.held.ravel()
+        self._H = equations.start.frames.copy()
+        self._H[: unknowns.moving] = frames[unknowns.masters]
+        system.terms.reset_stress(self._H)
+        rest = np.zeros((unknowns.moving, 6))
+        M, C, K = (self._matrix(each) for each in linearised(system, self._H, rest, np.zeros(0)))
+        self._by_twists = (2.0 / ahead * M + C).tocsr()
+        self._A = (2.0 / ahead**2 * M + C / ahead + K).tocsr()
+        self._factors = splu(self._A[self._free][:, self._free].tocsc())
+        self._of_regions: dict[bytes, _MergedMotions] = {}
+        kkt, count = equations.matrix, unknowns.moving
+        ones = np.ones(len(kkt.indices))
+        self.graph = sp.csr_matrix((ones, kkt.indices, kkt.indptr), shape=(count, count))
+
+    def _matrix(self, blocks: Array) -> sp.csr_matrix:
+        kkt = self.equations.matrix
+        size = 6 * self.equations.unknowns.moving
+        return sp.bsr_matrix((blocks, kkt.indices, kkt.indptr), shape=(size, size)).tocsr()
+
+    def forces(self, r: Array, v: Array) -> Array:
+        """``b`` for residuals ``r`` (6 n,) and twists ``v`` (n, 6)."""
+        return np.where(self._free, -r + self._by_twists @ v.ravel(), 0.0)
+
+    def motion(self, b: Array) -> Array:
+        """Motion of all nodes within τ for columns ``b``, shape (6 n, k)."""
+        d = np.zeros_like(b)
+        d[self._free] = self._factors.solve(b[self._free])
+        return d
+
+    def merged_motion(self, b: Array, root: Indices) -> Array:
+        """The same with merged frames."""
+        key = root.tobytes()
+        if key not in self._of_regions:
+            E = expansion(self._H, root)
+            E = E[:, np.asarray(abs(E[self._free]).sum(axis=0)).ravel() > 0.0]
+            self._of_regions[key] = _MergedMotions(E, splu((E.T @ self._A @ E).tocsc()))
+        E, factors = self._of_regions[key]
+        return np.asarray(E @ factors.solve(E.T @ b))
+
+
+class _MergedMotions(NamedTuple):
+    """Twists of all nodes from those of independent nodes, and factors of ``Eᵀ A E``."""
+
+    expansion: sp.csr_matrix
+    factors: SuperLU
+
+
+def expansion(H: Array, root: Indices) -> sp.csr_matrix:
+    """``E``: twists of all nodes from those of the independent nodes, (6 n, 6 l)."""
+    leads, number = np.unique(root, return_inverse=True)
+    offset = lie.se3_compose(lie.se3_inverse(H[root]), H[: len(root)])
+    blocks = lie.se3_adjoint(lie.se3_inverse(offset))
+    shape = (6 * len(root), 6 * len(leads))
+    return sp.bsr_matrix((blocks, number, np.arange(len(root) + 1)), shape=shape).tocsr()
+
+
 class ActivityCheck:
     """A state of a scene without merged frames, and the nodes that need independent frames.
 
     Attributes:
         H: Frames of all nodes, ground and prescribed motions.
         v: Twists of the independent nodes, shape (n, 6).
-        mass: Mass matrix of these twists, (6 n, 6 n).
-        kinetic: Kinetic energy.
     """
 
     def __init__(
-        self, equations: Equations, frames: Array, twists: Array, times: Array, ahead: float
+        self, matrices: MotionMatrices, frames: Array, twists: Array, times: Array
     ) -> None:
-        """Compute the motion of all nodes within the time ``ahead``.
+        """Compute the motion of all nodes within τ.
 
         Args:
-            equations: Equations of the scene.
+            matrices: Matrices of small motions, in a state as deformed as this one.
             frames: Frames of all nodes, shape (N, 4, 3).
             twists: Twists of all nodes, shape (N, 6).
             times: Times at which loads are evaluated, the present one first.
-            ahead: τ.
         """
+        equations = matrices.equations
         unknowns, system = equations.unknowns, equations.system
-        self._held: Flags = np.asarray(unknowns.held.any(axis=1))
+        self._matrices = matrices
         self.H = equations.start.frames.copy()
         self.H[: unknowns.moving] = frames[unknowns.masters]
         self.v = np.ascontiguousarray(twists[unknowns.masters])
@@ -76,28 +155,23 @@ class ActivityCheck:
         r = np.empty(unknowns.size)
         state = TimeState(self.H, self.v, np.zeros_like(self.v), np.zeros(0))
         equations.residual(state, np.zeros(0), r)
-        M, C, K = (self._matrix(equations, b) for b in linearised(system, *state[:2], state[3]))
-        self._free = ~unknowns.held.ravel()
-        v = self.v.ravel()
-        self._A = (2.0 / ahead**2 * M + C / ahead + K).tocsr()
-        steady = np.where(self._free, -r + 2.0 / ahead * (M @ v) + C @ v, 0.0)
-        loads = [equations.prescribed(each).loads(self.H) for each in times]
-        self._b = steady[:, np.newaxis] + (np.array(loads) - loads[0]).T
-        some = self._A[self._free][:, self._free].tocsc()
-        self._d = np.zeros_like(self._b)
-        self._d[self._free] = splu(some).solve(self._b[self._free])
-        self.mass: sp.csr_matrix = mass_matrix(equations, self.H)
-        self.kinetic = float(0.5 * v @ (self.mass @ v))
-        matrix = equations.matrix
-        count = unknowns.moving
-        ones = np.ones(len(matrix.indices))
-        self._graph = sp.csr_matrix((ones, matrix.indices, matrix.indptr), shape=(count, count))
+        loads = np.array([equations.prescribed(each).loads(self.H) for each in times])
+        later = loads - loads[0]
+        differs = later.any(axis=1)
+        differs[0] = True
+        self._b = matrices.forces(r, self.v)[:, np.newaxis] + later[differs].T
+        self._d = matrices.motion(self._b)
 
-    @staticmethod
-    def _matrix(equations: Equations, blocks: Array) -> sp.csr_matrix:
-        size = 6 * equations.unknowns.moving
-        kkt = equations.matrix
-        return sp.bsr_matrix((blocks, kkt.indices, kkt.indptr), shape=(size, size)).tocsr()
+    @cached_property
+    def mass(self) -> sp.csr_matrix:
+        """Mass matrix of the twists, (6 n, 6 n)."""
+        return mass_matrix(self._matrices.equations, self.H)
+
+    @cached_property
+    def kinetic(self) -> float:
+        """Kinetic energy."""
+        v = self.v.ravel()
+        return float(0.5 * v @ (self.mass @ v))
 
     def merged(self, active: Flags) -> Indices:
         """The node to which each node is attached, itself if it is active, shape (n,).
@@ -106,8 +180,10 @@ class ActivityCheck:
         nodes are not attached.
         """
         root = np.arange(len(active))
-        inactive = np.flatnonzero(~active & ~self._held)
-        count, region = connected_components(self._graph[inactive][:, inactive], directed=False)
+        inactive = np.flatnonzero(~active & ~self._matrices.held)
+        count, region = connected_components(
+            self._matrices.graph[inactive][:, inactive], directed=False
+        )
         first = np.full(count, len(active))
         np.minimum.at(first, region, inactive)
         root[inactive] = first[region]
@@ -115,30 +191,19 @@ class ActivityCheck:
 
     def neighbourhood(self, nodes: Flags) -> Flags:
         """These nodes and those that share a cell with them, (n,)."""
-        return np.asarray(self._graph @ nodes > 0.0)
-
-    def expansion(self, root: Indices) -> sp.csr_matrix:
-        """``E``: twists of all nodes from those of the independent nodes, (6 n, 6 l)."""
-        leads, number = np.unique(root, return_inverse=True)
-        offset = lie.se3_compose(lie.se3_inverse(self.H[root]), self.H[: len(root)])
-        blocks = lie.se3_adjoint(lie.se3_inverse(offset))
-        shape = (6 * len(root), 6 * len(leads))
-        return sp.bsr_matrix((blocks, number, np.arange(len(root) + 1)), shape=shape).tocsr()
+        return np.asarray(self._matrices.graph @ nodes > 0.0)
 
     def missed(self, root: Indices) -> Array:
         """Position error of each node within τ for the worst of the loads, shape (n,)."""
         if (root == np.arange(len(root))).all():
             return np.zeros(len(root))
-        E = self.expansion(root)
-        free = np.asarray(abs(E[self._free]).sum(axis=0)).ravel() > 0.0
-        E = E[:, free]
-        own = splu((E.T @ self._A @ E).tocsc()).solve(E.T @ self._b)
-        away = (self._d - E @ own).reshape(-1, 6, self._d.shape[1])
-        return np.asarray(np.linalg.norm(away[:, :3], axis=1).max(axis=1))
+        away = self._d - self._matrices.merged_motion(self._b, root)
+        apart = away.reshape(-1, 6, away.shape[1])[:, :3]
+        return np.asarray(np.linalg.norm(apart, axis=1).max(axis=1))
 
     def active(self, tolerance: float) -> Flags:
         """Nodes that need independent frames, so that merged nodes are within the tolerance."""
-        found: Flags = self._held.copy()
+        found: Flags = self._matrices.held.copy()
         for _ in range(_ROUNDS):
             away = self.missed(self.merged(found))
             more = ~found & (away > tolerance)
@@ -153,7 +218,7 @@ class ActivityCheck:
         Linear and angular momentum are conserved, for rigid motions are possible with merged
         frames.
         """
-        E, v = self.expansion(root), self.v.ravel()
+        E, v = expansion(self.H, root), self.v.ravel()
         own = splu((E.T @ self.mass @ E).tocsc()).solve(E.T @ (self.mass @ v))
         kept = E @ own
         lost = v - kept
@@ -163,7 +228,7 @@ class ActivityCheck:
 _INACTIVE = 0.1  # tolerance for merging over the tolerance for splitting a region
 _AHEAD = 2.0  # τ over the time between two checks
 _INSTANTS = 5  # evaluations of the loads between two checks
-_LONGEST = 16  # longest segment over the shortest, while all nodes are merged
+_FIRST = 16  # first segment over the shortest, while all nodes are merged; then it doubles
 _WAITING = 5  # shortest segments for which nodes have to be inactive before they are merged
 _TRIES = 20  # attempts at one segment
 _PART = 0.1  # fraction of the remaining loss that one merging may use
@@ -225,9 +290,9 @@ class _Run:
         scheme: Integrator,
     ) -> None:
         """Store the options and the equations without regions."""
-        self._build, self._scheme, self._step = build, scheme, step
+        self._scheme, self._step = scheme, step
         self._every, self._tolerance = every, tolerance
-        self._whole = _whole(build())
+        self._whole, self._scene = _whole(build()), build()
         self._repeated, self._lost = 0, 0.0
 
     def until(self, duration: float) -> MergedMotion:
@@ -235,18 +300,24 @@ class _Run:
         whole, start = self._whole, self._whole.start
         master_map = whole.system.numbering.master_map
         frames, twists = master_map.frames(start.frames), master_map.twists(start.velocities)
-        check = self._check(_State(whole.scene.began.time, frames, twists))
-        end, span = check.state.time + duration, self._every
+        state = _State(whole.scene.began.time, frames, twists)
+        self._matrices = MotionMatrices(whole, frames, _AHEAD * self._every)
+        check = self._check(state)
+        end, span = check.state.time + duration, _FIRST * self._every
         active = check.active(self._tolerance)
         segments: list[RegionSegment] = []
         while end - check.state.time > 0.5 * self._step:
             found = self._inactive_segment(check, active, min(span, end - check.state.time))
             root = check.merged(found.active)
             segments.append(_segment(found, root, check.state.time, segments))
-            check, merged = found.check, not active.any()
+            check, deformed = found.check, active.any()
             active = self._next(found)
-            longer = min(2.0 * span, _LONGEST * self._every)
-            span = longer if merged and not active.any() else _WAITING * self._every
+            if active.any():
+                span = _WAITING * self._every
+            else:
+                span = _FIRST * self._every if deformed else 2.0 * span
+            if deformed:
+                self._matrices = MotionMatrices(whole, check.state.frames, _AHEAD * self._every)
         return MergedMotion(tuple(segments), whole.unknowns.moving, self._repeated)
 
     def _inactive_segment(self, check: _Check, active: Flags, span: float) -> _Found:
@@ -265,13 +336,14 @@ class _Run:
         """The segment up to the last check at which all merged nodes are inactive."""
         found = _Found(result, 0, check, active, np.ones_like(active), np.zeros_like(active))
         every, last = round(self._every / self._step), len(result.times) - 1
-        frames, velocities = (
-            result.info.renumbered(values, self._whole.unknowns.bodies)
+        rows = [*range(every, last, every), last]
+        states = [
+            result.info.renumbered(values[rows], self._whole.unknowns.bodies)
             for values in (result.frames, result.velocities)
-        )
-        for row in [*range(every, last, every), last]:
+        ]
+        for row, frames, velocities in zip(rows, *states, strict=True):
             time = check.state.time + float(result.times[row])
-            state = _State(time, frames[row], velocities[row])
+            state = _State(time, frames, velocities)
             after = self._check(state)
             newly_active = (after.missed(root) > self._tolerance) & (root != np.arange(len(root)))
             if newly_active.any():
@@ -297,11 +369,11 @@ class _Run:
         return fewer
 
     def _check(self, state: _State) -> _Check:
-        return _Check(self._whole, state, self._every)
+        return _Check(self._matrices, state, self._every)
 
     def _moved(self, check: _Check, root: Indices, span: float) -> Result:
         """Result from a state on, with merged frames."""
-        scene, unknowns = self._build(), self._whole.unknowns
+        scene, unknowns = self._scene.with_loads(*self._scene.loads), self._whole.unknowns
         master_map = self._whole.system.numbering.master_map
         twists = master_map.twists(check.projected(root)[0])
         masters = unknowns.masters[root[master_map.master]]
@@ -318,10 +390,10 @@ class _Run:
 class _Check(ActivityCheck):
     """An activity check with its state."""
 
-    def __init__(self, whole: Equations, state: _State, every: float) -> None:
+    def __init__(self, matrices: MotionMatrices, state: _State, every: float) -> None:
         """Check a state, with the loads until the next check."""
         times = state.time + every * np.linspace(0.0, 1.0, _INSTANTS)
-        super().__init__(whole, state.frames, state.twists, times, _AHEAD * every)
+        super().__init__(matrices, state.frames, state.twists, times)
         self.state = state
 
 

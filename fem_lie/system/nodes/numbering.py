@@ -15,7 +15,7 @@ from __future__ import annotations
 import weakref
 from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -144,6 +144,64 @@ _SAME_FRAME = lie.frame(np.zeros(3), np.eye(3))
 _INDEPENDENT = 1e-9  # relative tolerance of axes that should agree
 
 
+class Assembled(NamedTuple):
+    """Assembled forms of all elements, which do not depend on motion and on attached nodes.
+
+    Attributes:
+        nodes: Numbers of the nodes of each body.
+        assemblies: Slice of the nodes of each assembly, and the assembly.
+        members: Bodies of each assembly, in its order.
+        has_drilling: Whether the nodes of each body have drilling rotations.
+        total: Number of all nodes.
+    """
+
+    nodes: dict[Body, Indices]
+    assemblies: list[tuple[slice, BodyTerm]]
+    members: list[list[Body]]
+    has_drilling: dict[Body, bool]
+    total: int
+
+
+def assembled(
+    bodies: Sequence[Body], holds: Holds = NO_HOLDS, strained: Collection[str] = ()
+) -> Assembled:
+    """Assemblies of bodies; for the arguments see :class:`Numbering`."""
+    for body in bodies:
+        body.model.check()
+    has_drilling = {body: body.model.has_drilling(holds.get(body.model, ())) for body in bodies}
+    pieces = [
+        (body, (model.assembly_key, has_drilling[body]), model, nodes)
+        for body in bodies
+        for model, nodes in body.model.pieces(holds.get(body.model, ()))
+    ]
+    found = Assembled(
+        {body: np.empty(len(body.frames), dtype=np.int64) for body in bodies},
+        [],
+        [],
+        has_drilling,
+        0,
+    )
+    start = 0
+    for kind in dict.fromkeys(key for _, key, *_ in pieces):
+        members = [(body, model, nodes) for body, key, model, nodes in pieces if key == kind]
+        total = sum(len(nodes) for *_, nodes in members)
+        order: Indices = np.arange(total)
+        models = [
+            model.with_strains() if body.name in strained else model for body, model, _ in members
+        ]
+        assembly = models[0].assemble(models, holds)
+        if assembly is not None:
+            order = assembly.order
+            found.assemblies.append((slice(start, start + total), assembly))
+            found.members.append([body for body, *_ in members])
+        first = 0
+        for body, _, nodes in members:
+            found.nodes[body][nodes] = start + order[first : first + len(nodes)]
+            first += len(nodes)
+        start += total
+    return found._replace(total=start)
+
+
 class Numbering:
     """Nodes of the system; each type of body has a slice of them.
 
@@ -179,6 +237,7 @@ class Numbering:
         holds: Holds = NO_HOLDS,
         state: InitialState | None = None,
         strained: Collection[str] = (),
+        given: Assembled | None = None,
     ) -> None:
         """Build the assemblies and number their nodes.
 
@@ -188,46 +247,17 @@ class Numbering:
             holds: Items that act on the rotations of the bodies' nodes.
             state: State of the bodies from which solvers start; default: their own.
             strained: Names of bodies with stress-free strains.
+            given: The assemblies, if they are known.
 
         Raises:
             ValueError: Frames or velocities of a body are invalid; initial velocities of linked
                 nodes contradict each other, or supports of an attached node have no counterpart in
                 the unknowns of its master node.
         """
-        self.nodes: dict[Body, Indices] = {}
-        self.assemblies: list[tuple[slice, BodyTerm]] = []
-        self.members: list[list[Body]] = []
+        found = assembled(bodies, holds, strained) if given is None else given
+        self.nodes, self.assemblies, self.members, self.has_drilling, self.total = found
         for body in bodies:
             body.model.check()
-        self.has_drilling = {
-            body: body.model.has_drilling(holds.get(body.model, ())) for body in bodies
-        }
-        pieces = [
-            (body, (model.assembly_key, self.has_drilling[body]), model, nodes)
-            for body in bodies
-            for model, nodes in body.model.pieces(holds.get(body.model, ()))
-        ]
-        self.nodes = {body: np.empty(len(body.frames), dtype=np.int64) for body in bodies}
-        start = 0
-        for kind in dict.fromkeys(key for _, key, *_ in pieces):
-            members = [(body, model, nodes) for body, key, model, nodes in pieces if key == kind]
-            total = sum(len(nodes) for *_, nodes in members)
-            order: Indices = np.arange(total)
-            models = [
-                model.with_strains() if body.name in strained else model
-                for body, model, _ in members
-            ]
-            assembly = models[0].assemble(models, holds)
-            if assembly is not None:
-                order = assembly.order
-                self.assemblies.append((slice(start, start + total), assembly))
-                self.members.append([body for body, *_ in members])
-            first = 0
-            for body, _, nodes in members:
-                self.nodes[body][nodes] = start + order[first : first + len(nodes)]
-                first += len(nodes)
-            start += total
-        self.total = start
         self._attach(links, state)
 
     def _attach(self, links: Sequence[RigidLink], state: InitialState | None) -> None:
@@ -371,40 +401,50 @@ class SharedSetup:
     """Setup shared by the scenes of a family, one user at a time.
 
     Attributes:
-        made: Number of times it was built.
+        made: Number of times that forms were assembled.
     """
 
     def __init__(self) -> None:
         """Start without a setup."""
         self.made = 0
+        self._assembled: Assembled | None = None
         self._numbering: Numbering | None = None
         self._stresses: list[Array] = []
-        self._mark = b""
+        self._forms = self._motion = b""
         self._user: weakref.ref[Any] | None = None
 
     def numbering(self, scene: Scene, user: object) -> Numbering:
         """Numbering of a scene of the family, reserved for ``user`` as long as it lives.
 
-        It is rebuilt if bodies or links have changed, and for a second user while the first lives.
+        It is rebuilt if links, attached nodes or the start have changed, forms are assembled anew
+        if bodies have, and both for a second user while the first lives.
         """
-        mark, used = _mark(scene), self._user is not None and self._user() is not None
-        if used:
+        if self._user is not None and self._user() is not None:
             return numbered(scene)
-        if self._numbering is None or mark != self._mark:
-            self._numbering, self._mark = numbered(scene), mark
-            self._stresses = [assembly.stress_values for _, assembly in self._numbering.assemblies]
+        forms, motion = _marks(scene)
+        if self._assembled is None or forms != self._forms:
+            self._assembled, self._numbering, self._forms = _assembled(scene), None, forms
+            self._stresses = [each.stress_values for _, each in self._assembled.assemblies]
             self.made += 1
         else:
-            for (_, assembly), values in zip(
-                self._numbering.assemblies, self._stresses, strict=True
-            ):
-                assembly.reset(values)
+            for (_, each), values in zip(self._assembled.assemblies, self._stresses, strict=True):
+                each.reset(values)
+        if self._numbering is None or motion != self._motion:
+            self._numbering, self._motion = numbered(scene, self._assembled), motion
         self._user = weakref.ref(user)
         return self._numbering
 
 
-def numbered(scene: Scene) -> Numbering:
+def _assembled(scene: Scene) -> Assembled:
+    return assembled(scene.bodies, scene.held_rotations(), strained_bodies(scene.loads))
+
+
+def numbered(scene: Scene, given: Assembled | None = None) -> Numbering:
     """New numbering of a scene's nodes, with the assembled forms of the elements.
+
+    Args:
+        scene: The scene.
+        given: The forms, if they are assembled.
 
     Raises:
         ValueError: Two bodies were given the same name after they were added.
@@ -412,18 +452,27 @@ def numbered(scene: Scene) -> Numbering:
     twice = [name for name, count in Counter(b.name for b in scene.bodies).items() if count > 1]
     if twice:
         raise ValueError(f"the scene has several bodies named {twice[0]!r}")
-    given = scene.bodies, scene.links, scene.held_rotations(), scene.began.state
-    return Numbering(*given, strained_bodies(scene.loads))
+    of_scene = scene.bodies, scene.links, scene.held_rotations(), scene.began.state
+    return Numbering(*of_scene, strained_bodies(scene.loads), given)
 
 
-def _mark(scene: Scene) -> bytes:
-    """Fingerprint of all on which numbering and assemblies depend."""
+_OF_MOTION = "masters", "start_frames", "velocities"
+
+
+def _marks(scene: Scene) -> tuple[bytes, bytes]:
+    """Fingerprints of all on which assemblies depend, and on which the numbering depends, too."""
     bytes_of, holds = CanonicalBytes(scene.bodies), scene.held_rotations()
+    data = [data_of_body(body) for body in scene.bodies]
     bodies = [
-        (type(body), data_of_body(body), body.model.drilling_for(holds.get(body.model, ())))
-        for body in scene.bodies
+        (
+            type(body),
+            [each for each in values if each[0] not in _OF_MOTION],
+            body.model.drilling_for(holds.get(body.model, ())),
+        )
+        for body, values in zip(scene.bodies, data, strict=True)
     ]
     strained = strained_bodies(scene.loads)
     # most assemblies take such strains in any case
     other = [b.name in strained and b.model.with_strains() is not b.model for b in scene.bodies]
-    return bytes_of.of((bodies, scene.links, other))
+    motion = [[each for each in values if each[0] in _OF_MOTION] for values in data]
+    return bytes_of.of((bodies, other)), bytes_of.of((motion, scene.links))

@@ -15,7 +15,7 @@ from fem_lie.forms.term import AttachedForms, Pairs, Term
 from fem_lie.lie.node_types.inertia import Inertia
 from fem_lie.system.constraint_sets.constraint_set import ConstraintSet
 from fem_lie.system.nodes.numbering import Numbering
-from fem_lie.system.terms.attached import AttachedTerm
+from fem_lie.system.terms.attached import AttachedTerm, on_master_nodes
 from fem_lie.system.terms.near import AttachedCells, NearTerms
 from fem_lie.system.terms.springs import Dampers, MassDamping, Springs
 
@@ -292,7 +292,7 @@ def terms_of(
     found: list[Term] = []
     for where, assembly in numbering.assemblies:
         found += [
-            AttachedTerm(term, where, master_map) for term in (assembly, *assembly.further_terms)
+            on_master_nodes(term, where, master_map) for term in (assembly, *assembly.further_terms)
         ]
     found += [AttachedTerm(term, everywhere, master_map) for term in loads]
     nodes = numbering.nodes.__getitem__

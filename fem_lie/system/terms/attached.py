@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.forms.abilities import (
@@ -18,7 +20,7 @@ from fem_lie.forms.abilities import (
     StepForces,
     ViscousForces,
 )
-from fem_lie.forms.cell_forms import FormArrays, of_some_cells
+from fem_lie.forms.cell_forms import NO_ROWS, FormArrays, of_deforming_cells, of_some_cells
 from fem_lie.forms.term import AttachedForms, CellMatrices, Pairs, PushedPieces, Term
 from fem_lie.system.nodes.numbering import MasterMap
 from fem_lie.system.terms.attached_abilities import (
@@ -33,6 +35,60 @@ from fem_lie.system.terms.attached_abilities import (
 )
 from fem_lie.system.terms.attached_nodes import AttachedNodes
 from fem_lie.system.terms.near import AttachedCells
+
+
+def on_master_nodes(term: Term, where: slice, master_map: MasterMap) -> Term:
+    """A term of bodies, transformed to the master nodes of its nodes.
+
+    Args:
+        term: The term on nodes of bodies.
+        where: Slice of its nodes among all.
+        master_map: Master node of each node.
+    """
+    master = master_map.master[where]
+    sums = term.of_bodies and not term.load and term.path is None and term.tables is not None
+    if sums and all((_spread(master, each.cells) == 0).all() for each in term.matrices):
+        return RigidCells(term, where, master_map)
+    return AttachedTerm(term, where, master_map)
+
+
+def _spread(master: Indices, cells: npt.NDArray[np.integer[Any]]) -> Indices:
+    return np.ptp(master[cells], axis=1)
+
+
+class RigidCells(Term):
+    """Cells whose nodes are all attached to the same node: they store energy, without forces."""
+
+    of_bodies = True
+
+    def __init__(self, term: Term, where: slice, master_map: MasterMap) -> None:
+        """Store the term; for the arguments see :func:`on_master_nodes`."""
+        self.term, self.label, self.within_frames = term, term.label, term.within_frames
+        self._nodes = AttachedNodes(where, master_map)
+
+    conserved = True
+
+    @property
+    def pairs(self) -> Pairs:
+        """None."""
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+
+    @property
+    def attached_cells(self) -> AttachedForms:
+        """None: all forces are known."""
+        none = FormArrays(NO_ROWS, np.empty(0, dtype=np.int64))
+        return AttachedForms(none, self._nodes.master, self._nodes.offset)
+
+    def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
+        """Add nothing: the forces on one node are in equilibrium."""
+
+    def tangent(self, H: Array, kept: Array) -> Array:
+        """Empty."""
+        return np.empty((0, 6, 6))
+
+    def energy(self, H: Array) -> float:
+        """Stored energy, which only a change of eigenstrain changes."""
+        return self.term.energy(self._nodes.frames(H))
 
 
 class AttachedTerm(Term):
@@ -163,10 +219,11 @@ class AttachedTerm(Term):
 
     @property
     def attached_cells(self) -> AttachedForms | None:
-        """Cells with attached nodes, if not all nodes are master nodes."""
+        """Cells that deform, if not all nodes are master nodes."""
         if self.term.tables is None or self._nodes.direct:
             return None
-        return AttachedForms(self.term.tables[0], self._nodes.master, self._nodes.offset)
+        deforming = of_deforming_cells(self.term.tables[0], self._nodes.master)
+        return AttachedForms(deforming, self._nodes.master, self._nodes.offset)
 
     def linear_forces(self, H: Array, kept: Array, h: Array) -> Array:
         """Change of the forces of :meth:`workspace` along increments, on the nodes of the term."""
