@@ -193,6 +193,32 @@ def test_joints_keep_their_turns_and_drives_hold_their_coordinates(tmp_path):
         run(scheme, turned(lambda t: t**2), still)
 
 
+def test_joints_act_where_points_are_in_the_state_in_which_their_nodes_are_linked():
+    """A joint on a node linked to a bent beam was sought where the unbent beam had it."""
+
+    def scene(*items):
+        found = beam()
+        post = fl.Beam.straight((1, 0, -0.5), (1, 0.5, -0.5), SECTION, cells=2, name="post")
+        tip, foot = found.bodies[0].point("end"), found.add(post).point("start")
+        for item in items:
+            found.add(item(tip, foot))
+        return found
+
+    pulled = scene(
+        lambda tip, foot: fl.PointLoad(tip, force=(0, 0, -0.3)),
+        lambda tip, foot: fl.Clamp(foot),
+    )
+    bent = fl.statics(pulled)
+    assert np.abs(bent.position(pulled.bodies[0].point("end"))[-1, 2]) > 0.1
+    linked = scene(
+        lambda tip, foot: fl.joints.RigidLink(tip, foot),
+        lambda tip, foot: fl.joints.Spherical(fl.ground(), foot),
+    )
+    result = run(fl.GeneralisedAlpha(), linked, bent)
+    foot = result.info.body("post").nodes[0]
+    np.testing.assert_allclose(result.frames[:, foot, 0], [(1, 0, -0.5)] * 11, atol=1e-12)
+
+
 def test_steadily_rotating_beam_is_at_rest_in_the_rotating_frame():
     spin = np.array([0.0, 0.0, 4.0])
     still, scene = fl.statics(beam(), spin=spin), beam()

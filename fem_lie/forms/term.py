@@ -112,11 +112,13 @@ class Term(ABC):
             conserving schemes evaluate by bodies.
         turning: Whether it is a load that rotates with nodes, or a moment, and so has no potential.
         amplitude: Factor of a load, which may change.
+        strains_set: Number of times that stress-free strains were set.
     """
 
     label: str = "forces"
     version: int = 0
     amplitude: float = 1.0
+    strains_set: int = 0
     load = of_bodies = within_joints = within_frames = conserved = turning = False
 
     # --- abilities beyond forces and a tangent ---

@@ -43,6 +43,7 @@ from fem_lie.system.equations import Equations, TimeState
 from fem_lie.system.small_motions import linearised
 
 _ROUNDS = 20
+_DIFFERENCE = 1e-3  # difference quotients of drives over τ
 
 
 class MotionMatrices:
@@ -54,7 +55,7 @@ class MotionMatrices:
     Attributes:
         equations: Equations of the scene.
         ahead: τ.
-        held: Whether each node has held unknowns, shape (n,).
+        held: Whether each node has held unknowns, or a joint with a node of the same body, (n,).
         graph: Nodes that share a cell, (n, n).
     """
 
@@ -68,45 +69,83 @@ class MotionMatrices:
         """
         unknowns, system = equations.unknowns, equations.system
         self.equations, self.ahead = equations, ahead
-        self.held: Flags = np.asarray(unknowns.held.any(axis=1))
         self._free = ~unknowns.held.ravel()
-        self._H = equations.start.frames.copy()
-        self._H[: unknowns.moving] = frames[unknowns.masters]
+        self._H = self.in_order(frames)
         system.terms.reset_stress(self._H)
         rest = np.zeros((unknowns.moving, 6))
-        M, C, K = (self._matrix(each) for each in linearised(system, self._H, rest, np.zeros(0)))
+        none = np.zeros(unknowns.m)
+        M, C, K = (self._matrix(each) for each in linearised(system, self._H, rest, none))
         self._by_twists = (2.0 / ahead * M + C).tocsr()
         self._A = (2.0 / ahead**2 * M + C / ahead + K).tocsr()
-        self._factors = splu(self._A[self._free][:, self._free].tocsc())
+        self._factors = _factorised(self._A[self._free][:, self._free])
         self._of_regions: dict[bytes, _MergedMotions] = {}
-        kkt, count = equations.matrix, unknowns.moving
-        ones = np.ones(len(kkt.indices))
-        self.graph = sp.csr_matrix((ones, kkt.indices, kkt.indptr), shape=(count, count))
+        pairs, count = system.elastic.pairs, unknowns.moving
+        rows, columns = (np.concatenate([each[k] for each in pairs]) for k in range(2))
+        self.graph = sp.csr_matrix((np.ones(len(rows)), (rows, columns)), shape=(count, count))
+        self.held = unknowns.held.any(axis=1) | self._joined_within()
+
+    def _joined_within(self) -> Flags:
+        """Nodes that a joint connects with nodes of the same connected cells, (n,)."""
+        _, part = connected_components(self.graph, directed=False)
+        B = self.jacobian(self._H)
+        row, node = np.repeat(np.arange(B.shape[0]), np.diff(B.indptr)), B.indices // 6
+        pairs = np.unique(np.column_stack([row, part[node], node]), axis=0)
+        twice = (np.diff(pairs[:, :2], axis=0) == 0).all(axis=1)
+        found = np.zeros(len(part), dtype=bool)
+        found[pairs[:-1, 2][twice]] = found[pairs[1:, 2][twice]] = True
+        return found
 
     def _matrix(self, blocks: Array) -> sp.csr_matrix:
         kkt = self.equations.matrix
         size = 6 * self.equations.unknowns.moving
         return sp.bsr_matrix((blocks, kkt.indices, kkt.indptr), shape=(size, size)).tocsr()
 
+    def in_order(self, frames: Array) -> Array:
+        """Frames of the independent nodes, ground and prescribed motions, from those of all."""
+        H, unknowns = self.equations.start.frames.copy(), self.equations.unknowns
+        H[: unknowns.moving] = frames[unknowns.masters]
+        return H
+
     def forces(self, r: Array, v: Array) -> Array:
         """``b`` for residuals ``r`` (6 n,) and twists ``v`` (n, 6)."""
         return np.where(self._free, -r + self._by_twists @ v.ravel(), 0.0)
 
-    def motion(self, b: Array) -> Array:
-        """Motion of all nodes within τ for columns ``b``, shape (6 n, k)."""
+    def jacobian(self, H: Array) -> sp.csr_matrix:
+        """``B``, the constraint Jacobian at frames ``H``, (m, 6 n)."""
+        return self.equations.system.tangent.jacobian(H)
+
+    def motion(self, b: Array, B: sp.csr_matrix, c: Array) -> Array:
+        """Motion of all nodes within τ for columns ``b`` and ``B d = c``, shape (6 n, k)."""
         d = np.zeros_like(b)
-        d[self._free] = self._factors.solve(b[self._free])
+        B = B[:, self._free]
+        d[self._free] = _constrained(self._factors, b[self._free], B, c)
         return d
 
-    def merged_motion(self, b: Array, root: Indices) -> Array:
+    def merged_motion(self, b: Array, B: sp.csr_matrix, c: Array, root: Indices) -> Array:
         """The same with merged frames."""
         key = root.tobytes()
         if key not in self._of_regions:
             E = expansion(self._H, root)
             E = E[:, np.asarray(abs(E[self._free]).sum(axis=0)).ravel() > 0.0]
-            self._of_regions[key] = _MergedMotions(E, splu((E.T @ self._A @ E).tocsc()))
+            self._of_regions[key] = _MergedMotions(E, _factorised(E.T @ self._A @ E))
         E, factors = self._of_regions[key]
-        return np.asarray(E @ factors.solve(E.T @ b))
+        return np.asarray(E @ _constrained(factors, E.T @ b, B @ E, c))
+
+
+def _factorised(A: sp.csr_matrix) -> SuperLU:
+    """Factors of a matrix that is nearly symmetric and positive definite."""
+    symmetric = {"SymmetricMode": True}
+    return splu(A.tocsc(), "MMD_AT_PLUS_A", diag_pivot_thresh=0.01, options=symmetric)
+
+
+def _constrained(factors: SuperLU, b: Array, B: sp.csr_matrix, c: Array) -> Array:
+    """Solution ``d`` of ``A d + Bᵀ λ = b``, ``B d = c``; ``B`` may have dependent rows."""
+    d = factors.solve(b)
+    if not B.shape[0]:
+        return np.asarray(d)
+    Y = factors.solve(B.T.toarray())
+    multipliers = np.linalg.pinv(B @ Y, hermitian=True) @ (B @ d - c)
+    return np.asarray(d - Y @ multipliers)
 
 
 class _MergedMotions(NamedTuple):
@@ -144,23 +183,28 @@ class ActivityCheck:
             twists: Twists of all nodes, shape (N, 6).
             times: Times at which loads are evaluated, the present one first.
         """
-        equations = matrices.equations
+        equations, ahead = matrices.equations, matrices.ahead
         unknowns, system = equations.unknowns, equations.system
         self._matrices = matrices
-        self.H = equations.start.frames.copy()
-        self.H[: unknowns.moving] = frames[unknowns.masters]
+        self.H = matrices.in_order(frames)
         self.v = np.ascontiguousarray(twists[unknowns.masters])
         equations.prescribed(times[0]).act()
         system.terms.reset_stress(self.H)
-        r = np.empty(unknowns.size)
-        state = TimeState(self.H, self.v, np.zeros_like(self.v), np.zeros(0))
-        equations.residual(state, np.zeros(0), r)
+        r, none = np.empty(unknowns.size), np.zeros(unknowns.m)
+        state = TimeState(self.H, self.v, np.zeros_like(self.v), none)
+        equations.residual(state, none, r)
         loads = np.array([equations.prescribed(each).loads(self.H) for each in times])
         later = loads - loads[0]
         differs = later.any(axis=1)
         differs[0] = True
-        self._b = matrices.forces(r, self.v)[:, np.newaxis] + later[differs].T
-        self._d = matrices.motion(self._b)
+        b = matrices.forces(r[: self.v.size], self.v)[:, np.newaxis] + later[differs].T
+        self._B, now = (
+            matrices.jacobian(self.H),
+            equations.prescribed(times[0], _DIFFERENCE * ahead),
+        )
+        self._rates = now.target_rates[0]
+        self._given = b, self._B, ahead * self._rates[:, np.newaxis]
+        self._d = matrices.motion(*self._given)
 
     @cached_property
     def mass(self) -> sp.csr_matrix:
@@ -197,7 +241,7 @@ class ActivityCheck:
         """Position error of each node within τ for the worst of the loads, shape (n,)."""
         if (root == np.arange(len(root))).all():
             return np.zeros(len(root))
-        away = self._d - self._matrices.merged_motion(self._b, root)
+        away = self._d - self._matrices.merged_motion(*self._given, root)
         apart = away.reshape(-1, 6, away.shape[1])[:, :3]
         return np.asarray(np.linalg.norm(apart, axis=1).max(axis=1))
 
@@ -215,12 +259,12 @@ class ActivityCheck:
     def projected(self, root: Indices) -> tuple[Array, float]:
         """Twists with merged frames, closest in the mass norm, and the loss of kinetic energy.
 
-        Linear and angular momentum are conserved, for rigid motions are possible with merged
-        frames.
+        Joints are satisfied. Linear and angular momentum are conserved, if joints to ground allow,
+        for rigid motions are possible with merged frames.
         """
         E, v = expansion(self.H, root), self.v.ravel()
-        own = splu((E.T @ self.mass @ E).tocsc()).solve(E.T @ (self.mass @ v))
-        kept = E @ own
+        factors, momenta = _factorised(E.T @ self.mass @ E), E.T @ (self.mass @ v)
+        kept = E @ _constrained(factors, momenta, self._B @ E, self._rates)
         lost = v - kept
         return kept.reshape(-1, 6), float(0.5 * lost @ (self.mass @ lost))
 
@@ -302,7 +346,7 @@ class _Run:
         frames, twists = master_map.frames(start.frames), master_map.twists(start.velocities)
         state = _State(whole.scene.began.time, frames, twists)
         self._matrices = MotionMatrices(whole, frames, _AHEAD * self._every)
-        check = self._check(state)
+        check = self._check(state, whole.system.connections.history_variables)
         end, span = check.state.time + duration, _FIRST * self._every
         active = check.active(self._tolerance)
         segments: list[RegionSegment] = []
@@ -310,13 +354,12 @@ class _Run:
             found = self._inactive_segment(check, active, min(span, end - check.state.time))
             root = check.merged(found.active)
             segments.append(_segment(found, root, check.state.time, segments))
-            check, deformed = found.check, active.any()
+            check, before = found.check, active
             active = self._next(found)
-            if active.any():
-                span = _WAITING * self._every
-            else:
-                span = _FIRST * self._every if deformed else 2.0 * span
-            if deformed:
+            first, most = (_WAITING, 2 * _WAITING) if active.any() else (_FIRST, np.inf)
+            same = (active == before).all()
+            span = min(2.0 * span, most * self._every) if same else first * self._every
+            if before.any():
                 self._matrices = MotionMatrices(whole, check.state.frames, _AHEAD * self._every)
         return MergedMotion(tuple(segments), whole.unknowns.moving, self._repeated)
 
@@ -344,7 +387,7 @@ class _Run:
         for row, frames, velocities in zip(rows, *states, strict=True):
             time = check.state.time + float(result.times[row])
             state = _State(time, frames, velocities)
-            after = self._check(state)
+            after = self._check(state, found.check.turned)
             newly_active = (after.missed(root) > self._tolerance) & (root != np.arange(len(root)))
             if newly_active.any():
                 return found._replace(activated=after.neighbourhood(newly_active))
@@ -368,8 +411,8 @@ class _Run:
         self._lost += lost / check.kinetic if lost > 0.0 else 0.0
         return fewer
 
-    def _check(self, state: _State) -> _Check:
-        return _Check(self._matrices, state, self._every)
+    def _check(self, state: _State, turned: Array) -> _Check:
+        return _Check(self._matrices, state, self._every, turned)
 
     def _moved(self, check: _Check, root: Indices, span: float) -> Result:
         """Result from a state on, with merged frames."""
@@ -383,18 +426,23 @@ class _Run:
             body.model.masters = index[masters[nodes]]
             body.model.start_frames = check.state.frames[nodes]
             body.velocities[:] = twists[nodes]
-        scene.began = Began(check.state.time)
+        scene.began = Began(check.state.time, turned=check.turned)
         return self._scheme.run(scene, duration=span, step=self._step, progress=False)
 
 
 class _Check(ActivityCheck):
-    """An activity check with its state."""
+    """An activity check with its state, and the full turns of joints in it."""
 
-    def __init__(self, matrices: MotionMatrices, state: _State, every: float) -> None:
-        """Check a state, with the loads until the next check."""
+    def __init__(
+        self, matrices: MotionMatrices, state: _State, every: float, turned: Array
+    ) -> None:
+        """Check a state, with the loads until the next check; ``turned`` is that of the last."""
         times = state.time + every * np.linspace(0.0, 1.0, _INSTANTS)
+        connections = matrices.equations.system.connections
+        connections.remember(turned)
+        connections.accept(matrices.in_order(state.frames))
         super().__init__(matrices, state.frames, state.twists, times)
-        self.state = state
+        self.state, self.turned = state, connections.history_variables
 
 
 class _Found(NamedTuple):
@@ -438,14 +486,20 @@ def _whole(scene: Scene) -> Equations:
     require_scene(scene)
     equations = Equations(scene, dynamics=True)
     unknowns = equations.unknowns
-    if unknowns.m or scene.contacts or unknowns.floating:
-        raise ValueError(
-            "expected a scene without joints, contacts and reduced-order bodies to merge frames"
-        )
-    if any(body.model.node_type is not NodeType.FRAME for body in scene.bodies):
-        raise ValueError("expected bodies whose nodes have frames to merge")
-    if equations.supports or scene.motions:
-        raise ValueError(
-            "expected a scene without prescribed motions and rotated axes to merge frames"
-        )
+    reasons = {
+        "contacts": bool(scene.contacts),
+        "reduced-order bodies": bool(unknowns.floating),
+        "bodies whose nodes have no frames": any(
+            body.model.node_type is not NodeType.FRAME for body in scene.bodies
+        ),
+        "rigid links": bool(scene.links),
+        "prescribed motions": bool(scene.motions),
+        "supports along axes fixed in space": bool(equations.supports),
+        "friction in joints": unknowns.joint_friction,
+        "velocity constraints": bool(unknowns.of_velocities),
+        "events, sensors, controllers or limits of joints": scene.happens,
+    }
+    found = [reason for reason, given in reasons.items() if given]
+    if found:
+        raise ValueError(f"expected a scene to merge frames without {' and '.join(found)}")
     return equations

@@ -17,6 +17,7 @@ from fem_lie.system.constraint_sets.constraint_set import (
     Numbered,
     Place,
     Start,
+    initial_frames,
     places,
     relative_frames,
     stacked,
@@ -56,15 +57,17 @@ class Bushings(ConstraintSet):
             dtype=np.int64,
         ).reshape(-1, 2)
         frames = np.array([each.frames for each in definitions]).reshape(-1, 2, 4, 3)
+        points = [point for each in definitions for point in (each.a, each.b)]
         self.arrays = BushingArrays(
             nodes=nodes,
-            frames=relative_frames(constrained, nodes, frames),
+            frames=relative_frames(constrained, points, frames),
             rest=np.zeros((len(nodes), 6)),
             stiffness=stacked([each.stiffness[np.newaxis] for each in definitions], 0, 6, 6),
             damping=stacked([each.damping[np.newaxis] for each in definitions], 0, 6, 6),
         )
         if not self.empty:
-            bushings.relative_motions(constrained.frames, self.arrays, self.arrays.rest)
+            pairs = self.arrays._replace(nodes=np.arange(2 * len(nodes)).reshape(-1, 2))
+            bushings.relative_motions(initial_frames(constrained, points), pairs, pairs.rest)
         self._rest = self.arrays.rest.copy()
         sides = np.stack(list(nodes.T), axis=1) if len(nodes) else nodes
         self.pairs = (

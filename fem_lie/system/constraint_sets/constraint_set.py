@@ -46,6 +46,12 @@ class ConstrainedFrames(Protocol):
     def of(self, point: Point) -> int:
         """Number of the frame of a point."""
 
+    def initial(self, point: Point) -> Array:
+        """That frame where the node of the point is in the initial configuration, (4, 3).
+
+        It is not that of :attr:`frames` if the node is attached in another configuration.
+        """
+
     def ends(self, beam: Beam) -> tuple[Indices, Array]:
         """Frames at both ends of a beam's elements.
 
@@ -85,6 +91,14 @@ class SystemFrames:
         number = self._motions.get(point)
         return self.numbering.node(point) if number is None else number
 
+    def initial(self, point: Point) -> Array:
+        """That frame where the node of the point is in the initial configuration, (4, 3)."""
+        if point in self._motions or point.body is None:
+            return np.asarray(self.frames[self.of(point)])
+        node = self.numbering.nodes[point.body][point.node]
+        offset = self.numbering.master_map.offset[node]
+        return lie.se3_compose(point.body.frames[point.node], lie.se3_inverse(offset))
+
     def ends(self, beam: Beam) -> tuple[Indices, Array]:
         """Frames at both ends of a beam's elements.
 
@@ -99,9 +113,17 @@ class SystemFrames:
         return master_map.master[both], master_map.offset[both]
 
 
-def relative_frames(constrained: ConstrainedFrames, at: Indices, frames: Array) -> Array:
-    """Global frames (…, 4, 3) relative to the initial constrained frames numbered ``at`` (…)."""
-    return lie.se3_compose(lie.se3_inverse(constrained.frames[at]), frames)
+def initial_frames(constrained: ConstrainedFrames, points: Sequence[Point]) -> Array:
+    """Initial constrained frames of some points, shape (k, 4, 3)."""
+    return np.array([constrained.initial(point) for point in points]).reshape(-1, 4, 3)
+
+
+def relative_frames(
+    constrained: ConstrainedFrames, points: Sequence[Point], frames: Array
+) -> Array:
+    """Global frames (…, 4, 3) relative to the initial constrained frames of their points."""
+    initial = initial_frames(constrained, points).reshape(frames.shape)
+    return lie.se3_compose(lie.se3_inverse(initial), frames)
 
 
 _FORWARD = np.array(

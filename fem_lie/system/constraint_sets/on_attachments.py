@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie.attachments.attachment import locate
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
 from fem_lie.forms.term import add_at
@@ -79,6 +80,14 @@ class FramesOnAttachments:
         if point.joint_attachment is not None:
             return len(self.moving) + self.attachments.number(point)
         return int(self._here(np.array(self._system.of(point))))
+
+    def initial(self, point: Point) -> Array:
+        """That frame where the nodes of the point are in the initial configuration, (4, 3)."""
+        attachment = point.joint_attachment
+        if point.body is None or attachment is None:
+            return self._system.initial(point)
+        nodes, data = point.body.frames[list(attachment.nodes)], np.array([attachment.data])
+        return np.asarray(locate(attachment.kind, nodes[np.newaxis], data)[0][0])
 
     def ends(self, beam: Beam) -> tuple[Indices, Array]:
         """Frames at both ends of a beam's elements, see :meth:`.SystemFrames.ends`."""

@@ -23,6 +23,7 @@ from fem_lie.system.constraint_sets.constraint_set import (
     Numbered,
     Place,
     Start,
+    initial_frames,
     places,
     relative_frames,
     stacked,
@@ -185,6 +186,8 @@ class RelativeMotions(ConstraintSet):
         ]
         self.packed = _packed(constrained, pairs, self.m, springs, self.incidences, start.incidence)
         self.arrays = views(self.packed)
+        points = [point for pair in pairs for point in (pair.definition.a, pair.definition.b)]
+        self._initial = initial_frames(constrained, points)
         self.targets = self.arrays.targets
         # without definitions the compiled functions are not called: compiling them takes seconds
         self._ties = len(self.arrays.nodes) > 0
@@ -281,7 +284,8 @@ class RelativeMotions(ConstraintSet):
         """Targets that keep initial values, shape (m,); zero for all other constraints."""
         values = np.zeros(self.m)
         if self._ties:
-            terms.violations(H, self.arrays, values)
+            pairs = np.arange(2 * len(self.arrays.nodes)).reshape(-1, 2)
+            terms.violations(self._initial, self.arrays._replace(nodes=pairs), values)
         return np.where(self._keeps, values, 0.0)
 
     @property
@@ -474,10 +478,11 @@ def _packed(
     at = np.full_like(nodes, -1) if incidences is None else incidences.find(of_terms, nodes)
     of_pairs = np.array([pair.nodes for pair in pairs], dtype=np.int64).reshape(-1, 2)
     frames = np.array([pair.definition.frames for pair in pairs]).reshape(-1, 2, 4, 3)
+    points = [point for pair in pairs for point in (pair.definition.a, pair.definition.b)]
     ends = np.cumsum([0, *(len(spring.data) for spring in springs)], dtype=np.int64)
     arrays = JointArrays(
         nodes=of_pairs,
-        frames=relative_frames(constrained, of_pairs, frames),
+        frames=relative_frames(constrained, points, frames),
         first=np.cumsum([0] + [len(pair.rows) for pair in pairs], dtype=np.int64),
         selection=stacked([pair.definition.selection for pair in pairs], 0, 12),
         functions=stacked([pair.definition.functions for pair in pairs], 0, COUNT),

@@ -117,6 +117,7 @@ def _table(
     )
     nodes = nodes.reshape(-1, 2)
     frames = np.array([definition.frames for definition in definitions]).reshape(-1, 2, 4, 3)
+    points = [point for each in definitions for point in (each.a, each.b)]
     first = np.cumsum(
         [0] + [len(definition.selection) for definition in definitions], dtype=np.int64
     )
@@ -124,7 +125,7 @@ def _table(
     at = incidences.find(np.arange(len(of_rows)), of_rows)
     return RollingArrays(
         nodes=nodes,
-        frames=relative_frames(constrained, nodes, frames),
+        frames=relative_frames(constrained, points, frames),
         first=first,
         selection=stacked([definition.selection for definition in definitions], 0, 6),
         radius=np.array([definition.radius for definition in definitions], dtype=np.float64),

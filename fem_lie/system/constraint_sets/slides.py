@@ -183,7 +183,7 @@ def _table(
     ]
     return SlidingArrays(
         nodes=nodes,
-        frames=relative_frames(constrained, nodes, frames),
+        frames=relative_frames(constrained, [each.b for each in definitions], frames),
         elements=np.cumsum(
             [0] + [len(definition.starts) for definition in definitions], dtype=np.int64
         ),

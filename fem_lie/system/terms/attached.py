@@ -59,14 +59,13 @@ def _spread(master: Indices, cells: npt.NDArray[np.integer[Any]]) -> Indices:
 class RigidCells(Term):
     """Cells whose nodes are all attached to the same node: they store energy, without forces."""
 
-    of_bodies = True
+    of_bodies = conserved = True
 
     def __init__(self, term: Term, where: slice, master_map: MasterMap) -> None:
         """Store the term; for the arguments see :func:`on_master_nodes`."""
         self.term, self.label, self.within_frames = term, term.label, term.within_frames
         self._nodes = AttachedNodes(where, master_map)
-
-    conserved = True
+        self._stored: tuple[int, float] | None = None
 
     @property
     def pairs(self) -> Pairs:
@@ -87,8 +86,10 @@ class RigidCells(Term):
         return np.empty((0, 6, 6))
 
     def energy(self, H: Array) -> float:
-        """Stored energy, which only a change of eigenstrain changes."""
-        return self.term.energy(self._nodes.frames(H))
+        """Stored energy, which only a change of stress-free strains changes."""
+        if self._stored is None or self._stored[0] != self.term.strains_set:
+            self._stored = self.term.strains_set, self.term.energy(self._nodes.frames(H))
+        return self._stored[1]
 
 
 class AttachedTerm(Term):
