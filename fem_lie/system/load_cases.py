@@ -139,28 +139,22 @@ class LoadCases:
         self.time_dependent = len(self._cases) > 1
         nodal = any(case.moment.any() or case.following.any() for case in self._cases)
         self.turning = nodal or any(term.turning for term in self.terms)
-        self._last: tuple[Array, Loads] | None = None
+        self._last: Array | None = None
 
     def at(self, time: float, factor: float) -> Loads:
         """Loads at ``time``; gravity and loads without history are times ``factor``.
-
-        They are the same arrays as before where no amplitude has changed.
 
         Raises:
             ValueError: A history is not finite.
         """
         amplitude = np.concatenate([[factor], amplitudes(self._histories, time)[0]])
         amplitude = self.factors * amplitude[self._amplitude_of]
-        if self._last is not None and (amplitude == self._last[0]).all():
-            return self._last[1]
-        self._set_strains(amplitude)
-        for case, term in zip(self._case_of_term, self.terms, strict=True):
-            term.amplitude = float(amplitude[case])
-        self._last = amplitude, self._sum(amplitude)
-        return self._last[1]
-
-    def _sum(self, amplitude: Array) -> Loads:
-        if len(amplitude) == 1 and amplitude[0] == 1.0:
+        if self._last is None or (amplitude != self._last).any():
+            self._set_strains(amplitude)
+            for case, term in zip(self._case_of_term, self.terms, strict=True):
+                term.amplitude = float(amplitude[case])
+            self._last = amplitude
+        if len(amplitude) == 1 and factor == 1.0:
             return Loads(*self._cases[0].arrays())
         total = np.zeros_like(self._cases[0].all)
         for a, part in zip(amplitude, self._cases, strict=True):

@@ -135,7 +135,7 @@ class System:
         self.floating = floating_of(self.numbering)
         self._gravity = scene.gravity
         z, n = np.zeros, self.count
-        self.lasting_loads = self.loads = Loads(z((n, 4, 3)), z((n, 3)), z((n, 6)))
+        self.lasting_loads = Loads(z((n, 4, 3)), z((n, 3)), z((n, 6)))
         weight = weight_of(self.inertia, self.count, scene.gravity)
         self.load_cases = LoadCases(scene, self.numbering, weight)
         moves = bool(scene.motions) or self.connections.driven
@@ -203,11 +203,10 @@ class System:
         Raises:
             ValueError: A history, motion or drive is not finite.
         """
-        loads = self.load_cases.at(time, factor)
-        if loads is not self.loads:
-            self.loads, self._plain_loads = loads, loads.plain
-            for lasting, now in zip(self.lasting_loads, loads, strict=True):
-                lasting[:] = now
+        self.loads = self.load_cases.at(time, factor)
+        for lasting, now in zip(self.lasting_loads, self.loads, strict=True):
+            lasting[:] = now
+        self._plain_loads = self.loads.plain
         self.floating.numbers[:3] = factor * self._gravity
         self.connections.set_clock(time)
         if self.connections.driven:

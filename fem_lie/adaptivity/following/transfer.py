@@ -36,8 +36,8 @@ from fem_lie._summary import Summarised
 from fem_lie.adaptivity.following.mesh_points import MeshPoints, mesh_points
 from fem_lie.adaptivity.following.vector_maps import VectorMap
 from fem_lie.bodies.body import Body
-from fem_lie.lie.node_types import push_all_forward, rigid_motions
-from fem_lie.lie.node_types.inertia import invariants
+from fem_lie.lie.node_types import rigid_motions
+from fem_lie.lie.node_types.inertia import invariants, mass_blocks
 from fem_lie.results.equilibrium import StaticResult
 from fem_lie.results.history import Result
 from fem_lie.results.record import Record
@@ -112,13 +112,9 @@ def invariants_of(equations: Equations, H: Array, v: Array) -> tuple[float, Arra
 
 def mass_matrix(equations: Equations, H: Array) -> sp.csr_matrix:
     """Mass matrix of the twists of all moving nodes, shape (6 n, 6 n)."""
-    n, kinds = equations.unknowns.moving, equations.unknowns.kinds
-    indptr, indices, G = equations.arrays.inertia
-    L = np.empty((6, n, 4, 3))
-    for k in range(6):
-        push_all_forward(kinds, H, np.tile(np.eye(6)[k], (n, 1)), L[k])
-    row = np.repeat(np.arange(n), np.diff(indptr))
-    blocks = np.einsum("pzax,zab,qzbx->zpq", L[:, row], G, L[:, indices], optimize=True)
+    n, inertia = equations.unknowns.moving, equations.arrays.inertia
+    blocks = mass_blocks(equations.unknowns.kinds, H, inertia)
+    indptr, indices, _ = inertia
     return sp.bsr_matrix((blocks, indices, indptr), shape=(6 * n, 6 * n)).tocsr()
 
 

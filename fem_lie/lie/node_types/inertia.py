@@ -251,6 +251,17 @@ def local_twists(H: Array, qdot: Array, turning: Array, out: Array) -> None:
             out[i, 3 + a] = spin
 
 
+def mass_blocks(node_types: Indices, H: Array, inertia: PlainInertia) -> Array:
+    """Blocks ``Lᵀ G L`` of the mass matrix in twists at frames ``H``, shape (nnz, 6, 6)."""
+    (indptr, indices, G), n = inertia, len(node_types)
+    L = np.empty((6, n, 4, 3))
+    for k in range(6):
+        push_all_forward(node_types, H, np.tile(np.eye(6)[k], (n, 1)), L[k])
+    row = np.repeat(np.arange(n), np.diff(indptr))
+    blocks = np.einsum("pzax,zab,qzbx->zpq", L[:, row], G, L[:, indices], optimize=True)
+    return np.asarray(blocks)
+
+
 def director_inertia(inertia: Inertia, count: int) -> Array:
     """Inertia of the directors of each of ``count`` nodes by itself, (n, 3, 3)."""
     found = np.zeros((count, 3, 3))

@@ -172,8 +172,8 @@ class CoupledContacts(CoupledVelocities, Stateful):
         if not (smooth <= 0.0).any():
             self.near.work.impulses[:] = 0.0
             return None
-        if self._kept is not None and self._impulses.turning:
-            self._kept.renew()  # axes have rotated since, and the mass in it with them
+        if self._kept is not None and self._impulses.stale(step.frames):
+            self._kept.renew()  # axes have turned since, and the mass in it with them
         V = self._all_rows(step.twists, time)
         old = self._accelerations(step.frames, V, time)
         solve = partial(self._solve_end, step, V, smooth)

@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, Indices
 from fem_lie._jit.records import Record
 from fem_lie.contact.cones import solver
 from fem_lie.contact.cones.jacobian import BlockRows, slides
 from fem_lie.contact.cones.sweeps import MOST_NEWTON, products
 from fem_lie.contact.contact import Contact
 from fem_lie.contact.impact.records import STEP_REPORT
-from fem_lie.lie.node_types import all_from_local, all_to_group, all_to_local
+from fem_lie.lie.node_types import (
+    all_from_local,
+    all_to_global_components,
+    all_to_group,
+    all_to_local,
+    all_to_nodal_components,
+    pull_all_back,
+    push_all_forward,
+)
+from fem_lie.lie.node_types.inertia import multiply
+from fem_lie.lie.node_types.node_type import POSITION_GRADIENT
 from fem_lie.solve.impacts.bodies import CoupledBodies
 from fem_lie.solve.impacts.bounds import Chosen, bounds_of
 from fem_lie.solve.impacts.step_end import Factors, Rule
@@ -189,11 +199,40 @@ class CoupledVelocities(CoupledPositions):
     ) -> None:
         """Set up the contacts of a scene for impacts at the ends of steps."""
         super().__init__(contacts, equations, rule, kept)
+        self._turns = self._kinds < POSITION_GRADIENT
         self.statistics: Record = STEP_REPORT()
         self.reactions = np.zeros(self._m)
         self.work = self.exchanged = 0.0
         # normal velocities by restitution, and their changes without contacts
         self._law: tuple[Array, Array] = np.zeros(0), np.zeros(0)
+
+    def _momenta(self, H: Array, v: Array) -> Array:
+        """Momenta of the nodes, shape (n, 6): moments of frames in their axes, all else global."""
+        q, p, found = np.empty((self._n, 4, 3)), np.empty((self._n, 4, 3)), np.zeros(6 * self._n)
+        push_all_forward(self._kinds, H, v, q)
+        multiply(*self._equations.arrays.inertia, q, p)
+        pull_all_back(self._kinds, H, p, 1.0, found)
+        return self._except_moments(all_to_global_components, H, found)
+
+    def _except_moments(
+        self, turn: Callable[[Indices, Array, Array], object], H: Array, forces: Array
+    ) -> Array:
+        """Forces on the nodes (6 n,) in other components, but for moments on frames, (n, 6)."""
+        given, found = forces.reshape(-1, 6), forces.copy()
+        turn(self._kinds, H, found)
+        turned = found.reshape(-1, 6)
+        turned[self._turns, 3:] = given[self._turns, 3:]
+        return turned
+
+    def _keep_momenta(self, momenta: Array, H: Array, twist: Array) -> None:
+        """Change twists at frames ``H`` to those of given momenta, see :meth:`_momenta`.
+
+        Momenta of a node depend on the axes of its neighbours, which contacts have turned.
+        """
+        missing = (momenta - self._momenta(H, twist)).ravel()
+        left = self._except_moments(all_to_nodal_components, H, missing)
+        left[~self._free.reshape(-1, 6)] = 0.0
+        twist += self._impulses.solve(left.ravel())[0].reshape(-1, 6)
 
     def _throw(
         self,
@@ -224,6 +263,9 @@ class CoupledVelocities(CoupledPositions):
         all_to_local(kinds, H, before, self._still, smooth, rate)
         all_to_local(kinds, H, v, self._still, twist, rate)
         self._impulses.go_to(H)
+        if self._kept is not None:
+            thrown = V[: self._n] + self._rule.damping * moved.d.reshape(-1, 6)
+            self._keep_momenta(self._momenta(end, thrown), H, twist)
         off = defect - self._rates(H, self._all_rows(twist, time), time)
         x, first = self._impulses.solve(zero, off)
         responses = chosen.operator.solve(moved.forces, H, self._impulses.solve)

@@ -31,7 +31,7 @@ from scipy.sparse.linalg import splu
 
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.lie.node_types import WITH_GRADIENTS, all_axes
-from fem_lie.lie.node_types.inertia import Inertia
+from fem_lie.lie.node_types.inertia import Inertia, mass_blocks
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.impacts.step_end import StepEnd
 from fem_lie.system.equations import Equations, Plan, TimeState
@@ -45,6 +45,13 @@ _MASSLESS = 1e-10
 _SOFTNESS, _REFINED = 1e-9, 2
 """Relative compliance of joints, some of which may be redundant; and number of refinements of
 solutions, which remove its effect."""
+
+_SAME, _REPEATED = 1e-11, 12
+"""Relative change of the mass matrix, and of solutions, that is neglected; and largest number of
+solutions with earlier factors."""
+
+_STALE = 1e-4
+"""Relative change of the mass matrix, and so error of momenta, at which factors are stale."""
 
 _DENSE = 150
 """Number of unknowns up to which a dense factorisation is faster."""
@@ -92,10 +99,13 @@ def _in_fixed_axes(kinds: Indices, H: Array) -> Array:
 
 
 class Impulses:
-    """Solutions of ``M x + Jᵀ λ = f, J x = g``, with a mass matrix that is constant in fixed axes.
+    """Solutions of ``M x + Jᵀ λ = f, J x = g``.
+
+    ``M`` is constant in fixed axes, but for frames that share cells and turn against each other:
+    factors of an earlier one then start an iteration, and are replaced where it converges slowly.
 
     Attributes:
-        mass: The matrix ``M``; ``h² K/4`` in directions without inertia, shape (6 n, 6 n).
+        mass: The matrix of the factors; ``h² K/4`` in directions without inertia, (6 n, 6 n).
         turning: Whether axes of nodes rotate relative to those in which it is constant.
     """
 
@@ -112,6 +122,10 @@ class Impulses:
         self.turning = bool(np.isin(self._kinds, WITH_GRADIENTS).any())
         self._to_fixed = _in_fixed_axes(self._kinds, start)
         self._inertia, self._first = self._fixed(_at_rest(equations, _TINY * step)), step
+        self._coupled = len(equations.arrays.inertia[1]) > unknowns.moving
+        self._change: sp.csr_matrix | None = None
+        if self._coupled:
+            self._assembled = self._noted = self._consistent(start)
         self._elastic: sp.csr_matrix | None = None
         N = massless(equations.arrays.inertia, unknowns.kinds, unknowns.held)
         if N.count_nonzero():
@@ -126,6 +140,15 @@ class Impulses:
         T = sp.bsr_matrix((self._to_fixed, np.arange(n), np.arange(n + 1)), shape=M.shape)
         return (T @ M @ T.T).tocsr()
 
+    def _consistent(self, H: Array) -> sp.csr_matrix:
+        """Mass matrix of the free unknowns at frames ``H``, in fixed axes."""
+        unknowns, inertia = self._equations.unknowns, self._equations.arrays.inertia
+        indptr, indices, _ = inertia
+        blocks = mass_blocks(self._kinds, H, inertia)
+        M = sp.bsr_matrix((blocks, indices, indptr), shape=(self._n, self._n)).tocsr()
+        free = sp.diags((~unknowns.held.ravel()).astype(np.float64))
+        return self._fixed(free @ M @ free)
+
     def _jacobian(self, H: Array) -> sp.csr_matrix:
         """Constraint Jacobian at ``H`` in fixed axes, with the same pattern for all ``H``."""
         J = self._equations.constraints(H).jacobian
@@ -138,20 +161,41 @@ class Impulses:
 
     def resize(self, step: float) -> None:
         """Change the step size."""
+        self._step = step
+        self._set_up()
+        self._factorise(self._jacobian(self._equations.start.frames).data)
+
+    def _set_up(self) -> None:
         mass = self._inertia
         if self._elastic is not None:
-            mass = mass + (step / self._first) ** 2 * self._elastic
+            mass = mass + (self._step / self._first) ** 2 * self._elastic
         self.mass = mass.tocsc()
         J = self._jacobian(self._equations.start.frames)
         self._columns, self._of = J.indices, np.repeat(np.arange(self._m), np.diff(J.indptr))
         self._weights = 1.0 / self.mass.diagonal()[self._columns]
         self._matrix = SaddlePoint(self.mass, J)
-        self._factorise(J.data)
+
+    def stale(self, H: Array) -> bool:
+        """Whether axes of nodes turned noticeably since the last time that this was so.
+
+        A frozen iteration matrix then has a mass that does not conserve momentum.
+        """
+        if self.turning or not self._coupled:
+            return self.turning
+        mass = self._consistent(H)
+        turned = bool(abs(mass - self._noted).max() > _STALE * abs(mass).max())
+        if turned:
+            self._noted = mass
+        return turned
 
     def go_to(self, H: Array) -> None:
         """Factorise with the constraint Jacobian at frames ``H``, unless it is the present one."""
         if self.turning:
             self._to_fixed = _in_fixed_axes(self._kinds, H)
+        if self._coupled:
+            change = self._consistent(H) - self._assembled
+            turned = abs(change).max() > _SAME * abs(self._assembled).max()
+            self._change = change if turned else None
         if not self._m:
             return
         entries = self._jacobian(H).data
@@ -172,10 +216,37 @@ class Impulses:
             f: Impulses on the nodes, shape (6 n,) or (6 n, k).
             g: Constraint rates, shape (m,) or (m, k); default: zero.
         """
+        right = self._turned("nij,njk->nik", f)
+        found = self._solved(right, g)
+        if found is None:
+            self._replace_factors()
+            found = self._solved(right, g)
+        assert found is not None
+        return self._turned("nji,njk->nik", found[0]), found[1]
+
+    def _solved(self, f: Array, g: Array | None) -> tuple[Array, Array] | None:
+        """Solutions in fixed axes; ``None`` if the factors are too old."""
         scale = self._scale.reshape(-1, *([1] * (f.ndim - 1)))
         rest = np.zeros((self._m, *f.shape[1:])) if g is None else scale * g
-        x, multipliers = self._matrix.solve(self._turned("nij,njk->nik", f), rest)
-        return self._turned("nji,njk->nik", x), scale * multipliers
+        x, multipliers = self._matrix.solve(f, rest)
+        if self._change is not None:
+            size = _SAME * np.abs(x).max()
+            for _ in range(_REPEATED):
+                before = x
+                x, multipliers = self._matrix.solve(f - self._change @ before, rest)
+                if np.abs(x - before).max() <= size:
+                    break
+            else:
+                return None
+        return x, scale * multipliers
+
+    def _replace_factors(self) -> None:
+        """Factorise the present mass matrix."""
+        assert self._change is not None
+        self._inertia, entries = self._inertia + self._change, self._entries
+        self._assembled, self._change = self._assembled + self._change, None
+        self._set_up()
+        self._factorise(entries)
 
     def _turned(self, product: str, f: Array) -> Array:
         """Unknowns or forces (6 n,) or (6 n, k) in other axes."""
