@@ -11,7 +11,12 @@ if TYPE_CHECKING:
     from fem_lie.pictures.vtk import write_resultants
     from fem_lie.results.record import StepHistory
     from fem_lie.results.stresses.contacts import ContactForces, contact_forces
-    from fem_lie.results.stresses.section_forces import SectionForces, section_forces
+    from fem_lie.results.stresses.section_forces import (
+        CableForces,
+        SectionForces,
+        cable_forces,
+        section_forces,
+    )
     from fem_lie.results.stresses.shell_resultants import (
         Resultants,
         resultant_colours,
@@ -27,6 +32,7 @@ else:
 
 __all__ = [
     "BaseExcitation",
+    "CableForces",
     "ContactForces",
     "FrequencyResponse",
     "NodalColours",
@@ -37,6 +43,7 @@ __all__ = [
     "StepHistory",
     "ThinResultants",
     "Units",
+    "cable_forces",
     "contact_forces",
     "frequency_response",
     "resultant_colours",

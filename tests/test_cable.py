@@ -141,6 +141,55 @@ def test_published_forces_of_an_elastic_catenary():
     assert cable.model.size == pytest.approx(LENGTH)
 
 
+@pytest.mark.parametrize(("formulation", "left"), [(None, 1e-3), ("edges", 2e-3)])
+def test_tension_of_a_catenary(formulation, left, tmp_path):
+    """That of Irvine, √(H² + (V − w s)²); without the damping and the bending of the cable."""
+    _, (H, V) = elastic_catenary(1e4)
+    scene, cable = hung(32, 1e4, 1e-4)
+    if formulation:
+        nodes = cable.frames[:, 0]
+        edges = np.column_stack([np.arange(32), np.arange(1, 33)])
+        mesh = fl.mesh.LineMesh.from_cells(nodes, edges, kink_angle=1.5)
+        element = fl.elements.DiscreteCable()
+        cable = fl.Cable(mesh, section(1e4, 1e-4), length=LENGTH, formulation=element, name="rope")
+        cable.pin(cable.point(0), cable.point(-1))
+        scene = fl.Scene(gravity=(0, -WEIGHT, 0))
+        scene.add(cable)
+    result = fl.statics(scene)
+    forces = fl.post.cable_forces(result, cable)
+    s = (np.arange(32) + 0.5) * LENGTH / 32
+    wanted = np.hypot(H, V - WEIGHT * s)
+    np.testing.assert_allclose(forces.mean("N")[-1], wanted, rtol=left)
+    assert forces.names == (("N",) if formulation else ("N", "M"))
+    assert forces.raw("N").shape == (len(result.frames), 32, 2)
+    middle = forces.at(cable.point(16), "N")[-1]
+    assert middle == pytest.approx(np.hypot(H, V - WEIGHT * 0.5 * LENGTH), rel=2 * left)
+    assert forces.colours("N").values.shape == (len(result.frames), 33)
+    forces.write_vtk(tmp_path / "forces.pvd")
+    with pytest.raises(ValueError, match="no quantity 'Q'"):
+        forces.raw("Q")
+
+
+def test_bending_moment_of_a_cable():
+    """A cantilever under a small force at its tip, and a slack rope, which has no tension."""
+    stiff = section(1e6, 100.0)
+    cable = fl.Cable.straight((0, 0, 0), (2, 0, 0), stiff, cells=8)
+    cable.clamp(cable.point("start"))
+    scene = fl.Scene()
+    scene.add(cable)
+    scene.add(fl.PointLoad(cable.point("end"), force=(0, 0, 0.1)))
+    forces = fl.post.cable_forces(fl.statics(scene), cable, states=[-1])
+    x = (np.arange(8) + 0.5) / 4
+    np.testing.assert_allclose(forces.mean("M")[0], 0.1 * (2 - x), rtol=1e-3)
+    slack = fl.elements.HermiteCable(slack=1e-3)
+    rope = fl.Cable.straight((0, 0, 0), (2, 0, 0), stiff, cells=4, length=2.1, formulation=slack)
+    rope.pin(rope.point("start"), rope.point("end"))
+    still = fl.Scene()
+    still.add(rope)
+    loose = fl.GeneralisedAlpha().run(still, duration=1e-6, step=1e-6, progress=False)
+    assert np.abs(fl.post.cable_forces(loose, rope).raw("N")[0]).max() < 2e-3 * 1e6
+
+
 def test_line_load_is_that_of_gravity():
     cable = fl.Cable.straight((0, 0, 0), (2, 0, 0), section(1e6, 833.0, 78.0), cells=4)
     weight = (0, -78 * GRAVITY, 0)

@@ -144,8 +144,9 @@ def cable_fields(
         moved = result.frames[k][nodes][ends]
 
         def stress(along: Array, moved: Array = moved) -> tuple[Array, Array]:
-            N, κ = formulation.strains(unloaded, moved, model.lengths, along)
-            return EA * N[..., np.newaxis], EI * κ
+            given = unloaded, moved, model.lengths, along
+            N = formulation.axial_strain(*given)
+            return EA * N[..., np.newaxis], EI * formulation.curvature(*given)
 
         own = np.concatenate(stress(at), axis=2)
         better = [fits[0](stress(axial)[0]), fits[1](stress(bending)[1])]

@@ -57,7 +57,8 @@ def log_open_profiles(label: str, sections: Sequence[Section], length: float) ->
         _log.warning(
             "%s has an open thin-walled section and no warping stiffness: where warping is held or "
             "changes along the beam, it is too soft in torsion, up to %.2g from there "
-            "(√(EI_ω/GJ)); AncfBeam(warping=%.4g) has the EI_ω of this section",
+            "(√(EI_ω/GJ)); AncfBeam(warping=%.4g) has the EI_ω of this section, and "
+            "fl.reduction.DistortingBeam distorts, too",
             label,
             known.warping_length,
             known.E * known.warping_constant,

@@ -55,7 +55,11 @@ from fem_lie.elements.beams.element import (
     LineShapes,
     cellwise,
 )
-from fem_lie.elements.rods.cable_law import check_section, stretch_energy
+from fem_lie.elements.rods.cable_law import (
+    check_section,
+    stress_over_stiffness,
+    stretch_energy,
+)
 from fem_lie.forms.energy import Forces, StrainEnergy
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels.addresses import UFCX_SIGNATURE, FrameMap, Pointer, frame_function
@@ -283,12 +287,8 @@ class HermiteCable(BeamFormulation):
         """
         return None
 
-    def strains(
-        self, unloaded: Array, ends: Array, lengths: Array, along: Array
-    ) -> tuple[Array, Array]:
-        """Axial force over ``EA``, shape (m, p), and curvature, global components, (m, p, 3).
-
-        The axial strain is the parabola through its values at the Lobatto points.
+    def axial_strain(self, unloaded: Array, ends: Array, lengths: Array, along: Array) -> Array:
+        """Axial force over ``EA``: the parabola through its values at the Lobatto points, (m, p).
 
         Args:
             unloaded: Unloaded coordinates of both ends of the cells, shape (m, 2, 4, 3).
@@ -297,17 +297,27 @@ class HermiteCable(BeamFormulation):
             along: Parameters in a cell from 0 to 1, shape (p,).
         """
         signed, sampled = signs(unloaded) * lengths, np.array([0.0, 0.5, 1.0])
-        sizes, at = (self.speeds(unloaded, lengths, x) for x in (sampled, along))
+        sizes = self.speeds(unloaded, lengths, sampled)
         stretch = np.linalg.norm(derivatives(ends, signed, sampled)[0], axis=-1)
-        ε = stretch / (1.0 if sizes is None else sizes) - 1.0
-        if self.slack is not None:
-            ε = np.vectorize(_stress)(ε, self.slack)
-        first, second = derivatives(ends, signed, along)
-        κ = np.cross(first, second) / (first**2).sum(axis=-1, keepdims=True)
+        ε = stress_over_stiffness(stretch / (1.0 if sizes is None else sizes) - 1.0, self.slack)
         parabolas = np.array(
             [(1 - along) * (1 - 2 * along), 4 * along * (1 - along), along * (2 * along - 1)]
         )
-        return ε @ parabolas, κ / (1.0 if at is None else at[..., np.newaxis])
+        return np.asarray(ε @ parabolas)
+
+    def curvature(self, unloaded: Array, ends: Array, lengths: Array, along: Array) -> Array:
+        """Curvature, global components, shape (m, p, 3).
+
+        Args:
+            unloaded: Unloaded coordinates of both ends of the cells, shape (m, 2, 4, 3).
+            ends: Coordinates of the ends, shape (m, 2, 4, 3).
+            lengths: Parameter lengths of the cells, shape (m,).
+            along: Parameters in a cell from 0 to 1, shape (p,).
+        """
+        at = self.speeds(unloaded, lengths, along)
+        first, second = derivatives(ends, signs(unloaded) * lengths, along)
+        κ = np.cross(first, second) / (first**2).sum(axis=-1, keepdims=True)
+        return np.asarray(κ / (1.0 if at is None else at[..., np.newaxis]))
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
         """DOLFINx forms of energy, forces and tangent; only ``EA`` and ``EI`` are used."""

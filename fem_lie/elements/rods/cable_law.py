@@ -41,6 +41,20 @@ def stretch_energy(strain: Expr, slack: float | None) -> Expr:
     )
 
 
+def stress_over_stiffness(strain: Array, slack: float | None) -> Array:
+    """Axial force over ``EA``: the derivative of :func:`stretch_energy`.
+
+    Args:
+        strain: ``ε``, any shape.
+        slack: ``δ``, or ``None``.
+    """
+    if slack is None:
+        return strain
+    weak, width, beyond = slack / (1 + slack), 0.5 * slack, strain - slack
+    between = np.where(beyond < -width, 0.0, (beyond + width) ** 2 / (4 * width))
+    return np.where(beyond > width, strain, weak * (1 + strain) + (1 - weak) * between)
+
+
 def check_section(stiffness: Array) -> None:
     """Raise ``ValueError`` for unequal bending stiffness, or coupled stretch and bending."""
     EA, EI, other = (float(stiffness[k, k]) for k in (0, 4, 5))

@@ -14,12 +14,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 import ufl
 
 from fem_lie._arrays import Array, positive
 from fem_lie.elements.beams.element import BeamFormulation, CellData, cellwise
 from fem_lie.elements.rods.cable import pull_back_vectors, push_forward_vectors
-from fem_lie.elements.rods.cable_law import check_section, stretch_energy
+from fem_lie.elements.rods.cable_law import (
+    check_section,
+    stress_over_stiffness,
+    stretch_energy,
+)
 from fem_lie.forms.energy import StrainEnergy
 from fem_lie.forms.frames import NodalFrames
 from fem_lie.forms.kernels.addresses import FrameMap
@@ -67,6 +72,19 @@ class DiscreteCable(BeamFormulation):
             stiffness: Section stiffness, shape (6, 6).
         """
         check_section(stiffness)
+
+    def axial_strain(self, unloaded: Array, ends: Array, lengths: Array, along: Array) -> Array:
+        """Axial force over ``EA``, constant in an edge, shape (m, p).
+
+        Args:
+            unloaded: Unloaded coordinates of both ends of the edges, shape (m, 2, 4, 3).
+            ends: Coordinates of the ends, shape (m, 2, 4, 3).
+            lengths: Unstretched lengths, shape (m,).
+            along: Parameters in an edge from 0 to 1, shape (p,).
+        """
+        chords = np.linalg.norm(ends[:, 1, 0] - ends[:, 0, 0], axis=1)
+        strain = stress_over_stiffness(chords / lengths - 1.0, self.slack)
+        return np.repeat(strain[:, np.newaxis], len(along), axis=1)
 
     def forms(self, nodal: NodalFrames, cells: CellData) -> LocalFrameForms:
         """DOLFINx forms of energy, forces and tangent of the axial strain of edges."""

@@ -1,4 +1,4 @@
-"""Section forces of beams: axial and shear forces, torques and bending moments.
+"""Section forces of beams and cables: axial and shear forces, torques and bending moments.
 
 They are computed in each state of a result, at both ends and in the middle of each element::
 
@@ -11,7 +11,7 @@ They are computed in each state of a result, at both ends and in the middle of e
 The section with normal e₁ transmits the force and moment that the beam beyond it exerts, in
 components along its own e₁, e₂, e₃: N, V_y, V_z and T, M_y, M_z, about the point of the beam's
 axis. A positive N is tension; a positive M_y gives tension where z > 0 and a positive M_z where y <
-0.
+0. Cables have an axial force and, if they bend, a bending moment: :func:`cable_forces`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,11 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices, instance
 from fem_lie.bodies.beams.beam import Beam
+from fem_lie.bodies.beams.line_body import LineBody
 from fem_lie.bodies.catalogue import Owners, SceneInfo
+from fem_lie.bodies.rods.cable_body import CableBody
+from fem_lie.elements.rods.cable import HermiteCable
+from fem_lie.elements.rods.discrete import DiscreteCable
 from fem_lie.pictures.diagrams import COLOURS, figure_of_rows, saved
 from fem_lie.pictures.page.colours import NodalColours, at_nodes
 from fem_lie.pictures.stage import SI, Units
@@ -185,7 +189,7 @@ def section_forces(
     return SectionForces(beam, times, frames, strains, ends, single, elements, owners)
 
 
-def _owners(beam: Beam, info: SceneInfo) -> Owners | None:
+def _owners(beam: LineBody, info: SceneInfo) -> Owners | None:
     """Ranks that had the elements of a beam; lines that are drawn are pieces of elements."""
     ranks = info.body(beam.name).owners
     if ranks is None or info.parts is None:
@@ -380,4 +384,144 @@ class SectionForces(Fields):
         at_ends |= {"force": self.cut_forces, "moment": self.cut_moments}
         in_middle = {name: self.middle[..., i] for i, name in enumerate(self.components)}
         positions = self.frames[:, self.beam.model.elements[:, :2], 0]
+        write_elements(path, self.times, positions, at_ends, in_middle, self.owners)
+
+
+def cable_forces(
+    result: Result | StaticResult, cable: CableBody, states: Sequence[int] | None = None
+) -> CableForces:
+    """Axial forces and bending moments of a cable or net in states of a result.
+
+    Args:
+        result: A result of dynamics, of statics or of a path, of a scene with the cable.
+        cable: A ``Cable``, ``SplineCable`` or ``Net``.
+        states: Indices of the states; default: all.
+
+    Raises:
+        ValueError: The cable is not in that result, or there is no such state.
+
+    Example:
+        >>> rope = fl.Section.circle(0.005, fl.Material(E=1e9, nu=0.3, density=1000.0))
+        >>> cable = fl.Cable.straight((0, 0, 0), (1, 0, 0), rope, cells=4)
+        >>> cable.pin(cable.point("start"))
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(cable)
+        >>> _ = scene.add(fl.PointLoad(cable.point("end"), force=(50, 0, 0)))
+        >>> forces = fl.post.cable_forces(fl.statics(scene), cable)
+        >>> forces.mean("N")[-1].round(6)
+        array([50., 50., 50., 50.])
+    """
+    require_states(result)
+    instance(cable, CableBody, "cable", "a Cable, SplineCable or Net")
+    nodes, count = nodes_in(result.info, cable), len(result.frames)
+    chosen = range(count) if states is None else [state_number(state, count) for state in states]
+    rows = np.array(chosen, dtype=np.int64)
+    times = (result.times if isinstance(result, Result) else result.factors)[rows]
+    return CableForces(cable, times, result.frames[rows][:, nodes], _owners(cable, result.info))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CableForces(Fields):
+    """Axial forces N and bending moments M of a cable or net in T states; by :func:`cable_forces`.
+
+    N is the elastic force, without that of damping. In cubic elements it is a parabola through its
+    values at the integration points, and M the magnitude of ``EI κ``; in ``DiscreteCable`` N is
+    constant in each edge, and there is no M, as springs between edges bend.
+
+    Attributes:
+        cable: The cable, with m elements and n nodes.
+        times: Times, or load factors, shape (T,).
+        frames: Coordinates of the nodes, shape (T, n, 4, 3).
+        owners: Ranks that had the elements; ``None`` if the scene was not divided.
+    """
+
+    cable: CableBody
+    times: Array
+    frames: Array
+    owners: Owners | None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all quantities."""
+        return ("N", "M") if isinstance(self.cable.model.formulation, HermiteCable) else ("N",)
+
+    def raw(self, name: str) -> Array:
+        """A quantity at both ends of each element, shape (T, m, 2).
+
+        Args:
+            name: "N", or "M".
+        """
+        return self._along(name, np.array([0.0, 1.0]))
+
+    def mean(self, name: str) -> Array:
+        """A quantity in the middle of each element, shape (T, m).
+
+        Args:
+            name: "N", or "M".
+        """
+        return self._along(name, np.array([0.5]))[..., 0]
+
+    def smooth(self, name: str) -> Array:
+        """The mean of :meth:`raw` over the elements that meet at a node, shape (T, n).
+
+        Args:
+            name: "N", or "M".
+        """
+        at_ends = self.raw(name)
+        nodes = self.cable.model.masters[self.cable.model.elements[:, :2]].ravel()
+        found = at_nodes(at_ends.reshape(len(at_ends), -1), nodes, self.frames.shape[1])
+        return np.asarray(found)[:, self.cable.model.masters]
+
+    @property
+    def _body(self) -> CableBody:
+        return self.cable
+
+    def _values_at(self, nodes: Indices) -> Indices:
+        return nodes[:1]  # nodes of one point have one value
+
+    def _along(self, name: str, along: Array) -> Array:
+        """A quantity at places in each element, shape (T, m, p)."""
+        check_name(name, self.names, self.cable.label)
+        model = self.cable.model
+        formulation, ends = model.formulation, model.elements[:, :2]
+        assert isinstance(formulation, HermiteCable | DiscreteCable)
+        EA, EI = (model.stiffness[:, k, k, np.newaxis] for k in (0, 4))
+        found = np.empty((len(self.frames), len(ends), len(along)))
+        for k in range(len(found)):
+            given = model.frames[ends], self.frames[k, ends], model.lengths, along
+            if name == "N":
+                found[k] = EA * formulation.axial_strain(*given)
+            else:
+                assert isinstance(formulation, HermiteCable)
+                found[k] = EI * np.linalg.norm(formulation.curvature(*given), axis=-1)
+        return found
+
+    # --- pictures and files ---
+
+    def colours(self, name: str, *, units: Units = SI) -> NodalColours:
+        """A quantity in all states for the colours of a page: that of :meth:`smooth`.
+
+        Args:
+            name: "N", or "M".
+            units: Units of the label.
+        """
+        return NodalColours(self.cable.name, self.smooth(name), f"{name} [{unit(name, units)}]")
+
+    def write_vtk(self, path: str | os.PathLike[str]) -> None:
+        """Write a ``.pvd`` file, and a folder of the same name with a ``.vtu`` file for each state.
+
+        Each element is a line with its own end points; point data are the values at its ends, cell
+        data those in its middle.
+
+        Args:
+            path: Name of the ``.pvd`` file.
+
+        Raises:
+            ValueError: The name does not end in ``.pvd``.
+        """
+        from fem_lie.pictures.vtk import write_elements
+
+        at_ends = {name: self.raw(name) for name in self.names}
+        in_middle = {name: self.mean(name) for name in self.names}
+        positions = self.frames[:, self.cable.model.elements[:, :2], 0]
         write_elements(path, self.times, positions, at_ends, in_middle, self.owners)
