@@ -8,13 +8,14 @@ with the mass matrix, which conserves linear and angular momentum. The loss of k
 bounded, and nodes are merged only after they have been inactive for some time.
 
 *Error estimate of merged regions.* Within a time ``τ`` from twists ``v`` and forces ``r`` nodes
-move by ``d``, with matrices linearised about the state and constant accelerations::
+move by ``d``, with matrices linearised about the state, constant accelerations, and joints ``B``
+whose rates ``φ`` drives prescribe::
 
-    A d = b,     A = 2 M / τ² + C / τ + K,     b = −r + (2 M / τ + C) v
+    A d + Bᵀ λ = b,     B d = τ φ,     A = 2 M / τ² + C / τ + K,     b = −r + (2 M / τ + C) v
 
-With merged frames, for which twists are ``E w``, they move by ``E d_E`` with ``Eᵀ A E d_E = Eᵀ b``.
-The error is the difference; it is large where a wave arrives, or where forces are not in
-equilibrium.
+With merged frames, for which twists are ``E w``, they move by ``E d_E``, from the same equations
+with ``Eᵀ A E``. The error is the difference; it is large where a wave arrives, or where forces are
+not in equilibrium. Regions end at joints.
 """
 
 from __future__ import annotations
@@ -181,7 +182,7 @@ class ActivityCheck:
             matrices: Matrices of small motions, in a state as deformed as this one.
             frames: Frames of all nodes, shape (N, 4, 3).
             twists: Twists of all nodes, shape (N, 6).
-            times: Times at which loads are evaluated, the present one first.
+            times: Times from the start at which loads are evaluated, the present one first.
         """
         equations, ahead = matrices.equations, matrices.ahead
         unknowns, system = equations.unknowns, equations.system
@@ -198,11 +199,8 @@ class ActivityCheck:
         differs = later.any(axis=1)
         differs[0] = True
         b = matrices.forces(r[: self.v.size], self.v)[:, np.newaxis] + later[differs].T
-        self._B, now = (
-            matrices.jacobian(self.H),
-            equations.prescribed(times[0], _DIFFERENCE * ahead),
-        )
-        self._rates = now.target_rates[0]
+        self._B = matrices.jacobian(self.H)
+        self._rates = equations.prescribed(times[0], _DIFFERENCE * ahead).target_rates[0]
         self._given = b, self._B, ahead * self._rates[:, np.newaxis]
         self._d = matrices.motion(*self._given)
 
@@ -299,8 +297,8 @@ def merged_motion(
     """Integrate in time with the frames of inactive regions merged.
 
     Args:
-        build: Creates the scene, a new one in each call: bodies whose nodes have frames, without
-            joints.
+        build: Creates the scene, a new one in each call: bodies whose nodes have frames, with
+            joints, drives, springs and loads.
         duration: End time.
         step: Step size.
         every: Shortest time between two changes of regions, a multiple of the step.
@@ -308,7 +306,8 @@ def merged_motion(
         scheme: Time integration; default: ``GeneralisedAlpha()``.
 
     Raises:
-        ValueError: The scene has joints, contacts or nodes without frames.
+        ValueError: The scene has nodes without frames, contacts, prescribed motions, rigid links,
+            events, controllers, or friction or velocity constraints of joints.
         ConvergenceError: A segment failed.
     """
     instance(build, Callable, "build", "a function that makes a Scene")
@@ -437,7 +436,8 @@ class _Check(ActivityCheck):
         self, matrices: MotionMatrices, state: _State, every: float, turned: Array
     ) -> None:
         """Check a state, with the loads until the next check; ``turned`` is that of the last."""
-        times = state.time + every * np.linspace(0.0, 1.0, _INSTANTS)
+        since = state.time - matrices.equations.scene.began.time
+        times = since + every * np.linspace(0.0, 1.0, _INSTANTS)
         connections = matrices.equations.system.connections
         connections.remember(turned)
         connections.accept(matrices.in_order(state.frames))
