@@ -269,3 +269,21 @@ def test_a_cable_that_rotates_keeps_its_matrix_and_momenta(kind):
     assert result.total_iterations < 5 * 300 and result.factorisations <= 3
     change = np.abs(result.angular_momentum - result.angular_momentum[0]).max()
     assert change < 1e-13 * np.linalg.norm(result.angular_momentum[0])
+
+
+@pytest.mark.parametrize("degrees", [2.0, 4.0])
+def test_spinning_beams_are_stretched_by_mean_positions(degrees, caplog):
+    """Its mean length is that under centrifugal forces, longer by θ²/8: the log says so."""
+    step, material = 1e-3, fl.Material(E=2e9, nu=0.3, density=1000.0)
+    section = fl.Section.rectangle(0.02, 0.02, material)
+    beam = fl.Beam.straight((-0.5, 0, 0), (0.5, 0, 0), section, cells=2, name="beam")
+    scene = fl.Scene()
+    scene.add(beam)
+    θ = np.deg2rad(degrees)
+    beam.add_velocity(omega=(0, 0, θ / step), about=(0, 0, 0))
+    result = fl.schemes.Variational().run(scene, duration=0.4, step=step, progress=False)
+    ends = result.position("beam.end") - result.position("beam.start")
+    strain = np.linalg.norm(ends, axis=1).mean() - 1.0
+    centrifugal = 1000.0 / 2e9 * (θ / step) ** 2 / 12
+    assert strain == pytest.approx(centrifugal + θ**2 / 8, rel=0.01)
+    assert sum("stretched by up to" in message for message in caplog.messages) == 1

@@ -12,13 +12,13 @@ from math import asin, atan, degrees, radians
 
 import numpy as np
 
-from fem_lie._arrays import Array, Indices
+from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.lie.node_types import POSITION_GRADIENT
 
 _log = logging.getLogger(__name__)
 
-_FAR = radians(10.0)
-"""Rotation in a step above which a warning is logged."""
+_FAR, _STRETCHED = radians(10.0), 1e-4
+"""Rotation in a step, and strain of elastic bodies by it, above which a warning is logged."""
 
 
 def by_rates(angle: float) -> float:
@@ -74,3 +74,45 @@ class Rotations:
             "GeneralisedAlpha, which turns them by exponential maps",
             *(degrees(self._largest), 100.0 * abs(error), "slowly" if error < 0.0 else "fast"),
         )
+
+
+class MeanPositions(Rotations):
+    """Rotations in a scheme whose forces are those of mean positions over a step.
+
+    An elastic body that turns by θ is shorter there by ``θ²/8``, and its stress stretches it by as
+    much.
+    """
+
+    def __init__(self, made: Callable[[float], float], elastic: Flags) -> None:
+        """Start with no rotation.
+
+        Args:
+            made: Rotation that the scheme makes for a rotation ``h ω``, rad.
+            elastic: Mask of the nodes that cells connect with others, shape (n,).
+        """
+        super().__init__(made)
+        self._elastic, self._turned = elastic, 0.0
+
+    def note_velocities(self, h: float, v: Array, node_types: Indices) -> None:
+        """Take the rotation of frames in a step of size ``h`` into account.
+
+        Args:
+            h: Step size.
+            v: Velocities of nodes, shape (n, 6).
+            node_types: Their types, shape (n,).
+        """
+        super().note_velocities(h, v, node_types)
+        rates = v[self._elastic & (node_types < POSITION_GRADIENT), 3:]
+        self._turned = max(self._turned, h * float(np.linalg.norm(rates, axis=1).max(initial=0.0)))
+
+    def report(self) -> None:
+        """Log a warning if nodes rotate far in a step, and one if that stretches bodies."""
+        super().report()
+        strain = self._turned**2 / 8.0
+        if strain > _STRETCHED:
+            _log.warning(
+                "elastic bodies that turn by up to %.3g° in a step are stretched by up to %.2g of "
+                "their length, for forces are those of mean positions over a step: take smaller "
+                "steps, or EnergyMomentum or GeneralisedAlpha",
+                *(degrees(self._turned), strain),
+            )

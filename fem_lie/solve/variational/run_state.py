@@ -25,7 +25,7 @@ from fem_lie.solve.motion.consistent import check_velocities
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.motion.policies import RefactorisationPolicy
 from fem_lie.solve.recording.recorder import Recorder
-from fem_lie.solve.rotations import Rotations, by_momenta
+from fem_lie.solve.rotations import MeanPositions, by_momenta
 from fem_lie.solve.variational import momenta
 from fem_lie.solve.variational.ends import Binding, Ends
 from fem_lie.system.equations import Equations, Plan, TimeState
@@ -81,7 +81,7 @@ class RunState(DividedIntegration[Recorder]):
         unknowns, known = equations.unknowns, equations.arrays
         n, m, z = unknowns.moving, unknowns.m, np.zeros
         self.options, self._n, self.size = options, n, self.h
-        self._rotations = Rotations(by_momenta)
+        self._rotations = MeanPositions(by_momenta, np.diff(known.inertia.indptr) > 1)
         self._changing = unknowns.time_dependent
         self._mass = inertia_with_products(known.inertia, known.floating)
         self._viscous = _dissipates(equations)
