@@ -102,7 +102,7 @@ class Impulses:
     """Solutions of ``M x + Jᵀ λ = f, J x = g``.
 
     ``M`` is constant in fixed axes, but for frames that share cells and turn against each other:
-    factors of an earlier one then start an iteration, and are replaced where it converges slowly.
+    factors of that of the start then begin an iteration, or give way where it converges slowly.
 
     Attributes:
         mass: The matrix of the factors; ``h² K/4`` in directions without inertia, (6 n, 6 n).
@@ -125,7 +125,7 @@ class Impulses:
         self._coupled = len(equations.arrays.inertia[1]) > unknowns.moving
         self._change: sp.csr_matrix | None = None
         if self._coupled:
-            self._assembled = self._noted = self._consistent(start)
+            self._assembled = self._consistent(start)
         self._elastic: sp.csr_matrix | None = None
         N = massless(equations.arrays.inertia, unknowns.kinds, unknowns.held)
         if N.count_nonzero():
@@ -161,12 +161,12 @@ class Impulses:
 
     def resize(self, step: float) -> None:
         """Change the step size."""
-        self._step = step
-        self._set_up()
+        self._step, self._replaced = step, False
+        self._set_up(self._inertia)
         self._factorise(self._jacobian(self._equations.start.frames).data)
 
-    def _set_up(self) -> None:
-        mass = self._inertia
+    def _set_up(self, inertia: sp.csr_matrix) -> None:
+        mass = inertia
         if self._elastic is not None:
             mass = mass + (self._step / self._first) ** 2 * self._elastic
         self.mass = mass.tocsc()
@@ -176,17 +176,14 @@ class Impulses:
         self._matrix = SaddlePoint(self.mass, J)
 
     def stale(self, H: Array) -> bool:
-        """Whether axes of nodes turned noticeably since the last time that this was so.
+        """Whether axes of nodes have turned noticeably since the start.
 
         A frozen iteration matrix then has a mass that does not conserve momentum.
         """
         if self.turning or not self._coupled:
             return self.turning
         mass = self._consistent(H)
-        turned = bool(abs(mass - self._noted).max() > _STALE * abs(mass).max())
-        if turned:
-            self._noted = mass
-        return turned
+        return bool(abs(mass - self._assembled).max() > _STALE * abs(mass).max())
 
     def go_to(self, H: Array) -> None:
         """Factorise with the constraint Jacobian at frames ``H``, unless it is the present one."""
@@ -196,6 +193,10 @@ class Impulses:
             change = self._consistent(H) - self._assembled
             turned = abs(change).max() > _SAME * abs(self._assembled).max()
             self._change = change if turned else None
+            if self._replaced:  # so that a resumed run has the same factors
+                self._replaced = False
+                self._set_up(self._inertia)
+                self._factorise(self._entries)
         if not self._m:
             return
         entries = self._jacobian(H).data
@@ -241,12 +242,11 @@ class Impulses:
         return x, scale * multipliers
 
     def _replace_factors(self) -> None:
-        """Factorise the present mass matrix."""
+        """Factorise the present mass matrix, until the next :meth:`go_to`."""
         assert self._change is not None
-        self._inertia, entries = self._inertia + self._change, self._entries
-        self._assembled, self._change = self._assembled + self._change, None
-        self._set_up()
-        self._factorise(entries)
+        self._set_up(self._inertia + self._change)
+        self._replaced, self._change = True, None
+        self._factorise(self._entries)
 
     def _turned(self, product: str, f: Array) -> Array:
         """Unknowns or forces (6 n,) or (6 n, k) in other axes."""

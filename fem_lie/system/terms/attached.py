@@ -47,7 +47,11 @@ def on_master_nodes(term: Term, where: slice, master_map: MasterMap) -> Term:
     """
     master = master_map.master[where]
     sums = term.of_bodies and not term.load and term.path is None and term.tables is not None
-    if sums and all((_spread(master, each.cells) == 0).all() for each in term.matrices):
+    if (
+        sums
+        and term.matrices
+        and all((_spread(master, each.cells) == 0).all() for each in term.matrices)
+    ):
         return RigidCells(term, where, master_map)
     return AttachedTerm(term, where, master_map)
 
@@ -88,7 +92,8 @@ class RigidCells(Term):
     def energy(self, H: Array) -> float:
         """Stored energy, which only a change of stress-free strains changes."""
         if self._stored is None or self._stored[0] != self.term.strains_set:
-            self._stored = self.term.strains_set, self.term.energy(self._nodes.frames(H))
+            # in the frames of the master nodes, so that it is the same to the last bit
+            self._stored = self.term.strains_set, self.term.energy(self._nodes.offset)
         return self._stored[1]
 
 
