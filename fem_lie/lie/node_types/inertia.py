@@ -257,9 +257,10 @@ def mass_blocks(node_types: Indices, H: Array, inertia: PlainInertia) -> Array:
     L = np.empty((6, n, 4, 3))
     for k in range(6):
         push_all_forward(node_types, H, np.tile(np.eye(6)[k], (n, 1)), L[k])
+    by_node = np.ascontiguousarray(L.transpose(1, 0, 3, 2))  # node, twist, component, vector
     row = np.repeat(np.arange(n), np.diff(indptr))
-    blocks = np.einsum("pzax,zab,qzbx->zpq", L[:, row], G, L[:, indices], optimize=True)
-    return np.asarray(blocks)
+    left = (by_node.reshape(n, 18, 4)[row] @ G).reshape(-1, 6, 12)
+    return np.asarray(left @ by_node.reshape(n, 6, 12)[indices].swapaxes(1, 2))
 
 
 def director_inertia(inertia: Inertia, count: int) -> Array:

@@ -125,7 +125,8 @@ class Impulses:
         self._coupled = len(equations.arrays.inertia[1]) > unknowns.moving
         self._change: sp.csr_matrix | None = None
         if self._coupled:
-            self._assembled = self._consistent(start)
+            self._assembled, self._at = self._consistent(start), start.copy()
+            self._last: tuple[sp.csr_matrix | None, float] = None, 0.0
         self._elastic: sp.csr_matrix | None = None
         N = massless(equations.arrays.inertia, unknowns.kinds, unknowns.held)
         if N.count_nonzero():
@@ -148,6 +149,14 @@ class Impulses:
         M = sp.bsr_matrix((blocks, indices, indptr), shape=(self._n, self._n)).tocsr()
         free = sp.diags((~unknowns.held.ravel()).astype(np.float64))
         return self._fixed(free @ M @ free)
+
+    def _changed(self, H: Array) -> tuple[sp.csr_matrix | None, float]:
+        """Change of the mass matrix since the start, if there is any, and its relative size."""
+        if not np.array_equal(H, self._at):
+            change = self._consistent(H) - self._assembled
+            size = float(abs(change).max() / abs(self._assembled).max())
+            self._at, self._last = H.copy(), (change if size > _SAME else None, size)
+        return self._last
 
     def _jacobian(self, H: Array) -> sp.csr_matrix:
         """Constraint Jacobian at ``H`` in fixed axes, with the same pattern for all ``H``."""
@@ -182,17 +191,15 @@ class Impulses:
         """
         if self.turning or not self._coupled:
             return self.turning
-        mass = self._consistent(H)
-        return bool(abs(mass - self._assembled).max() > _STALE * abs(mass).max())
+        change, turned = self._changed(H)
+        return change is not None and turned > _STALE
 
     def go_to(self, H: Array) -> None:
         """Factorise with the constraint Jacobian at frames ``H``, unless it is the present one."""
         if self.turning:
             self._to_fixed = _in_fixed_axes(self._kinds, H)
         if self._coupled:
-            change = self._consistent(H) - self._assembled
-            turned = abs(change).max() > _SAME * abs(self._assembled).max()
-            self._change = change if turned else None
+            self._change = self._changed(H)[0]
             if self._replaced:  # so that a resumed run has the same factors
                 self._replaced = False
                 self._set_up(self._inertia)
