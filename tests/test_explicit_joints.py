@@ -117,6 +117,21 @@ def test_resumed_to_the_last_bit(tmp_path, name):
     resumed_as_whole(SCHEME, scene, steps, tmp_path / "run.h5")
 
 
+def test_light_bodies_on_long_arms():
+    """Impulses of the last step would rotate the body of a sling by far too much."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    rod = scene.add(fl.RigidBody(500.0, (50, 50, 50), position=(1, 0, 0)))
+    ball = scene.add(fl.RigidBody(5.0, (1e-6, 1e-6, 1e-6), position=(-5, 0, 0)))
+    centre, sling, y = rod.point("centre"), ball.point("centre"), (0, 1, 0)
+    scene.add(fl.joints.Revolute(fl.ground(), centre, at=(0, 0, 0), axis=y))
+    scene.add(fl.joints.Revolute(centre, sling, at=(-3, 0, 0), axis=y))
+    exact, found = (
+        scheme.run(scene, duration=0.5, step=1e-3).position(sling)[-1]
+        for scheme in (fl.schemes.MuntheKaas(), SCHEME)
+    )
+    np.testing.assert_allclose(found, exact, atol=1e-4)
+
+
 # --- bad input ---
 
 

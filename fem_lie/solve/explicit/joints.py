@@ -116,7 +116,12 @@ class Joints(Stateful):
             nodes.drift(self._masses, p, h, H)
             nodes.decay(self._decay, p)
             if not shared.all(bool(np.isfinite(p).all() and np.isfinite(H).all())):
-                return False
+                self.left = np.inf
+                if not shared.largest(float(np.abs(self.impulses).max(initial=0.0))):
+                    return False
+                # impulses of the last step, on long arms of light bodies, rotate them too far
+                self.impulses[:] = 0.0
+                continue
             wrong = self._equations.constraints(H).values
             self.left = shared.largest(float(np.abs(wrong * self._measure).max(initial=0.0)))
             at_round_off = self.left <= _ROUND_OFF_LEVEL and self.left > _FALLS * previous
