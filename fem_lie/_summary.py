@@ -23,7 +23,11 @@ class Summarised:
     """Base of classes whose ``repr`` has one to ten lines, and which notebooks show as a table."""
 
     def _summary(self) -> Iterator[tuple[str, object]]:
-        """Names and values that the representation shows; default: the fields of a dataclass."""
+        """Names and values that the representation shows; default: the fields of a dataclass.
+
+        A name is what follows the object and a dot in an expression for the value, as "times[-1]".
+        Lists may be shown by their names or lengths.
+        """
         for field in fields(cast(Any, self)):
             if field.repr and not field.name.startswith("_"):
                 value = getattr(self, field.name, None)  # a quantity may not have been recorded

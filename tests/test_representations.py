@@ -150,14 +150,44 @@ def test_a_notebook_shows_a_table(name):
 
 def test_a_representation_says_what_matters():
     assert "loads=1" in repr(SCENE) and "'arm'" in repr(SCENE)
-    assert "nodes=9" in repr(SCENE.bodies[0]) and "'end'" in repr(SCENE.bodies[0])
+    assert "frames=array of shape (9, 4, 3)" in repr(SCENE.bodies[0]) and "'end'" in repr(
+        SCENE.bodies[0]
+    )
     u = np.linalg.norm(STATIC.displacement(SCENE.bodies[0].point("end"))[-1])
-    assert f"largest_displacement={u:.8g}" in repr(STATIC)
+    assert f"largest_displacement[-1]={u:.8g}" in repr(STATIC)
     assert "array of shape (100, 3)" in repr(MESH)
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_what_is_shown_can_be_asked(name):
+    """Each name is an expression for the value, or for the list whose length or names it shows."""
+    shown = SHOWN[name]
+    for key, value in getattr(shown, "_summary", tuple)():
+        asked = eval(f"shown.{key}", {"shown": shown})
+        assert not callable(asked)
+        if isinstance(value, int | float | str):
+            expected = len(asked) if isinstance(asked, list) else asked
+            assert value == expected or value != value  # not a number
+        else:
+            assert len(value) == len(asked) if isinstance(value, list) else value is asked
+
+
+def test_largest_displacement_of_thin_shells_is_of_their_points():
+    """Slopes at points of a thin shell are no displacements."""
+    patch = fl.mesh.smooth_patch(lambda a, b: np.array([0.01 * a, 0.01 * b, 0.0]), (2, 2))
+    shell = fl.ThinShell(patch, fl.ShellSection.layer(1e-4, STEEL), name="roof")
+    shell.clamp("a=0")
+    scene = fl.Scene()
+    scene.add(shell)
+    scene.add(fl.AreaLoad(shell, force=(0, 0, 1e3)))
+    result = fl.statics(scene)
+    moved = np.linalg.norm(result.displacements(shell), axis=-1).max(axis=-1)
+    np.testing.assert_array_equal(result.largest_displacement, moved)
+    assert moved[-1] == pytest.approx(result.displacement("roof.10")[-1, 2], rel=0.05)
 
 
 def test_a_result_without_a_record_is_shown():
     run = fl.GeneralisedAlpha().run(
         SCENE, duration=1e-3, step=1e-3, record=fl.schemes.Record.FRAMES
     )
-    assert "states=2" in repr(run)
+    assert "times[-1]=0.001" in repr(run)

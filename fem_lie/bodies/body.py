@@ -156,12 +156,12 @@ class Body(Summarised):
         return Point(self, *found)
 
     def _summary(self) -> Iterator[tuple[str, object]]:
-        """Name, numbers of nodes and cells, named points."""
+        """Name, frames of the nodes, nodes of the cells, named points."""
         model = self.model
         yield "name", self.name
-        yield "nodes", len(model.frames)
-        yield from (("cells", len(model.cells)),) if len(model.cells) else ()
-        yield "points", sorted(model.point_names)
+        yield "frames", model.frames
+        yield from (("model.cells", model.cells),) if len(model.cells) else ()
+        yield "model.point_names", sorted(model.point_names)
 
     def add_velocity(
         self,

@@ -79,12 +79,11 @@ class StaticResult(StateSeries, Saved):
 
     def _summary(self) -> Iterator[tuple[str, object]]:
         """Load factors, displacement, iterations and stability."""
-        u = np.linalg.norm(self.frames[-1, :, 0] - self.info.undeformed[:, 0], axis=-1)
-        yield "bodies", [body.name for body in self.info.bodies]
+        yield "info.bodies", [body.name for body in self.info.bodies]
         yield "factors", self.factors
-        yield "largest_displacement", float(u.max(initial=0.0))
-        yield "iterations", self.total_iterations
-        yield from (("stable", bool(self.stable[-1])),) if len(self.negative_pivots) else ()
+        yield "largest_displacement[-1]", float(self.largest_displacement[-1])
+        yield "total_iterations", self.total_iterations
+        yield from (("stable[-1]", bool(self.stable[-1])),) if len(self.negative_pivots) else ()
         yield "seconds", self.seconds
 
     _PLOTTED: ClassVar[Quantity] = "displacement"
@@ -109,6 +108,12 @@ class StaticResult(StateSeries, Saved):
         number of negative eigenvalues is not detected: :func:`fem_lie.flutter` finds out.
         """
         return np.asarray(self.negative_pivots == 0)
+
+    @property
+    def largest_displacement(self) -> Array:
+        """Largest displacement of a node in each state, over all bodies, shape (k,), length."""
+        u = [np.linalg.norm(self.displacements(body.name), axis=-1) for body in self.info.bodies]
+        return np.concatenate(u, axis=-1).max(axis=-1, initial=0.0)
 
     @property
     def total_iterations(self) -> int:

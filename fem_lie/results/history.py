@@ -129,13 +129,11 @@ class Result(Balanced, StateSeries):
 
     def _summary(self) -> Iterator[tuple[str, object]]:
         """Bodies, times, what was recorded, and the work that the motion took."""
-        yield "bodies", [body.name for body in self.info.bodies]
-        yield "states", len(self.times)
-        yield from (
-            (("times", f"{self.times[0]:.6g} to {self.times[-1]:.6g}"),) if len(self.times) else ()
-        )
+        yield "info.bodies", [body.name for body in self.info.bodies]
+        yield "times", self.times
+        yield from (("times[-1]", float(self.times[-1])),) if len(self.times) else ()
         yield "recorded", self.recorded
-        yield "iterations", self.total_iterations
+        yield "total_iterations", self.total_iterations
         yield "factorisations", self.factorisations
         yield "seconds", self.seconds
 

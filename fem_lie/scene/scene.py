@@ -156,7 +156,6 @@ class Scene(Summarised):
         """What the scene holds, by numbers."""
         yield "gravity", self._gravity
         yield "bodies", [body.label for body in self.bodies]
-        yield "nodes", sum(len(body.frames) for body in self.bodies)
         between = "joints", "connections", "links", "contacts"
         counted = (*between, "loads", "clamps", "motions", "events", "sensors", "controllers")
         yield from ((name, len(getattr(self, name))) for name in counted if getattr(self, name))
