@@ -266,6 +266,27 @@ def test_momenta_of_shells():
     assert abs(changes.energy_change) < 1e-2 * (result.kinetic[-1] + result.elastic[-1])
 
 
+@pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
+def test_bent_shells_keep_their_energy(cell):
+    """A thin strip, bent far: the parts of a cell are bent, too, and not sheared."""
+
+    def strip(mesh):
+        scene = fl.Scene()
+        layer = fl.ShellSection.layer(0.02, fl.Material(1e6, 0.0, 1.0))
+        shell = scene.add(fl.Shell(mesh, layer, name="strip"))
+        shell.clamp("a=0")
+        scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(0.0, 0.0, 0.2)))
+        return scene
+
+    mesh = fl.mesh.parametric_surface(lambda a, b: (2 * a, 0.5 * b, 0.0), (16, 4), cell=cell)
+    coarse = strip(mesh)
+    result = fl.statics(coarse)
+    for cells in (range(0, len(mesh.cells), 7), range(len(mesh.cells))):
+        fine = strip(fl.adaptivity.refine(mesh, cells))
+        changes = fl.adaptivity.transfer(result, coarse, fine)
+        assert abs(changes.energy_change) < 0.02 * changes.elastic[0]
+
+
 def spun(u: UnitSystem, cells: int) -> fl.Scene:
     """A free wire of 1 mm along an arc of about 2 m, whose nodes hardly have moments of inertia."""
     steel, scene = fl.Material(u.stress(2.1e11), 0.3, u.density(7800.0)), fl.Scene()
