@@ -60,6 +60,16 @@ def by_patterns(tolerance: float) -> None:
         report(f"patterns, part {part}", found.mesh, found.relative[-1], since)
 
 
+def by_sizes(tolerance: float) -> None:
+    """Cut from the first mesh on for each mesh, with equal errors of all cells."""
+    for fall in (0.5, 0.75):
+        since, mesh = perf_counter(), effectivity.l_plate(4).bodies[0].model.mesh
+        found = fl.adaptivity.adapt(
+            plate, mesh, tolerance=tolerance, solve=fl.statics, estimate=ESTIMATE, fall=fall
+        )
+        report(f"from the first mesh, fall {fall}", found.mesh, found.relative[-1], since)
+
+
 def by_equal(tolerance: float) -> None:
     """Twice as many cells each time."""
     since, relative, count = perf_counter(), 1.0, 4
@@ -140,6 +150,7 @@ def main() -> None:
     print("| --- | --- | --- | --- | --- | --- |")
     by_equal(tolerance)
     by_patterns(tolerance)
+    by_sizes(tolerance)
     by_gmsh(tolerance)
 
 

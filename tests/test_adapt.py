@@ -405,9 +405,24 @@ def test_a_fall_that_is_none(fall):
         fl.adaptivity.adapt(never, square(2, "triangle"), tolerance=0.1, fall=fall)
 
 
-def test_quadrilaterals_are_not_generated_from_the_first_mesh():
-    with pytest.raises(ValueError, match="quadrilaterals"):
-        fl.adaptivity.adapt(never, square(2, "quadrilateral"), tolerance=0.1, fall=0.5)
+@pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
+def test_meshes_change_until_the_tolerance_is_met(cell):
+    """Also where all cells are slightly too large, but would be much too small after a cut."""
+    mesh = square(2, cell)
+
+    def pressed(mesh):
+        scene = fl.Scene()
+        shell = scene.add(
+            fl.Shell(mesh, fl.ShellSection.layer(0.1, fl.Material(2.1e6, 0.3, 1.0)), name="plate")
+        )
+        shell.clamp("a=0")
+        scene.add(fl.loads.EdgeLoad(shell, "a=1", force=(0.0, 0.0, 1.0)))
+        return scene
+
+    found = fl.adaptivity.adapt(pressed, mesh, tolerance=0.07, fall=0.9)
+    assert found.relative[-1] <= 0.07 < found.relative[-2]
+    counts = [len(mesh.cells) for mesh in found.meshes]
+    assert len(set(counts)) == len(counts)
 
 
 def test_a_tip_is_as_accurate_as_was_asked_for():

@@ -20,7 +20,7 @@ def cantilever(mesh):
 
 
 def strip(mesh):
-    """A cantilever of triangles."""
+    """A cantilever of shell cells."""
     scene = fl.Scene()
     layer = fl.ShellSection.layer(0.05, fl.Material(1e6, 0.0, 1.0))
     shell = scene.add(fl.Shell(mesh, layer, name="strip"))
@@ -78,19 +78,21 @@ def test_through_a_limit_point():
     assert fine.frames[1, 32, 0, 2] < -1.0
 
 
-def test_shells_of_triangles():
+@pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
+def test_shells(cell):
     def mesh(a, b):
-        return fl.mesh.parametric_surface(
-            lambda s, t: (2 * s, 0.5 * t, 0.0), (a, b), cell="triangle"
-        )
+        return fl.mesh.parametric_surface(lambda s, t: (2 * s, 0.5 * t, 0.0), (a, b), cell=cell)
 
-    found = fl.adaptivity.adapt_loads(strip, mesh(4, 1), [0.2, 0.6, 1.0], tolerance=0.2)
+    found = fl.adaptivity.adapt_loads(strip, mesh(2, 1), [0.2, 0.6, 1.0], tolerance=0.2)
     fine = fl.follow_loads(strip(mesh(48, 12)), [0.2, 0.6, 1.0])
     for name in ("strip.10", "strip.11"):
         gap = found.displacement(name) - fine.displacement(name)
         size = np.linalg.norm(fine.displacement(name), axis=1)
         assert (np.linalg.norm(gap, axis=1) < 0.2**2 * size).all()
     assert (found.relative <= 0.2).all()
+    assert found.cells[-1] > len(mesh(2, 1).cells)
+    changes = [part.change for part in found.segments if part.change]
+    assert all(abs(each.energy_change) < 1e-2 * each.elastic[0] for each in changes)
 
 
 def test_thin_shells():
@@ -153,9 +155,9 @@ def test_levels_that_do_not_grow(levels):
 
 
 def test_what_is_not_followed():
-    squares = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
-    with pytest.raises(ValueError, match="triangles of degree 1"):
-        fl.adaptivity.adapt_loads(never, squares, LEVELS, tolerance=0.1)
+    curved = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (2, 2), degree=2)
+    with pytest.raises(ValueError, match="cells of degree 1"):
+        fl.adaptivity.adapt_loads(never, curved, LEVELS, tolerance=0.1)
 
     def warm(mesh):
         scene = cantilever(mesh)

@@ -10,6 +10,7 @@ from demos import adaptive_wave
 
 MATERIAL = fl.Material(E=2e8, nu=0.3, density=7800.0)
 SECTION = fl.Section.rectangle(0.01, 0.01, MATERIAL)
+CELLS = ["triangle", "quadrilateral"]
 LINE = fl.mesh.straight_line((0, 0, 0), (1, 0, 0), 4)
 
 
@@ -76,8 +77,9 @@ def test_what_is_small_beside_what_comes_needs_no_fine_mesh():
     assert max(part.error for part in largest.segments) < 0.01
 
 
-def test_a_shell_of_triangles():
-    """A flap that falls about its clamped edge, against equal triangles."""
+@pytest.mark.parametrize("cell", CELLS)
+def test_a_shell(cell):
+    """A flap that falls about its clamped edge, against equal cells."""
 
     def flap(mesh):
         scene = fl.Scene(gravity=(0, 0, -9.81))
@@ -86,9 +88,7 @@ def test_a_shell_of_triangles():
         return scene
 
     def mesh(a, b):
-        return fl.mesh.parametric_surface(
-            lambda s, t: (0.5 * s, 0.2 * t, 0.0), (a, b), cell="triangle"
-        )
+        return fl.mesh.parametric_surface(lambda s, t: (0.5 * s, 0.2 * t, 0.0), (a, b), cell=cell)
 
     found = fl.adaptivity.adapt_motion(
         flap, mesh(3, 1), duration=0.1, every=0.05, tolerance=0.3, size=0.5
@@ -98,6 +98,38 @@ def test_a_shell_of_triangles():
     fine = fl.GeneralisedAlpha().run(flap(mesh(12, 5)), duration=0.1, step=2e-3)
     gap = found.position("flap.10")[-1] - fine.position("flap.10")[-1]
     assert np.linalg.norm(gap) < 0.1 * found.tolerance * 0.5
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_cells_follow_a_wave(cell):
+    """A pulse of tension in a free strip: small cells where it is, large ones where it was."""
+
+    def strip(mesh):
+        scene = fl.Scene()
+        layer = fl.ShellSection.layer(0.1, fl.Material(E=1.0, nu=0.0, density=1.0))
+        shell = scene.add(fl.Shell(mesh, layer, name="strip"))
+        pulse = fl.loads.EdgeLoad(
+            shell,
+            "a=0",
+            force=(1e-4, 0.0, 0.0),
+            history=lambda t: np.sin(2 * np.pi * t) ** 2 * (t < 0.5),
+        )
+        scene.add(pulse)
+        return scene
+
+    mesh = fl.mesh.parametric_surface(lambda a, b: (3 * a, 0.25 * b, 0.0), (12, 1), cell=cell)
+    found = fl.adaptivity.adapt_motion(
+        strip, mesh, duration=2.0, every=0.5, tolerance=0.3, size=2.5e-4, ahead=0.5
+    )
+    centres = [part.mesh.centres[:, 0] for part in found.segments]
+    first, second, _ = np.array([np.histogram(x, [0, 1, 2, 3])[0] for x in centres]).T
+    assert first[-1] < 0.7 * first.max(), "cells are coarsened"
+    assert second[-1] > 10 * second[0], "and refined"
+    assert found.momentum_error < 1e-12
+    # the impulse of the pulse, but for the error of the steps
+    assert found.momentum[-1, 0] == pytest.approx(1e-4 * 0.25 * 0.25, rel=1e-2)
+    energy = (found.kinetic + found.elastic)[-1]
+    assert abs(found.energy_change) < 0.1 * found.tolerance * energy
 
 
 def test_a_cable_in_motion():
@@ -151,10 +183,10 @@ def test_bad_numbers(wrong, message):
 
 
 def test_what_cannot_be_refined():
-    square = fl.mesh.parametric_surface(lambda a, b: np.array([a, b, 0.0]), (2, 2))
+    curved = fl.mesh.parametric_surface(lambda a, b: (a, b, 0.0), (2, 2), degree=2)
     given = {"duration": 1.0, "every": 0.1, "tolerance": 0.1, "size": 1.0}
-    with pytest.raises(ValueError, match="triangles of degree 1"):
-        fl.adaptivity.adapt_motion(never, square, **given)
+    with pytest.raises(ValueError, match="cells of degree 1"):
+        fl.adaptivity.adapt_motion(never, curved, **given)
     with pytest.raises(TypeError, match="mesh"):
         fl.adaptivity.adapt_motion(never, "line", **given)
     with pytest.raises(ValueError, match="build must make one beam, cable or shell"):

@@ -51,7 +51,7 @@ from fem_lie.solve.statics.follow import follow_loads
 _log = logging.getLogger("fem_lie")
 
 _AIM = 0.95  # target error over the tolerance
-_LARGEST = 2.0**0.5  # largest size over the target size: cells are halved, so many are smaller
+_MEAN = 1.0  # mean of sizes over target sizes
 
 Solve = Callable[[Scene], StaticResult]
 Estimate = SpaceError | GoalError
@@ -152,8 +152,8 @@ def adapt(
         solve: Computes the equilibrium of a scene, or the path for a critical load; default: what
             the goal needs, or :func:`~fem_lie.solve.statics.follow.follow_loads`.
         part: Fraction of the squared error of the elements that are refined.
-        fall: Error of each mesh over that of the one before, to generate each mesh from initial
-            lines, triangles or smooth patches; default: elements are refined.
+        fall: Error of each mesh over that of the one before, to generate each mesh from the initial
+            one; default: elements are refined.
         most: Largest number of unknowns.
         onto: Projects new points onto the exact line or surface.
         estimate: Error estimate in the energy norm; default:
@@ -168,7 +168,7 @@ def adapt(
             if any.
     """
     _check(build, mesh, tolerance, goal, solve, part, onto)
-    _check_fall(fall, mesh)
+    _check_fall(fall)
     instance(estimate, ErrorEstimate | None, "estimate", "a Recovery, a Residual or None")
     if goal is not None and estimate is not None:
         raise ValueError(f"a goal is estimated by recovered stress: omit {estimate!r}")
@@ -232,7 +232,7 @@ def _unknowns(body: Body, *, drilling: bool) -> int:
 def _remeshed(
     first: Refinable, found: Adapted[Refinable], relative: float, order: int, onto: Onto | None
 ) -> Refinable:
-    """A mesh for a relative error, with equal errors of all elements."""
+    """A new mesh for a relative error, with equal errors of all elements."""
     error, factor = found.error, float(found.calibration[-1])
     # contributions to a goal are summed like squared errors in the energy norm
     allowed = (
@@ -241,7 +241,7 @@ def _remeshed(
         else np.sqrt(relative * abs(found.value))
     )
     sizes = Sizes.of(found.mesh, factor * error.squares, allowed, order)
-    return sizes.mesh(first, onto=onto, largest=_LARGEST)
+    return sizes.other_mesh(first, found.meshes, onto=onto, mean=_MEAN)
 
 
 def _solved(scene: Scene, goal: Goal | None, solve: Solve | None) -> StaticResult:
@@ -276,13 +276,9 @@ def _check(
         raise ValueError(f"part must be above 0 and at most 1, got {part!r}")
 
 
-def _check_fall(fall: object, mesh: LineMesh | SurfaceMesh | SplineMesh) -> None:
-    if fall is None:
-        return
-    if not 0.0 < positive(fall, "fall") < 1.0:
+def _check_fall(fall: object) -> None:
+    if fall is not None and not 0.0 < positive(fall, "fall") < 1.0:
         raise ValueError(f"fall must be between 0 and 1, got {fall!r}")
-    if isinstance(mesh, SurfaceMesh) and mesh.cell != "triangle":
-        raise ValueError(f"fall: expected lines, triangles or smooth patches, got {mesh.cell}s")
 
 
 def named_body(

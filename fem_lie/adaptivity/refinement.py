@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from math import sqrt
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -235,12 +236,13 @@ def _moved(points: Array, onto: Onto | None) -> Array:
     return vectors_at(onto, points, 3, "onto")
 
 
-_LARGEST = 1.2  # largest size over the target size
+_MEAN = 0.85  # mean of sizes over target sizes
 _FINER, _COARSER = (
     0.125,
     8.0,
 )  # bounds of the change of size in one step, beyond which an estimate is unreliable
 _LEVELS = 40
+_SMALLER = 0.9  # factor of target sizes that change no element
 _OF_CUBICS = 2  # order of curvatures
 _OF_ANCF = 1  # order of their means
 
@@ -288,16 +290,20 @@ class Sizes(NamedTuple):
         *,
         ahead: float = 0.0,
         onto: Onto | None = None,
-        largest: float = _LARGEST,
+        mean: float = _MEAN,
     ) -> Refinable:
-        """Refine a coarse mesh until all elements are below the target sizes in and around them.
+        """Refine a coarse mesh until sizes are on average the target sizes in and around elements.
+
+        Elements are cut in k along each edge, so their sizes are between the largest one and 1/k of
+        it.
 
         Args:
             coarse: The initial mesh.
             ahead: Distance around elements within which target sizes apply.
             onto: Projects new points onto the exact line or surface.
-            largest: Largest size relative to the target size.
+            mean: Geometric mean of the smallest and the largest size, relative to the target size.
         """
+        largest = mean * sqrt(_cuts(coarse))
         tree, found = cKDTree(self.middles), coarse
         nearest = min(2, len(self.middles))
         for _ in range(_LEVELS):
@@ -314,6 +320,42 @@ class Sizes(NamedTuple):
                 break
             found = refine(found, large, onto=onto)
         return found
+
+    def other_mesh(
+        self,
+        coarse: Refinable,
+        known: Sequence[Refinable],
+        *,
+        onto: Onto | None = None,
+        mean: float = _MEAN,
+    ) -> Refinable:
+        """Mesh of these sizes, or of smaller ones if it is known to be too coarse.
+
+        Elements that are slightly too large may remain, since cutting makes them much smaller.
+
+        Args:
+            coarse: The initial mesh.
+            known: Meshes whose error is too large.
+            onto: As for :meth:`mesh`.
+            mean: As for :meth:`mesh`.
+        """
+        sizes = self
+        while any(
+            same_mesh(made := sizes.mesh(coarse, onto=onto, mean=mean), one) for one in known
+        ):
+            sizes = sizes._replace(target=_SMALLER * sizes.target)
+        return made
+
+
+def same_mesh(one: Refinable, other: Refinable) -> bool:
+    """Whether two meshes that were refined from the same one are equal."""
+    shapes = one.cells.shape == other.cells.shape and one.points.shape == other.points.shape
+    return shapes and np.array_equal(one.points, other.points)
+
+
+def _cuts(mesh: LineMesh | SurfaceMesh | SplineMesh) -> int:
+    """Number of parts of each edge of a refined element."""
+    return 3 if isinstance(mesh, SurfaceMesh) and mesh.cell == "quadrilateral" else 2
 
 
 def order_of(body: Estimated) -> int:

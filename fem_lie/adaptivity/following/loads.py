@@ -142,7 +142,7 @@ def adapt_loads(
 
     Args:
         build: Creates a scene with a beam, cable or shell on the given mesh.
-        mesh: The coarsest mesh: lines, triangles of first degree, or smooth patches.
+        mesh: The coarsest mesh: lines, cells of first degree, or smooth patches.
         levels: Increasing positive load factors; the mesh changes only at these.
         tolerance: Relative error in the energy norm, at each load factor.
         body: Name of the beam, cable or shell on the mesh; default: the only one in the scene.
@@ -176,6 +176,7 @@ def adapt_loads(
     segments: list[LoadSegment[Refinable]] = []
     now, solved = mesh, 0
     for level in increasing(levels):
+        coarse: list[Refinable] = []
         for _ in range(_TRIES):
             _require_few(now, most, level, _found(segments, tolerance, solved))
             try:
@@ -183,11 +184,12 @@ def adapt_loads(
             except ConvergenceError as error:
                 raise ConvergenceError(str(error), _found(segments, tolerance, solved)) from None
             solved += 1
-            fitted = _fitted(mesh, part, tolerance, onto)
+            sizes = _sizes(part, tolerance)
             if part.error.relative <= tolerance:
                 break
             _log.info("factor %g: %s: again", level, part.error)
-            now = fitted
+            coarse.append(now)
+            now = sizes.other_mesh(mesh, coarse, onto=onto)
         else:
             raise ConvergenceError(
                 f"at load factor {level:g} the error is {part.error.relative:.2g} after {_TRIES} "
@@ -195,6 +197,7 @@ def adapt_loads(
                 _found(segments, tolerance, solved),
             )
         segments.append(part)
+        fitted = sizes.mesh(mesh, onto=onto)
         now = fitted if len(fitted.cells) < _FEWER * len(now.cells) else now
     return AdaptedLoads(tuple(segments), tolerance, solved)
 
@@ -224,13 +227,11 @@ def _stretch(
     return LoadSegment(mesh, scene, result, error, change)
 
 
-def _fitted(
-    coarse: Refinable, part: LoadSegment[Refinable], tolerance: float, onto: Onto | None
-) -> Refinable:
-    """A mesh with equal errors of all elements, for the allowed error."""
+def _sizes(part: LoadSegment[Refinable], tolerance: float) -> Sizes:
+    """Sizes for equal errors of all elements, for the allowed error."""
     error = part.error
     allowed = _AIM * tolerance * float(np.sqrt(error.energy))
-    return Sizes.of(part.mesh, error.squares, allowed, order_of(error.body)).mesh(coarse, onto=onto)
+    return Sizes.of(part.mesh, error.squares, allowed, order_of(error.body))
 
 
 def _require_few(
@@ -252,7 +253,3 @@ def _check(
     positive(tolerance, "tolerance")
     instance(estimate, ErrorEstimate | None, "estimate", "a Recovery, a Residual or None")
     check_refinable(mesh, onto)
-    if isinstance(mesh, SurfaceMesh) and mesh.cell != "triangle":
-        raise ValueError(
-            f"expected lines, triangles of degree 1 or smooth patches, got {mesh.cell}s"
-        )

@@ -16,7 +16,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from math import sqrt
-from typing import Generic, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -69,7 +69,7 @@ def adapt_motion(
 
     Args:
         build: Creates a scene with a beam, cable or shell on the given mesh.
-        mesh: The coarsest mesh: lines, triangles of first degree, or smooth patches.
+        mesh: The coarsest mesh: lines, cells of first degree, or smooth patches.
         duration: End time.
         every: Time between two changes of the mesh.
         tolerance: τ.
@@ -103,14 +103,9 @@ def adapt_motion(
     if not number(least, "least") >= 0.0:
         raise ValueError(f"least must not be negative, got {least!r}")
     check_refinable(mesh, onto)
-    if isinstance(mesh, SurfaceMesh) and mesh.cell != "triangle":
-        raise ValueError(
-            f"expected lines, triangles of degree 1 or smooth patches, got {mesh.cell}s"
-        )
     allowed = sqrt(space_fraction) * tolerance, sqrt(1.0 - space_fraction) * tolerance
     scheme = GeneralisedAlpha() if scheme is None else scheme
     steps = AdaptiveStep(allowed[1] * size / duration, first=min(1e-2 * every, 1e-3 * duration))
-    meshes = _Meshes(mesh, ahead, onto, allowed[0])
     segments: list[MotionSegment[Refinable]] = []
     now, time, scale, work = mesh, 0.0, float(least), 0
 
@@ -119,6 +114,7 @@ def adapt_motion(
 
     while time < duration * (1.0 - 1e-12):
         span = min(every, duration - time)
+        coarse: list[Refinable] = []
         for _ in range(_TRIES):
             if len(now.cells) > most:
                 raise ConvergenceError(
@@ -135,7 +131,10 @@ def adapt_motion(
             if error <= allowed[0]:
                 break
             _log.info("time %g: error %.2g with %d elements: again", time, error, len(now.cells))
-            now = meshes.fitted(now, look.squares.max(axis=0), most_stress, look.order)
+            coarse.append(now)
+            aim = _AIM * allowed[0] * most_stress
+            sizes = Sizes.of(now, look.squares.max(axis=0), aim, look.order)
+            now = sizes.other_mesh(mesh, coarse, onto=onto)
         else:
             raise ConvergenceError(
                 f"at time {time:g} the error in space is {error:.2g} after {_TRIES} meshes, above "
@@ -146,27 +145,9 @@ def adapt_motion(
         segments.append(MotionSegment(time, now, scene, result, error, change))
         time += span
         steps = _going_on(steps, result, span)
-        now = meshes.fitted(now, look.squares[-1], scale, look.order, beyond=True)
+        sizes = Sizes.of(now, look.squares[-1], _AIM * allowed[0] * scale, look.order)
+        now = sizes.mesh(mesh, ahead=ahead, onto=onto)
     return found()
-
-
-class _Meshes(Generic[Refinable]):
-    """Meshes refined from one coarse mesh."""
-
-    def __init__(self, coarse: Refinable, ahead: float, onto: Onto | None, allowed: float) -> None:
-        """Store the options."""
-        self._coarse: Refinable = coarse
-        self._ahead, self._onto, self._allowed = ahead, onto, allowed
-
-    def fitted(
-        self, now: Refinable, squares: Array, scale: float, order: int, *, beyond: bool = False
-    ) -> Refinable:
-        """A mesh with equal errors of all elements, for the allowed error times the scale."""
-        sizes = Sizes.of(now, squares, _AIM * self._allowed * scale, order)
-        ahead = self._ahead if beyond else 0.0
-        made = sizes.mesh(self._coarse, ahead=ahead, onto=self._onto)
-        same = len(made.cells) == len(now.cells) and len(made.points) == len(now.points)
-        return now if same and np.array_equal(made.points, now.points) else made
 
 
 class _Look(NamedTuple):
