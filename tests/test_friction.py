@@ -556,7 +556,7 @@ REFUSED = {
     ),
     "conserving": (
         lambda: fl.EnergyMomentum().run(crossing(), duration=0.1, step=1e-2, progress=False),
-        "support contacts by penalty with friction: use GeneralisedAlpha",
+        "with friction but between points, balls and planes: use GeneralisedAlpha",
     ),
 }
 

@@ -167,10 +167,12 @@ class PenaltyForces(
         self._friction, self.friction = friction, friction is not None
         self._compared, self._energies = 0, np.zeros(2)
         self._watch = EnergyWatch(name, self._law, self._now)
-        if friction is not None:
-            self.label = "contacts by penalty with friction"
-        self.ignores = parts
         smooth = friction is None or sides.of_balls
+        if friction is not None:
+            self.label += " with friction"
+        if not smooth:
+            self.label += " but between points, balls and planes"
+        self.ignores = parts
         # free flight of conserving steps does not detect when ignored pairs separate
         self.conserved = smooth and not (self._damped or parts)
         if parts:
