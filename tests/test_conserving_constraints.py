@@ -83,6 +83,21 @@ def centre_of(scheme, scene: fl.Scene, step: float) -> tuple[np.ndarray, fl.Resu
 
 
 @each
+def test_a_bead_on_a_beam_gets_no_moment(name):
+    """A sliding joint at its centre acts on its position only, however small its inertia."""
+    scene = fl.Scene()
+    beam = scene.add(line())
+    bead = scene.add(fl.RigidBody(0.01, (1e-9, 1e-9, 1e-9), tuple(middle_of(beam))))
+    scene.add(fl.joints.Sliding(beam, bead.point("centre")))
+    scene.add(fl.joints.Spherical(fl.ground(), beam.point("start")))
+    scene.add(fl.PointLoad(bead.point("centre"), force=(0.5, 0, -0.5)))
+    result = SCHEMES[name].run(scene, duration=0.05, step=5e-3)
+    rotation = result.rotation(bead.point("centre"))
+    assert abs(result.displacement(bead.point("centre"))[-1, [0, 2]]).min() > 1e-4
+    np.testing.assert_allclose(rotation, np.broadcast_to(np.eye(3), rotation.shape), atol=1e-6)
+
+
+@each
 @pytest.mark.parametrize("joint", SCENES)
 def test_energy_momenta_and_joints_are_exact(name, joint):
     _, result = centre_of(SCHEMES[name], SCENES[joint](), 2e-3)

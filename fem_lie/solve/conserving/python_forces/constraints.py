@@ -3,7 +3,7 @@
 Any constraint ``Φ`` has a discrete gradient. With its Jacobian ``J`` at the midpoint of the step,
 the increments ``Δ`` of the nodes, ``(Δx, ψ)`` of frames and those of the coordinate vectors of
 others, and the increment ``s`` without its rigid part, in the metric ``M`` (1 on lengths, the
-square of the model's length on rotations and on vectors without dimension)::
+square of the model's length on vectors without dimension and on rotations that ``J`` acts on)::
 
     D = J + (ΔΦ − J Δ)/|s|² M s,        λ D Δ = λ ΔΦ
 
@@ -59,6 +59,9 @@ from fem_lie.system.equations import Equations
 
 _BALANCED = 1e-9
 """Resultant and moment of a constraint row, over the size of its parts, that are round-off."""
+_FREE = 1e-9
+"""Factor on the metric of rotations that a constraint does not act on. So a bead gets no moment,
+however small its inertia, and the rigid part of points on a line is still defined."""
 
 
 class _Nodal(NamedTuple):
@@ -131,8 +134,8 @@ def _arm(nodal: _Nodal, i: int, half: int, centre: Vector) -> Vector:
 
 
 @compiled
-def _deformation(nodes: Indices, nodal: _Nodal, whole: bool, s: Array) -> float:
-    """Increments of some nodes (k, 6), without their rigid part unless ``whole``.
+def _deformation(nodes: Indices, nodal: _Nodal, metric: Array, whole: bool, s: Array) -> float:
+    """Increments of some nodes (k, 6), without their rigid part in ``metric`` unless ``whole``.
 
     Returns ``|s|²``.
     """
@@ -151,7 +154,7 @@ def _deformation(nodes: Indices, nodal: _Nodal, whole: bool, s: Array) -> float:
         for a in range(count):
             i = nodes[a]
             for half in range(2):
-                what, weight = _unknowns_of(nodal.kinds[i], half), nodal.weights[i, half]
+                what, weight = _unknowns_of(nodal.kinds[i], half), metric[a, half]
                 moved = load(s[a], 3 * half)
                 if what == _PLACE:
                     moved = minus(moved, shift)
@@ -177,7 +180,7 @@ def _deformation(nodes: Indices, nodal: _Nodal, whole: bool, s: Array) -> float:
     for a in range(count):
         for half in range(2):
             part = load(s[a], 3 * half)
-            square += nodal.weights[nodes[a], half] * dot(part, part)
+            square += metric[a, half] * dot(part, part)
     return square
 
 
@@ -208,7 +211,7 @@ def _add(
     for c in range(first, multipliers.shape[0]):
         most = max(most, B.indptr[c + 1] - B.indptr[c])
     f, s, on = np.empty((most, 6)), np.empty((most, 6)), np.empty(most, dtype=np.int64)
-    own = np.empty(6)
+    own, metric = np.empty(6), np.empty((most, 2))
     for c in range(first, multipliers.shape[0]):
         count = _row_of(B, c, nodal, f, on)
         nodes = on[:count]
@@ -234,14 +237,19 @@ def _add(
                     moment = plus(moment, cross(_arm(nodal, i, half, centre), part))
         left = sqrt(dot(force, force)) * length + sqrt(dot(moment, moment))
         grounded = left > _BALANCED * size
-        square = _deformation(nodes, nodal, grounded, s)
+        for a in range(count):
+            for half in range(2):
+                what, part = _unknowns_of(nodal.kinds[nodes[a]], half), load(f[a], 3 * half)
+                free = what == _ROTATION and sqrt(dot(part, part)) <= _BALANCED * size
+                metric[a, half] = (_FREE if free else 1.0) * nodal.weights[nodes[a], half]
+        square = _deformation(nodes, nodal, metric, grounded, s)
         round_off_level = ROUND_OFF * far
         missing = beyond(gains[c] - made, round_off_level)
         factor = factor_of(missing, KNOWN * round_off_level, square, ROUND_OFF * length**2)
         for a in range(count):
             i = nodes[a]
             for half in range(2):
-                gradient = factor * nodal.weights[i, half]
+                gradient = factor * metric[a, half]
                 for k in range(3 * half, 3 * half + 3):
                     own[k] = multipliers[c] * (f[a, k] + gradient * s[a, k])
                     out[i, k] += own[k]
