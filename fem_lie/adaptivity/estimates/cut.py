@@ -1,4 +1,4 @@
-"""Shells with each cell cut into four: the new nodes, and local problems on patches of cells."""
+"""Shells with each cell cut into four: the new nodes, their frames, supports and forces."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import basix
 import numpy as np
-import scipy.sparse.linalg
 from scipy.sparse import bsr_matrix, coo_matrix, csr_matrix
 
+from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie.bodies.shells.assembly import assembly_of
 from fem_lie.bodies.shells.placing import frames_with
@@ -20,6 +20,8 @@ from fem_lie.results.stresses.nodal_values import CellPoints, unit
 from fem_lie.results.stresses.shell_stress import integration
 
 _STRAIGHT = 0.9  # cosine
+_STEP = 1e-5  # increment for numerical derivatives: over the length of the model, and in rad
+_ADMITTED = 0.25  # least part of a motion, squared, that counts as admitted by supports
 
 
 def border_shares(number: Indices, along: Array, length: Array) -> tuple[Array, Array]:
@@ -56,7 +58,6 @@ class Cut(NamedTuple):
         ends: Nodes at the ends of cut edges, shape (e, 2).
         sides: Edges of each cell, shape (m, 3 or 4).
         border: Whether each edge belongs to a single cell, shape (e,).
-        held: Whether each new node is fixed, shape (new,).
     """
 
     shell: Shell
@@ -65,7 +66,6 @@ class Cut(NamedTuple):
     ends: Indices
     sides: Indices
     border: Flags
-    held: Flags
 
     @classmethod
     def of(cls, shell: Shell) -> Cut:
@@ -101,9 +101,15 @@ class Cut(NamedTuple):
         separate.model.mesh = separate.model.cut_mesh = SurfaceMesh(
             points[cells.ravel()], own, mesh.cell, normals
         )
-        clamped: Flags = np.asarray(shell.model.held[:, :_FIVE].all(axis=1))
-        held = np.concatenate([clamped[ends].all(axis=1), np.zeros(middles, dtype=bool)])
-        return cls(shell, fine, separate, ends, number, met == 1, held)
+        return cls(shell, fine, separate, ends, number, met == 1)
+
+    @property
+    def added(self) -> Indices:
+        """New nodes of each cell, numbered from 0: on its edges, and in its middle, (m, 3 or 5)."""
+        edges, m = len(self.ends), len(self.sides)
+        if len(self.fine.frames) == len(self.shell.frames) + edges:
+            return self.sides
+        return np.column_stack([self.sides, edges + np.arange(m)])
 
 
 def shapes_of_parts(cell: str) -> Array:
@@ -123,28 +129,164 @@ def areas_of(shell: Shell) -> Array:
     return np.asarray(weights * np.linalg.norm(np.cross(*np.moveaxis(tangents, 2, 0)), axis=-1))
 
 
-# --- external forces ---
+# --- positions of new nodes ---
 
 
 def on_all_nodes(cut: Cut, frames: Array) -> Array:
-    """External force and moment on each node of the refined shell, global components, (N, 6).
+    """Frames of all nodes, shape (N, 4, 3), from those of the old ones, (n, 4, 3).
 
-    Those on old nodes are in equilibrium: they are the residual of the cells, including supports.
-    New nodes get their part of the forces on neighbouring old nodes.
+    New ones are on bent edges between their ends. Edges whose directors rotate relative to each
+    other are curved, so that no shear arises.
     """
-    shell = cut.shell
+    n = len(frames)
+    found = np.concatenate([frames, cut.fine.frames[n:]])
+    found[n + cut.added] = _between(cut, frames[cut.shell.model.cut_mesh.cells])
+    return found
+
+
+def _between(cut: Cut, corners: Array) -> Array:
+    """Frames of the new nodes of each cell, (m, c, 4, 3), from those of its corners, (m, k, 4, 3).
+
+    In cells with a middle it is above the mean of the corners by half the sum over the edges.
+    """
+    mesh, n = cut.shell.model.cut_mesh, len(cut.shell.frames)
+    a, b = np.moveaxis(np.array(basix.topology(basix.CellType[mesh.cell])[1]), 1, 0)
+    unloaded, fine = cut.shell.frames[mesh.cells], cut.fine.frames[n + cut.sides]
+    positions, up = _bulged(corners[:, a], corners[:, b])
+    start, _ = _bulged(unloaded[:, a], unloaded[:, b])
+    exact = np.einsum("mcj,mcj->mc", fine[:, :, 0] - start, fine[:, :, 3])
+    positions = positions + exact[..., np.newaxis] * up
+    if cut.added.shape[1] > len(a):
+        above = positions - 0.5 * (corners[:, a, 0] + corners[:, b, 0])
+        middle = corners[:, :, 0].mean(axis=1) + 0.5 * above.sum(axis=1)
+        positions = np.concatenate([positions, middle[:, np.newaxis]], axis=1)
+        up = np.concatenate([up, unit(corners[:, :, 3].sum(axis=1))[:, np.newaxis]], axis=1)
+    found = frames_with(positions.reshape(-1, 3), up.reshape(-1, 3))
+    return np.asarray(found.reshape(*up.shape[:2], 4, 3))
+
+
+def _bulged(a: Array, b: Array) -> tuple[Array, Array]:
+    """Midpoints and directors of edges between frames (..., 4, 3)."""
+    up, along = unit(a[..., 3, :] + b[..., 3, :]), b[..., 0, :] - a[..., 0, :]
+    turn = ((b[..., 3, :] - a[..., 3, :]) * along).sum(axis=-1, keepdims=True) / 8.0
+    return 0.5 * (a[..., 0, :] + b[..., 0, :]) + turn * up, up
+
+
+def interpolation(cut: Cut, H: Array) -> csr_matrix:
+    """Derivative of the twists of new nodes in those of old ones, shape (5 new, 5 n).
+
+    Args:
+        cut: The refined shell.
+        H: Frames of all its nodes.
+    """
+    cells, n = cut.shell.model.cut_mesh.cells, len(cut.shell.frames)
+    at, corners = H[n + cut.added], H[cells]
+
+    def moved(step: Array) -> Array:
+        """Positions and directors in the frames at the start, (m, c, 6)."""
+        found = lie.se3_retract(corners.reshape(-1, 4, 3), step.reshape(-1, 6))
+        new = _between(cut, found.reshape(corners.shape))[:, :, [0, 3]]
+        return np.asarray(np.einsum("mcij,mcpj->mcpi", at[:, :, 1:], new).reshape(*at.shape[:2], 6))
+
+    columns = [
+        (moved(step) - moved(-step)) / (2.0 * size)
+        for step, size in unit_steps(cells.shape, cut.shell.model.size)
+    ]
+    change = np.stack(columns, axis=3)
+    # a director d₃ changes by ω₂ d₁ − ω₁ d₂
+    each = np.stack([*(change[:, :, i] for i in range(3)), -change[:, :, 4], change[:, :, 3]], 2)
+    _, first = np.unique(cut.added, return_index=True)  # both cells at an edge have the same
+    each = each.reshape(-1, *each.shape[2:])[first]
+    rows = _FIVE * np.arange(len(first))[:, np.newaxis] + np.arange(_FIVE)
+    return assembled(each, rows, unknowns(cells)[first // cut.added.shape[1]], _FIVE * n)
+
+
+def unit_steps(shape: tuple[int, ...], size: float) -> list[tuple[Array, float]]:
+    """Twists of the nodes of cells (m, k, 6) with one small component each, and its size.
+
+    Args:
+        shape: Numbers of cells m and of their nodes k.
+        size: Length of the model; translations are small to it.
+    """
+    found = []
+    for corner in range(shape[1]):
+        for i in range(_FIVE):
+            step = np.zeros((*shape, 6))
+            step[:, corner, i] = _STEP * size if i < 3 else _STEP
+            found.append((step, float(step[0, corner, i])))
+    return found
+
+
+def unknowns(cells: Indices) -> Indices:
+    """Numbers of the unknowns of cells, five per node, shape (m, 5 k)."""
+    found = _FIVE * cells[..., np.newaxis] + np.arange(_FIVE)
+    return np.asarray(found.reshape(len(cells), -1))
+
+
+def assembled(blocks: Array, rows: Indices, columns: Indices, width: int) -> csr_matrix:
+    """Sum of blocks (b, p, q) in rows (b, p) and columns (b, q) of a matrix."""
+    i, j = np.broadcast_arrays(rows[..., np.newaxis], columns[:, np.newaxis])
+    entries = blocks.ravel(), (i.ravel(), j.ravel())
+    return coo_matrix(entries, shape=(int(rows.max()) + 1, width)).tocsr()
+
+
+# --- supports ---
+
+
+def free_motions(cut: Cut, H: Array) -> csr_matrix:
+    """Twists of all nodes that supports admit, as orthonormal columns, shape (5 N, free).
+
+    A new node on a supported edge has the motions of either end. Edges on the border are supported,
+    and edges inside unless both ends are on the border.
+
+    Args:
+        cut: The refined shell.
+        H: Frames of all its nodes.
+    """
+    model, n = cut.shell.model, len(cut.shell.frames)
+    axes = np.tile(np.eye(_FIVE), (len(H), 1, 1))
+    free = np.ones((len(H), _FIVE), dtype=np.bool_)
+    in_space = np.flatnonzero(np.isfinite(model.supports).all(axis=(1, 2)))
+    axes[in_space, :3, :3] = H[in_space, 1:] @ np.swapaxes(model.supports[in_space], 1, 2)
+    free[:n] = ~model.held[:, :_FIVE]
+    on_border = np.zeros(n, dtype=np.bool_)
+    on_border[cut.ends[cut.border]] = True
+    edges = np.flatnonzero(cut.border | ~on_border[cut.ends].all(axis=1))
+    for part, basis in ((slice(3), H[:, 1:]), (slice(3, _FIVE), H[:, 1:3])):
+        known = np.swapaxes(basis[:n], 1, 2) @ axes[:n, part, part]
+        admitted = (known * free[:n, np.newaxis, part]) @ np.swapaxes(known, 1, 2)
+        own = basis[n + edges]
+        both = own @ admitted[cut.ends[edges]].mean(axis=1) @ np.swapaxes(own, 1, 2)
+        size, axes[n + edges, part, part] = np.linalg.eigh(both)
+        free[n + edges, part] = size > _ADMITTED
+    blocks = bsr_matrix((axes, np.arange(len(H)), np.arange(len(H) + 1)))
+    return blocks.tocsc()[:, free.ravel()].tocsr()
+
+
+# --- external forces ---
+
+
+def on_new_nodes(cut: Cut, H: Array, motions: csr_matrix) -> Array:
+    """External force and moment on each new node, components in its frame, shape (new, 5).
+
+    Forces on old nodes are in equilibrium with the cells. New nodes get their part of the forces
+    on neighbouring old nodes, without those of supports.
+
+    Args:
+        cut: The refined shell.
+        H: Frames of all its nodes.
+        motions: Motions that supports admit.
+    """
+    shell, n = cut.shell, len(cut.shell.frames)
     coarse = assembly_of([shell.model])
-    rows, forces = np.empty_like(frames), coarse.workspace()
-    rows[coarse.order] = frames
+    rows, forces = np.empty_like(H[:n]), coarse.workspace()
+    rows[coarse.order] = H[:n]
     coarse.reset_stress(rows)
     coarse.add_forces(rows, forces)
-    acts = _global(frames, forces[coarse.order])
-    new, edges = _on_new_nodes(cut, acts), len(cut.ends)
-    corners = shell.model.cut_mesh.cells
-    for givers, taken in ((cut.ends, new[:edges]), (corners[: len(new) - edges], new[edges:])):
-        each = np.repeat(taken / givers.shape[1], givers.shape[1], axis=0)
-        np.subtract.at(acts, givers.ravel(), each)
-    return np.concatenate([acts, new])
+    acts, old = np.zeros((n, 6)), motions[: _FIVE * n]
+    acts[:, :_FIVE] = (old @ (old.T @ forces[coarse.order, :_FIVE].ravel())).reshape(n, _FIVE)
+    new = _on_new_nodes(cut, _turned(acts, np.swapaxes(H[:n, 1:], 1, 2)))
+    return _turned(new, H[n:, 1:])[:, :_FIVE]
 
 
 def _on_new_nodes(cut: Cut, acts: Array) -> Array:
@@ -209,78 +351,6 @@ def _beyond(shell: Shell, values: Array) -> Array:
     return np.where(known, filled, out / np.maximum(count, 1.0))
 
 
-def _global(H: Array, wrench: Array) -> Array:
-    pair = wrench.reshape(-1, 2, 3)
-    return np.asarray(np.einsum("npi,nij->npj", pair, H[:, 1:]).reshape(-1, 6))
-
-
-class Patches(NamedTuple):
-    """Local problems, one for each cell: its corners and all new nodes adjacent to one of them.
-
-    Attributes:
-        patch: Problem of each node of all problems, sorted, shape (r,).
-        nodes: Number of the node in the refined shell, sorted within a problem, shape (r,).
-        total: Number of nodes of the refined shell.
-    """
-
-    patch: Indices
-    nodes: Indices
-    total: int
-
-    @classmethod
-    def of(cls, cut: Cut) -> Patches:
-        """Local problems of a refined shell."""
-        corners, (m, k) = cut.shell.model.cut_mesh.cells, cut.shell.model.cut_mesh.cells.shape
-        n, N, edges = len(cut.shell.frames), len(cut.fine.frames), len(cut.ends)
-        middles = np.arange(n + edges, N)
-        about = [np.arange(n), cut.ends.ravel(), corners[: len(middles)].ravel()]
-        nodes = [np.arange(n), np.repeat(n + np.arange(edges), 2), np.repeat(middles, k)]
-        pairs = np.concatenate(about), np.concatenate(nodes)
-        incident = csr_matrix((np.ones(len(pairs[0])), pairs), shape=(n, N))
-        of_cells = csr_matrix((np.ones(m * k), (np.repeat(np.arange(m), k), corners.ravel())))
-        found = np.unique(np.ravel_multi_index((of_cells @ incident).nonzero(), (m, N)))
-        return cls(found // N, found % N, N)
-
-    def solved(self, cells: Indices, stiffness: Array, rest: Array, free: Flags) -> Array:
-        """Nodal motions of each fine cell in the problem of its parent, shape (4 m, k, 5).
-
-        Args:
-            cells: Nodes of the fine cells, shape (4 m, k).
-            stiffness: Stiffness of the fine cells, shape (4 m, k 5, k 5).
-            rest: Residual force at each node, shape (N, 5).
-            free: Whether each degree of freedom is free, shape (N, 5).
-        """
-        K = _assembled(cells, stiffness, free)
-        keys = self.patch * self.total + self.nodes
-        starts, lengths = K.indptr[self.nodes], np.diff(K.indptr)[self.nodes]
-        row = np.repeat(np.arange(len(keys)), lengths)
-        first = np.repeat(np.cumsum(lengths) - lengths, lengths)
-        block = starts[row] + np.arange(len(row)) - first
-        target = self.patch[row] * self.total + K.indices[block]
-        column = np.minimum(np.searchsorted(keys, target), len(keys) - 1)
-        known = keys[column] == target  # other nodes are on the boundary of the patch
-        counts = np.bincount(row[known], minlength=len(keys))
-        matrix = bsr_matrix(
-            (K.data[block[known]], column[known], np.append(0, np.cumsum(counts))),
-            shape=(keys.size * _FIVE,) * 2,
-        )
-        forces = np.where(free, rest, 0.0)[self.nodes].ravel()
-        solve = scipy.sparse.linalg.splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A")
-        moved = solve.solve(forces).reshape(-1, _FIVE)
-        parents = np.arange(len(cells))[:, np.newaxis] // 4
-        return np.asarray(moved[np.searchsorted(keys, parents * self.total + cells)])
-
-
-def _assembled(cells: Indices, stiffness: Array, free: Flags) -> bsr_matrix:
-    """Sorted blocks of five by five; fixed degrees of freedom have a one on the diagonal."""
-    size = free.size
-    rows = (_FIVE * cells[..., np.newaxis] + np.arange(_FIVE)).reshape(len(cells), -1)
-    loose = free.ravel()[rows]
-    values = stiffness * (loose[:, :, np.newaxis] & loose[:, np.newaxis])
-    i, j = np.broadcast_arrays(rows[..., np.newaxis], rows[:, np.newaxis])
-    held = np.flatnonzero(~free.ravel())
-    entries = np.concatenate([values.ravel(), np.ones(len(held))])
-    entries_at = np.concatenate([i.ravel(), held]), np.concatenate([j.ravel(), held])
-    K = coo_matrix((entries, entries_at), shape=(size, size)).tocsr().tobsr((_FIVE, _FIVE))
-    K.sort_indices()
-    return K
+def _turned(wrench: Array, R: Array) -> Array:
+    """Forces and moments (n, 6) multiplied by matrices (n, 3, 3)."""
+    return np.asarray(np.einsum("nij,npj->npi", R, wrench.reshape(-1, 2, 3)).reshape(-1, 6))

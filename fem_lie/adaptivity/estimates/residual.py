@@ -9,12 +9,14 @@ length of the edge is::
 
     ∫ M²/B + Q²/S dx = m² λ / B
 
-(D. N. Arnold & R. S. Falk, SIAM J. Numer. Anal. 27 (1990) 281, on the layer.)
+(D. N. Arnold & R. S. Falk, SIAM J. Numer. Anal. 27 (1990) 281, on the layer.) Cells of a size h,
+``z = h/λ``, represent a part of it. Linear elements for rotations across the edge have the energy
+of the layer times ``1/√(1 + z²/12)``, by their difference equation, and the rest is missing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
@@ -46,6 +48,7 @@ from fem_lie.results.stresses.shell_stress import (
 from fem_lie.scene import Scene
 
 _TWIST, _SHEAR = 5, 6  # indices of stress components along an edge
+_ACROSS = {"quadrilateral": 1.0, "triangle": 2.0}  # size across an edge, over area per length
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,13 +60,16 @@ class EdgeLayers:
         sides: 1 where the second axis of the edge points outward, −1 elsewhere, shape (b,).
         couples: Matrix from stress at the integration points, (m g 8,), to the couple per length
             about the normal on the edge, shape (b, m g 8).
-        factors: Length of the edge times ``λ/B``, zero at corners, shape (b,).
+        factors: Length of the edge times ``λ/B``, zero at corners, over the square of the part of
+            m that the cell has, shape (b,).
+        ratios: Size of the cell across the edge over λ, shape (b,).
     """
 
     edges: Indices
     sides: Array
     couples: csr_matrix
     factors: Array
+    ratios: Array
 
     @classmethod
     def of(
@@ -101,23 +107,48 @@ class EdgeLayers:
         D = turn @ shell.model.stiffness[cell] @ np.swapaxes(turn, 1, 2)
         twist, shear = D[:, _TWIST, _TWIST], D[:, _SHEAR, _SHEAR]
         factors = length * straight.any(axis=1) / np.sqrt(twist * shear)
-        return cls(edges, sides, couples, factors)
+        across = positions.areas[cell].sum(axis=1) / length * _ACROSS[mesh.cell]
+        ratios = across * np.sqrt(shear / twist)
+        return cls(edges, sides, couples, factors / _represented(ratios) ** 2, ratios)
 
-    def squares(self, stress: Array, at_edges: Array, jumps: Array) -> Array:
+    def squares(
+        self, stress: Array, at_edges: Array, jumps: Array, missing: Callable[[Array], Array]
+    ) -> Array:
         """Squared errors of boundary layers, in addition to those of jumps, shape (m,).
 
         Args:
             stress: Stress at the integration points, shape (m, g, 8).
             at_edges: Stress at the midpoints of edges, in their axes, shape (m, c, 8).
             jumps: Stress jumps at the midpoints, shape (m, c, 8).
+            missing: Part of the energy of a layer that is an error, of ``ratios``.
         """
         m, c = at_edges.shape[:2]
         cell = self.edges // c
         own = self.sides * at_edges.reshape(-1, 8)[self.edges, _TWIST]
         missed = np.abs(own - self.couples @ stress.ravel())
         smooth = 0.5 * np.abs(jumps[cell, :, _TWIST]).max(axis=1)
-        square = self.factors * np.maximum(missed - smooth, 0.0) ** 2
+        square = self.factors * missing(self.ratios) * np.maximum(missed - smooth, 0.0) ** 2
         return np.asarray(np.bincount(cell, square, minlength=m), dtype=np.float64)
+
+
+def unresolved(ratio: Array) -> Array:
+    """Part of the energy of a boundary layer that cells do not represent.
+
+    Args:
+        ratio: Size of the cells over the width of the layer.
+    """
+    return np.asarray(1.0 - 1.0 / np.sqrt(1.0 + ratio**2 / 12.0))
+
+
+def _represented(ratio: Array) -> Array:
+    """Part of m that the twisting moment of the cell at the edge has.
+
+    With ``c = z²/6`` the rotations of successive nodes have the ratio r.
+    """
+    c = ratio**2 / 6.0
+    stiffness = np.sqrt(3.0 * c**2 + 6.0 * c)
+    r = (1.0 - c) / (1.0 + 2.0 * c + stiffness)
+    return np.asarray(1.0 - (1.0 - r) / stiffness)
 
 
 def _couples(
@@ -353,9 +384,9 @@ class ShellEdges:
         jumps[self.b] = jumps[self.a]
         return at_edges, jumps.reshape(m, c, 8)
 
-    def layer_squares(self, stress: Array) -> Array:
+    def layer_squares(self, stress: Array, missing: Callable[[Array], Array] = unresolved) -> Array:
         """Squared errors of boundary layers, shape (m,), for stress as in :meth:`errors`."""
-        return self.layers.squares(stress, *self._at_edges(stress))
+        return self.layers.squares(stress, *self._at_edges(stress), missing)
 
     def errors(self, stress: Array) -> ElementErrors:
         """Errors from stress at the integration points, in the axes of the sections, (m, g, 8)."""
@@ -363,7 +394,7 @@ class ShellEdges:
         rows = jumps[:, :, np.newaxis]
         squares = ((rows @ self.compliance) * rows).sum(axis=(2, 3))
         energy = ((stress @ self.plain) * stress).sum(axis=2)
-        layers = self.layers.squares(stress, at_edges, jumps)
+        layers = self.layers.squares(stress, at_edges, jumps, unresolved)
         return ElementErrors(
             self.areas.sum(axis=1) * (squares * self.shares).sum(axis=1) + layers,
             float((energy * self.areas).sum()),
