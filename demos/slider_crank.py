@@ -50,23 +50,19 @@ def mechanism(rod: fl.extend.Body | None = None) -> Mechanism:
     scene = fl.Scene(gravity=(0, 0, -9.81))
     middle, J = 0.5 * (PIVOT + CRANK_END), (1e-4, 1e-4, 1e-5)
     crank = scene.add(fl.RigidBody(0.12, J, middle, name="crank"))
-    crank.add_velocity(omega=(SPEED, 0, 0), about=PIVOT)
-    along = (SLIDER - CRANK_END) / 0.3
-    velocity_b = np.cross((SPEED, 0, 0), CRANK_END - PIVOT)
-    speed = np.array([velocity_b @ along / along[0], 0, 0])
     slider = scene.add(fl.RigidBody(2.0, (1e-3, 1e-3, 1e-3), SLIDER, name="slider"))
-    slider.add_velocity(speed)
     ends = "start", "end"
     if rod is None:
-        middle, axes, ends = 0.5 * (CRANK_END + SLIDER), axes_along(along), ("centre", "centre")
+        middle, ends = 0.5 * (CRANK_END + SLIDER), ("centre", "centre")
+        axes = axes_along((SLIDER - CRANK_END) / 0.3)
         rod = fl.RigidBody(ROD_MASS, (4e-4, 4e-3, 4e-3), middle, axes, name="rod")
     scene.add(rod)
-    rod.add_velocity(velocity_b)
-    rod.add_velocity(omega=np.cross(along, speed - velocity_b) / 0.3, about=CRANK_END)
     pivot = scene.add(Revolute(fl.ground(), crank.point("centre"), at=PIVOT, axis=(1, 0, 0)))
     scene.add(Spherical(crank.point("centre"), rod.point(ends[0]), at=CRANK_END))
     scene.add(Spherical(slider.point("centre"), rod.point(ends[1]), at=SLIDER))
     guide = scene.add(Prismatic(fl.ground(), slider.point("centre"), axis=(1, 0, 0)))
+    # the slider and the rod, without deforming, follow the crank
+    fl.schemes.set_initial_velocities(scene, 1e-3, rates=[(pivot.angle, SPEED)])
     return scene, pivot, guide
 
 

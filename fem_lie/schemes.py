@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from fem_lie.solve.composed.parts import Composition, FiveStages, NineStages, TripleJump
     from fem_lie.solve.explicit.asynchronous import Asynchronous
     from fem_lie.solve.hamel.hamel import Hamel
+    from fem_lie.solve.motion.consistent import set_initial_velocities
     from fem_lie.solve.motion.policies import (
         Automatic,
         ConstraintsOnly,
@@ -73,4 +74,5 @@ __all__ = [
     "TripleJump",
     "Variational",
     "estimate_time_error",
+    "set_initial_velocities",
 ]

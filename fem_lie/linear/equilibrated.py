@@ -17,7 +17,7 @@ import scipy.sparse as sp
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.linear.low_rank import Extended
-from fem_lie.linear.redundancy import IdleMultipliers
+from fem_lie.linear.redundancy import IdleMultipliers, scaled
 
 if TYPE_CHECKING:
     from fem_lie.linear.saddle_point import KKT
@@ -348,4 +348,4 @@ class Equilibrated:
         B = sp.csr_matrix(self.csr, shape=whole)[: n - m, n - m : n].T.tocsr()
         size = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
         size[size == 0.0] = 1.0
-        return IdleMultipliers(sp.diags(1.0 / size) @ B, size)
+        return IdleMultipliers(scaled(B, 1.0 / size), size)

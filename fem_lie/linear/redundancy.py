@@ -8,7 +8,11 @@ scene.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
+import scipy.linalg
 import scipy.sparse as sp
 import scipy.sparse.linalg
 
@@ -25,6 +29,9 @@ not a quotient of round-off."""
 IDLE = 1e-10
 """Largest squared motion of idle multipliers of unit size."""
 
+_DENSE = 100
+"""Number of constraints up to which their products are factorised as a dense matrix."""
+
 _POWER = 2  # of the filter: a motion of 10⁻³ is kept to 10⁻⁸
 _PASSES = 2  # the first leaves round-off over IDLE
 
@@ -39,12 +46,13 @@ def redundant_constraints(B: sp.csr_matrix, units: Array, measure: Array) -> Ind
     """
     if B.shape[0] == 0:
         return np.empty(0, dtype=np.int64)
-    B = sp.diags(1.0 / measure) @ B @ sp.diags(units)
+    B = scaled(B, np.asarray(1.0 / measure), units)
     norms = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
     # within one rigid body both sides cancel up to round-off
     norms[norms < _NOTHING] = 0.0
     empty, full = np.flatnonzero(norms == 0.0), np.flatnonzero(norms)
-    dependent = full[_squared_distances(sp.diags(1.0 / norms[full]) @ B[full]) <= _DEPENDENT]
+    unit = scaled(B[full], 1.0 / norms[full])
+    dependent = full[_squared_distances(unit) <= _DEPENDENT]
     return np.asarray(np.union1d(dependent, empty), dtype=np.int64)
 
 
@@ -70,28 +78,51 @@ def symmetric_factors(positive: sp.csc_matrix) -> scipy.sparse.linalg.SuperLU:
     )
 
 
+def scaled(B: sp.csr_matrix, rows: Array, columns: Array | None = None) -> sp.csr_matrix:
+    """A matrix whose rows and columns are multiplied by factors.
+
+    Args:
+        B: The matrix, shape (m, n).
+        rows: Factors of the rows, shape (m,).
+        columns: Factors of the columns, shape (n,); default: one.
+    """
+    data = B.data * np.repeat(rows, np.diff(B.indptr))
+    if columns is not None:
+        data *= columns[B.indices]
+    return sp.csr_matrix((data, B.indices, B.indptr), shape=B.shape)
+
+
+def _solution_with(products: sp.csr_matrix, shift: float) -> Callable[[Array], Array]:
+    """Solution of equations with a positive semidefinite matrix plus a shift of its diagonal."""
+    m = products.shape[0]
+    if m <= _DENSE:
+        factors = scipy.linalg.cho_factor(products.toarray() + shift * np.eye(m), overwrite_a=True)
+        return partial(scipy.linalg.cho_solve, factors, check_finite=False)
+    found: Callable[[Array], Array]
+    found = symmetric_factors((products + shift * sp.identity(m)).tocsc()).solve
+    return found
+
+
 class IdleMultipliers:
     """Filter that removes the idle part of multipliers."""
 
-    def __init__(self, scaled: sp.csr_matrix, measure: Array) -> None:
+    def __init__(self, B: sp.csr_matrix, measure: Array) -> None:
         """Factorise.
 
         Args:
-            scaled: Constraint Jacobian over ``measure``, in unknowns of one dimension; shape (m,
-                n).
+            B: Constraint Jacobian over ``measure``, in unknowns of one dimension, shape (m, n).
             measure: Norm scaling of each multiplier, shape (m,): the removed part is orthogonal to
                 the rest in the scaled multipliers.
         """
         self._measure = measure
-        products = scaled @ scaled.T
+        products = B @ B.T
         self._bound = IDLE * max(float(products.diagonal().max(initial=0.0)), np.finfo(float).tiny)
-        shifted = (products + self._bound * sp.identity(len(measure))).tocsc()
-        self._factors = symmetric_factors(shifted)
+        self._solve = _solution_with(products, self._bound)
 
     @classmethod
     def of(cls, B: sp.csr_matrix, units: Array, measure: Array) -> IdleMultipliers:
         """Filter for a Jacobian (m, 6 n); ``units`` as for :func:`redundant_constraints`."""
-        return cls(sp.diags(1.0 / measure) @ B @ sp.diags(units), measure)
+        return cls(scaled(B, np.asarray(1.0 / measure), units), measure)
 
     def remove(self, multipliers: Array) -> Array:
         """The smallest multipliers that exert the same forces, shape (m,)."""
@@ -106,5 +137,5 @@ class IdleMultipliers:
 
     def _filter(self, x: Array) -> Array:
         for _ in range(_POWER):
-            x = self._bound * self._factors.solve(x)
+            x = self._bound * self._solve(x)
         return x

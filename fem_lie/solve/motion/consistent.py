@@ -2,29 +2,168 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from functools import partial
 
 import numpy as np
 
-from fem_lie._arrays import Array
+from fem_lie._arrays import Array, number, positive
+from fem_lie.joints.connection import Coordinate
+from fem_lie.joints.springs import Drive
 from fem_lie.lie.node_types import push_all_forward
+from fem_lie.linear.direct import DirectSolver
 from fem_lie.linear.equilibrated import InaccurateSolutionError, SingularMatrixError
+from fem_lie.results.equilibrium import StaticResult
+from fem_lie.scene.scene import Scene, require_scene
 from fem_lie.solve.convergence import Verdict
 from fem_lie.solve.iteration import FROZEN, Iterated, iterate
 from fem_lie.solve.motion.step_log import add_inertia_forces
 from fem_lie.solve.refactorisation import Refactorisation
-from fem_lie.system.equations import Plan, TimeState
-
-if TYPE_CHECKING:
-    from fem_lie.linear.direct import DirectSolver
-    from fem_lie.system.equations import Equations
+from fem_lie.solve.starting import starting_from
+from fem_lie.system.equations import Equations, Plan, TimeState
 
 _LARGEST = 1e150  # the square of a larger number overflows
 
 _MOST_SWEEPS, _ROUND_OFF = 50, 1e-15
 """Largest number of solutions with friction in joints, and corrections over the first that end."""
+
+_PREFIX = "fem_lie_initial_velocities_"
+"""Prefix of the PETSc options of the solver that finds initial velocities."""
+
+_TIMES = [10.0**k for k in range(5)]
+"""Times, in steps, in which elastic bodies get their initial velocities."""
+
+_SETTLED, _FAST, _STOPPED = 1e-10, 0.01, 0.9
+"""Relative change of initial velocities that ends their iteration; ratios of changes above which it
+is slow, and has stopped."""
+
+_CONTRADICTED = 1e-9
+"""Rates of constraints over the largest velocity: larger ones show that they contradict."""
+
+
+def set_initial_velocities(
+    scene: Scene,
+    step: float,
+    *,
+    rates: Sequence[tuple[Coordinate, float]] = (),
+    start: StaticResult | None = None,
+) -> None:
+    """Change the initial velocities of all bodies to those that joints allow.
+
+    Joints, drives, prescribed motions and ``rates`` change the given velocities. Elastic bodies and
+    springs keep their rates of strain where they can, so that no vibrations with periods of up to
+    ten thousand steps are excited; of all velocities of that kind the bodies get those whose
+    difference from the given ones has the least kinetic energy, as after an impulse in joints.
+    Bodies whose stress is out of balance at their nodes also resist rotation by it.
+
+    Args:
+        scene: The scene; velocities of its bodies change, see
+            :meth:`~fem_lie.extend.Body.add_velocity`.
+        step: Step size of the run, time; rates of drives are differences over it.
+        rates: Coordinates of joints that have no drive, and their rates, length or rad per time.
+        start: Equilibrium from which the run starts, see :meth:`~fem_lie.GeneralisedAlpha.run`.
+
+    Raises:
+        ValueError: A rate is not finite, its joint is not in the scene, no velocities satisfy all
+            constraints, or the scene is invalid. Velocities are then unchanged.
+
+    Example:
+        >>> crank = fl.RigidBody(1.0, (0.01, 0.01, 0.01), position=(0, 0, 0.5))
+        >>> scene = fl.Scene()
+        >>> _ = scene.add(crank)
+        >>> centre = crank.point("centre")
+        >>> hinge = fl.joints.Revolute(fl.ground(), centre, at=(0, 0, 0), axis=(0, 1, 0))
+        >>> _ = scene.add(hinge)
+        >>> fl.schemes.set_initial_velocities(scene, 1e-3, rates=[(hinge.angle, 2.0)])
+        >>> crank.velocities.round(9)[0]
+        array([1., 0., 0., 0., 2., 0.])
+    """
+    require_scene(scene)
+    positive(step, "step")
+    moved = scene if start is None else starting_from(scene, start)
+    equations = Equations(_with_rates(moved.without_impacts(), rates), dynamics=True)
+    frames, before, _ = equations.start
+    prescribed = equations.prescribed(0.0, step)
+    v = _moved(equations, before, prescribed.velocities)
+    H, aims = frames, prescribed.target_rates[0]
+    left = equations.constraints(H).rates(v)[0] - aims
+    with _solvable():
+        v[: equations.unknowns.moving] -= _without_strain(equations, H, left, step)
+    _check_satisfied(equations, equations.constraints(H).rates(v)[0] - aims, v)
+    change = equations.of_bodies((v - before)[: equations.unknowns.moving])
+    for body, velocities in change.items():
+        body.velocities = body.velocities + velocities
+
+
+def _without_strain(equations: Equations, H: Array, rates: Array, step: float) -> Array:
+    """Velocities with given constraint rates, least rates of strain, then least kinetic energy.
+
+    Proximal points of the quadratic programme ::
+
+        (M + τ² K) v⁺ + Bᵀ λ = M v          B v⁺ = rates
+
+    reduce a vibration of the angular frequency ω by ``1/(1 + τ² ω²)`` each. Where they do so too
+    slowly, τ grows, and not from the start: round-off in ``τ² K`` hides masses.
+
+    Args:
+        equations: Equations of the scene; their matrix is overwritten.
+        H: Frames of all nodes, ground and prescribed motions.
+        rates: Rates of the constraints, shape (m,).
+        step: First ``2τ``.
+
+    Returns:
+        Twists of the moving nodes, shape (n, 6).
+    """
+    n, v = equations.unknowns.moving, np.zeros((equations.unknowns.moving, 6))
+    solver = DirectSolver(equations.matrix, _PREFIX)
+    solver.take_low_rank()
+    for times in _TIMES:
+        scale, change, fast = _fill(equations, H, times * step), np.inf, False
+        solver.factorise()
+        for sweep in range(_MOST_SWEEPS):
+            solver.right_hand_side[: 6 * n] = _momentum(equations, H, v).ravel()
+            solver.right_hand_side[6 * n :] = rates * scale
+            solver.solve()
+            found = solver.solution[: 6 * n].reshape(n, 6).copy()
+            equations.supports.rotate_back(H, found)
+            before, change = change, equations.shared.largest(float(np.abs(found - v).max()))
+            v, slow = found, change > _FAST * before
+            if change <= _SETTLED * equations.shared.largest(float(np.abs(v).max())) or fast & slow:
+                return v
+            if slow and (times < _TIMES[-1] or change > _STOPPED * before):
+                break
+            fast = sweep > 1  # the first change is that of all motions
+    return v
+
+
+def _with_rates(scene: Scene, rates: Sequence[tuple[Coordinate, float]]) -> Scene:
+    """A copy of the scene in which coordinates are driven at given rates."""
+    driven = scene.with_loads(*scene.loads)
+    for coordinate, rate in rates:
+        Coordinate.require(coordinate, "rates: coordinate")
+        given = number(rate, f"rate of the {coordinate.label}")
+        at = coordinate.start()
+        driven.add(Drive(coordinate, partial(_line, at, given)))
+    return driven
+
+
+def _line(start: float, rate: float, time: float) -> float:
+    return start + rate * time
+
+
+def _check_satisfied(equations: Equations, left: Array, v: Array) -> None:
+    """Raise ``ValueError`` unless velocities (n + 1 + p, 6) leave no rates of constraints (m,)."""
+    unknowns = equations.unknowns
+    rates = np.abs(left) / np.where(unknowns.angular, 1.0, unknowns.length)
+    speed = np.abs(v / np.repeat([unknowns.length, 1.0], 3)).max(initial=0.0)
+    if rates.max(initial=0.0) > _CONTRADICTED * speed:
+        c = int(rates.argmax())
+        name = equations.info.joints[int(equations.arrays.owner[c])].name
+        raise ValueError(
+            "set_initial_velocities: expected constraints that some velocities satisfy, got "
+            f"{name}, whose rate is wrong by {left[c]:.2g}"
+        )
 
 
 def check_velocities(equations: Equations, step: float) -> None:
@@ -64,7 +203,8 @@ def check_velocities(equations: Equations, step: float) -> None:
         joint = equations.info.joints[int(equations.arrays.owner[c])]
         raise ValueError(
             f"the initial velocities break {joint.name}: its constraint changes at the rate "
-            f"{first[c]:g}; give both bodies velocities that the joint allows"
+            f"{first[c]:g}; give both bodies velocities that the joint allows, for example by "
+            "fl.schemes.set_initial_velocities"
         )
 
 
@@ -311,6 +451,16 @@ def across_joints(
     return v
 
 
+def _momentum(equations: Equations, H: Array, v: Array) -> Array:
+    """Momenta ``M v`` of velocities (n, 6), zero where unknowns are held, (n, 6)."""
+    q, momentum = np.zeros((len(v), 4, 3)), np.zeros(v.shape)
+    push_all_forward(equations.unknowns.kinds, H, v, q)
+    add_inertia_forces(equations, H, q, 1.0, momentum)
+    equations.supports.rotate(H, momentum)
+    momentum[equations.unknowns.held] = 0.0
+    return momentum
+
+
 def _slowed_down(equations: Equations, solver: DirectSolver, H: Array, across: Array) -> Array:
     """What stiffness takes from the velocities of :func:`across_joints`, to fourth order.
 
@@ -327,15 +477,10 @@ def _slowed_down(equations: Equations, solver: DirectSolver, H: Array, across: A
     Returns:
         Twists of the moving nodes, shape (n, 6).
     """
-    unknowns = equations.unknowns
-    kinds, shape, n = unknowns.kinds, across.shape, 6 * len(across)
-    q, forces, x = np.zeros((len(across), 4, 3)), np.zeros(shape), solver.solution.copy()
-    push_all_forward(kinds, H, across, q)
-    add_inertia_forces(equations, H, q, 1.0, forces)
-    equations.supports.rotate(H, forces)
+    shape, n, x = across.shape, 6 * len(across), solver.solution.copy()
     x[n:] = 0.0
-    residual = solver.times(x)[:n].reshape(shape) - forces
-    residual[unknowns.held] = 0.0
+    residual = solver.times(x)[:n].reshape(shape) - _momentum(equations, H, across)
+    residual[equations.unknowns.held] = 0.0
     solver.right_hand_side[:n] = residual.ravel()
     solver.right_hand_side[n:] = 0.0
     solver.solve()

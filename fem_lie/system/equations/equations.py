@@ -388,6 +388,16 @@ class Equations:
         """Empty energy balance, for the work of loads, drives and supports."""
         return EnergyBalance(self._system)
 
+    def of_bodies(self, twists: Array) -> dict[Body, Array]:
+        """Twists of the nodes of each body, attached ones included, from those of moving nodes.
+
+        Args:
+            twists: Local velocities, or changes of these, shape (n, 6).
+        """
+        numbering = self._system.numbering
+        found = numbering.master_map.twists(twists)
+        return {body: found[nodes] for body, nodes in numbering.nodes.items()}
+
     # --- properties ---
 
     def small_motions(self, rotation: Rotation) -> SmallMotions:
