@@ -16,8 +16,7 @@ from fem_lie._jit import compiled, inlined
 from fem_lie._jit.copies import copy_matrix
 from fem_lie.lie.motions import tangent_inverse
 from fem_lie.lie.node_types.node_type import POSITION, POSITION_GRADIENT
-from fem_lie.lie.series import exponential
-from fem_lie.lie.tuples import load, rotate, store
+from fem_lie.lie.tuples import load, load_row, rotate, store
 from fem_lie.linear.saddle_point import Incidences, flexibility
 
 _ALIKE = 30.0  # largest ratio within a vector of constraints that has one scale
@@ -188,16 +187,16 @@ class Parts:
         self.blocks[:count] += share * others[:count]
         self.blocks[count:] += share[own] * others[count:]
 
-    def let_lag(self, rows: Array, lag: Array, nodes: Indices) -> None:
-        """Change derivatives in twists into derivatives in translations along lagging axes.
+    def refer_to_unknowns(self, motions: Array) -> None:
+        """Change derivatives in motions of the nodes into derivatives in other unknowns.
+
+        Only the separate blocks of ``K`` change: those of position nodes move as their unknowns.
 
         Args:
-            rows: Constraint Jacobian, one row of six per incidence, updated.
-            lag: Rotation vectors from the lagging axes to those of the frames, (n, 3); zero for
-                position nodes.
-            nodes: Node of each incidence.
+            motions: Maps from unknowns to motions, see
+                :class:`~fem_lie.system.time_state.Plan`, (n, k, 3, 3).
         """
-        _let_lag(self.blocks, self.of_K, rows, lag, self._bind, nodes)
+        _refer_to_unknowns(self.blocks, self.of_K, motions, self._bind)
 
     def refer_to_twists(self, kinds: Indices, d: Array) -> None:
         """``A ← A T⁻¹(d)``: derivatives in ``h = T(d) δd`` instead of d."""
@@ -235,18 +234,30 @@ def _refer_to_twists(blocks: Array, of_K: Indices, kinds: Indices, d: Array, bin
 
 
 @compiled
-def _let_lag(
-    blocks: Array, of_K: Indices, rows: Array, lag: Array, bind: Indices, nodes: Indices
-) -> None:
+def _refer_to_unknowns(blocks: Array, of_K: Indices, motions: Array, bind: Indices) -> None:
     for b in range(bind.shape[0]):
         if of_K[b] != b:
             for k in range(6):
-                _lagging(lag[bind[b]], blocks[of_K[b], k])
+                _map_row(motions[bind[b]], blocks[of_K[b], k])
+
+
+@compiled
+def map_rows(rows: Array, motions: Array, nodes: Indices) -> None:
+    """Change rows of a Jacobian in motions of the nodes into derivatives in other unknowns.
+
+    Args:
+        rows: One row of six per incidence, updated.
+        motions: Maps from unknowns to motions, see :class:`~fem_lie.system.time_state.Plan`,
+            (n, k, 3, 3).
+        nodes: Node of each incidence.
+    """
     for incidence in range(rows.shape[0]):
-        _lagging(lag[nodes[incidence]], rows[incidence])
+        _map_row(motions[nodes[incidence]], rows[incidence])
 
 
 @inlined
-def _lagging(φ: Array, row: Array) -> None:
-    _, e1, e2, e3 = exponential((0.0, 0.0, 0.0), load(φ, 0))
-    store(row, 0, rotate(e1, e2, e3, load(row, 0)))
+def _map_row(maps: Array, row: Array) -> None:
+    """``row ← row M`` of one node."""
+    for k in range(maps.shape[0]):
+        M, a = maps[k], load(row, 3 * k)
+        store(row, 3 * k, rotate(load_row(M, 0), load_row(M, 1), load_row(M, 2), a))

@@ -20,7 +20,7 @@ from fem_lie.bodies.body import Body
 from fem_lie.bodies.model import MassMatrix
 from fem_lie.joints.joint import RedundantConstraints
 from fem_lie.lie.motions import Group, Parametrisation
-from fem_lie.lie.node_types.inertia import Inertia
+from fem_lie.lie.node_types.inertia import Inertia, PlainEnds
 from fem_lie.linear.redundancy import redundant_constraints
 from fem_lie.parts.part_scene import ScenePart
 from fem_lie.scene import Scene
@@ -326,10 +326,11 @@ class System:
         tangent, damping = self.tangent, plan.damping
         loads = (forces.on_rows, self.loads.moment) if plan.matrix_terms.geometric else None
         factors = plan.mass, damping
+        ends = _ends(plan)
         if not plan.matrix_terms.gyroscopic:
-            state = state._replace(v=self._still, a=self._still)
+            state, ends = state._replace(v=self._still, a=self._still), None
         tangent.clear()
-        tangent.add_inertia(state, self.kinds, loads, factors)
+        tangent.add_inertia(state, self.kinds, loads, factors, ends)
         tangent.add_terms(H, forces.own, whole if plan.without_low_rank else every, ends=plan.ends)
         if damping != 0.0:
             tangent.add_viscosity(H, v, damping)
@@ -348,3 +349,12 @@ class System:
         mass, bodies, dead = self._plain_inertia, self._plain_floating, self.load_cases.constant
         work = self._found.work
         return float(report(self.kinds, H, v, mass, bodies, dead, work, invariants))
+
+
+def _ends(plan: Plan) -> PlainEnds | None:
+    """Ends of the step whose momenta the matrix changes; ``None``: inertia is at the state."""
+    start, end = plan.forces_at, plan.joint_frames
+    if plan.start_forces is None:
+        return None
+    assert start is not None and end is not None and plan.end_motions is not None
+    return (start, end), (plan.start_forces, plan.end_motions)

@@ -17,7 +17,7 @@ from fem_lie.forms.term import Pairs, Term, add_at
 from fem_lie.lie.motions import add_turnings
 from fem_lie.lie.node_types import floating_tangents, inertia
 from fem_lie.lie.node_types.floating import Floating
-from fem_lie.lie.node_types.inertia import Inertia, PlainMotion
+from fem_lie.lie.node_types.inertia import Inertia, PlainEnds, PlainMotion
 from fem_lie.linear.domains.division import Division
 from fem_lie.linear.low_rank import LowRank, LowRankCorrection
 from fem_lie.linear.saddle_point import KKT, flexibility
@@ -27,7 +27,7 @@ from fem_lie.system.constraints import Connections
 from fem_lie.system.domains import Domain, division_of
 from fem_lie.system.nodes.fixed_axes import Supports
 from fem_lie.system.nodes.sums import load_tangent, to_inertial
-from fem_lie.system.parts import Parts, Sharing, Vectors
+from fem_lie.system.parts import Parts, Sharing, Vectors, map_rows
 from fem_lie.system.terms.all_terms import Terms
 from fem_lie.system.time_state import Plan, TimeState
 
@@ -306,6 +306,7 @@ class Tangent:
         kinds: Indices,
         loads: tuple[Array, Array] | None,
         factors: tuple[float, float],
+        ends: PlainEnds | None = None,
     ) -> None:
         """Add derivatives of inertia and nodal loads.
 
@@ -315,12 +316,13 @@ class Tangent:
             loads: Forces on (x, d₁, d₂, d₃) from the residual, and moments fixed in space, whose
                 components change as nodes rotate; ``None``: they are taken as constant.
             factors: ∂a/∂d and ∂v/∂d.
+            ends: Ends of a step for changes of its momenta, in the place of inertia at the state.
         """
         (H, v, a, _), n = state, self._count
         # inertia does not contribute at rest, as in statics
         with self._divided():
             if any(factors) or v.any() or a.any():
-                self._add_rates((H, v[:n], a[:n]), kinds, factors)
+                self._add_rates((H, v[:n], a[:n]), kinds, factors, ends)
             if loads is not None:
                 diagonal = self.parts.index_in_K(self._diagonal)
                 load_tangent(kinds, H, *loads, diagonal, self.parts.blocks)
@@ -331,10 +333,20 @@ class Tangent:
         with self._divided():
             self._add_rates((H, still, still), kinds, (factor, 0.0))
 
-    def _add_rates(self, motion: PlainMotion, kinds: Indices, factors: tuple[float, float]) -> None:
+    def _add_rates(
+        self,
+        motion: PlainMotion,
+        kinds: Indices,
+        factors: tuple[float, float],
+        ends: PlainEnds | None = None,
+    ) -> None:
         """Add derivatives of inertia at frames, velocities and their rates."""
-        parts = self.parts.blocks, self.parts.blocks
-        inertia.tangents(motion, kinds, self._mass.plain, self._mass_index, factors, parts)
+        parts, mass = (self.parts.blocks, self.parts.blocks), self._mass.plain
+        if ends is None:
+            inertia.tangents(motion, kinds, mass, self._mass_index, factors, parts)
+        else:
+            in_A, factor = self._mass_index[0], factors[0]
+            inertia.momentum_tangents(ends, kinds, mass, in_A, factor, parts[0])
         if len(self._bodies_index[0]):
             bodies, index = self._bodies.plain, self._bodies_index
             floating_tangents.tangents(motion, kinds, bodies, index, factors, parts)
@@ -524,8 +536,11 @@ class Tangent:
         columns += self.friction_columns
         for rows in (columns, self._rows):
             self._averages.put(rows)
-        if plan.lag is not None:
-            self.parts.let_lag(self._rows, plan.lag, nodes)
+        if plan.motions is not None:
+            self.parts.refer_to_unknowns(plan.motions)
+        for rows, maps in ((self._rows, plan.end_motions), (columns, plan.start_forces)):
+            if maps is not None:
+                map_rows(rows, maps, nodes)
         if plan.matrix_terms.gyroscopic and plan.d.any():
             self.parts.refer_to_twists(kinds, plan.d)
         self.parts.add_K()

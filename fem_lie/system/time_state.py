@@ -123,8 +123,13 @@ class Plan(NamedTuple):
         damping: Derivative ∂v/∂d of twists in increments.
         joint_frames: Frames of the constraint Jacobian; default: those of the state.
         forces_at: Frames of the constraint forces; default: ``joint_frames``.
-        lag: Rotation vectors (n, 3) by which the axes of the unknowns lag behind the frames, along
-            which nodes move; default: none.
+        motions: Maps (n, k, 3, 3) from the unknowns of each node to its translations, and to its
+            rotations if k = 2, along its axes in ``H``; default: unknowns are these motions.
+        end_motions: The same maps to motions of nodes in ``joint_frames``, the end of a step.
+        start_forces: Transposes of the maps from forces on nodes in ``forces_at``, the start of a
+            step, to rows of the matrix, of the same shape. Inertia with gyroscopic terms is then
+            the change of momenta there by motions at the end. Default: rows are along the axes of
+            the nodes.
         inertial: Whether components are along axes fixed in space instead of those of the nodes.
         stressed: Frames at which the stress of the geometric stiffness is evaluated; default: the
             independent stress.
@@ -149,7 +154,9 @@ class Plan(NamedTuple):
     damping: float = 0.0
     joint_frames: Array | None = None
     forces_at: Array | None = None
-    lag: Array | None = None
+    motions: Array | None = None
+    end_motions: Array | None = None
+    start_forces: Array | None = None
     inertial: bool = False
     stressed: Array | None = None
     matrix_terms: MatrixTerms = ALL

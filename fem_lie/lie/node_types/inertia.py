@@ -21,7 +21,12 @@ from fem_lie._jit.packed_arrays import Integers1, Numbers3
 from fem_lie._jit.stack import matrix_at, stack
 from fem_lie.lie import directors
 from fem_lie.lie.node_types.all_nodes import push_all_forward
-from fem_lie.lie.node_types.forces import acceleration, acceleration_derivatives, pull_back
+from fem_lie.lie.node_types.forces import (
+    acceleration,
+    acceleration_derivatives,
+    pull_back,
+    push_forward,
+)
 from fem_lie.lie.node_types.node_type import (
     MODAL,
     POSITION_GRADIENT,
@@ -29,7 +34,7 @@ from fem_lie.lie.node_types.node_type import (
     first_vector,
     vector_count,
 )
-from fem_lie.lie.tuples import dot
+from fem_lie.lie.tuples import dot, load, load_row, rotate, rotate_back, store
 
 Invariants: TypeAlias = tuple[float, float, float, float, float, float, float]
 """Kinetic energy, momentum and angular momentum about the origin."""
@@ -133,6 +138,76 @@ def tangents(
                     block[5, column] += left[1, 1] - left[2, 0]
 
 
+PlainEnds: TypeAlias = tuple[tuple[Array, Array], tuple[Array, Array]]
+"""Nodes (≥ n, 4, 3) at the start and end of a step, and maps (n, 2, 3, 3) of both."""
+
+
+@compiled
+def momentum_tangents(
+    ends: PlainEnds,
+    node_types: Indices,
+    G: PlainInertia,
+    block_indices: Indices,
+    factor: float,
+    A: Array,
+) -> None:
+    """Add ``factor T₀ᵀ L(H₀)ᵀ G L(H₁) T₁`` to ``A``: change of the momenta at the start of a step.
+
+    Args:
+        ends: Nodes at the start and at the end of the step; transposes of the maps ``T₀ᵀ`` from
+            forces on the nodes at the start, and maps ``T₁`` to motions of the nodes at the end.
+        node_types: Type of each node, shape (n,).
+        G: The block-sparse matrix.
+        block_indices: Index of each block of ``G`` among the blocks of ``A``.
+        factor: Factor of the matrix.
+        A: Blocks (b, 6, 6), updated.
+    """
+    ((start, end), (T0, T1)), (indptr, indices, blocks) = ends, G
+    unit, motion, r, row = np.empty(6), np.empty(6), np.empty(6), np.empty(6)
+    rates, force = np.empty((4, 3)), np.empty((4, 3))
+    for i in range(indptr.shape[0] - 1):
+        for entry in range(indptr[i], indptr[i + 1]):
+            j, block = indices[entry], A[block_indices[entry]]
+            for column in range(6):
+                unit[:], r[:] = 0.0, 0.0
+                unit[column] = 1.0
+                _map(T1[j], unit, motion)
+                push_forward(node_types[j], end[j], motion, rates)
+                _times(blocks[entry], rates, force)
+                pull_back(node_types[i], start[i], force, factor, r)
+                _map_back(T0[i], r, row)
+                for k in range(6):
+                    block[k, column] += row[k]
+
+
+@inlined
+def _map(maps: Array, a: Array, out: Array) -> None:
+    """``T a`` of one node, with maps (2, 3, 3) of the first and last three components."""
+    for k in range(2):
+        T = maps[k]
+        row = rotate_back(load_row(T, 0), load_row(T, 1), load_row(T, 2), load(a, 3 * k))
+        store(out, 3 * k, row)
+
+
+@inlined
+def _map_back(maps: Array, r: Array, out: Array) -> None:
+    """``Tᵀ r``."""
+    for k in range(2):
+        T = maps[k]
+        row = rotate(load_row(T, 0), load_row(T, 1), load_row(T, 2), load(r, 3 * k))
+        store(out, 3 * k, row)
+
+
+@inlined
+def _times(g: Array, a: Array, out: Array) -> None:
+    """Product of a block (4, 4) with the rates (4, 3) of a node."""
+    for k in range(4):
+        for j in range(3):
+            out[k, j] = 0.0
+            for b in range(4):
+                out[k, j] += g[k, b] * a[b, j]
+
+
 @inlined
 def _add_straight(
     node_types: tuple[int, int], H: Array, other: Array, g: Array, mass: float, block: Array
@@ -152,11 +227,7 @@ def _add_pulled(node_type: int, H: Array, g: Array, right: Array, block: Array) 
     """Add ``Lᵀ g right`` of a node of any type; ``right`` (4, 3, 6) has global components."""
     force, r = np.empty((4, 3)), np.empty(6)
     for column in range(6):
-        for k in range(4):
-            for j in range(3):
-                force[k, j] = 0.0
-                for b in range(4):
-                    force[k, j] += g[k, b] * right[b, j, column]
+        _times(g, right[:, :, column], force)
         r[:] = 0.0
         pull_back(node_type, H, force, 1.0, r)
         for k in range(6):

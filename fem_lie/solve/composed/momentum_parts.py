@@ -89,7 +89,7 @@ def run(
     return loop.DONE
 
 
-_SHARED = "H", "rest", "steps", "before", "gap", "balance", "multipliers", "earlier"
+_SHARED = "H", "rest", "rates", "before", "gap", "balance", "multipliers", "earlier"
 """State shared by sub-steps of all sizes."""
 
 
@@ -145,19 +145,14 @@ class MomentumPart(VariationalRun):
             earlier: Size of the one before that.
         """
         self._start, h = start, self.h
-        # two steps of this size, from whose rates this one is extrapolated linearly
-        rate, change = self.steps[0] / last, (self.steps[0] - self.steps[1]) / last
-        self.steps[0] = h * rate
-        self.steps[1] = h * (rate - change * (h + last) / (last + earlier))
+        # rates of two steps of this size, from which this one is extrapolated linearly
+        change = self.rates[0] - self.rates[1]
+        self.rates[1] = self.rates[0] - change * (h + last) / (last + earlier)
         # multipliers act at the end of one step and the start of the next
         self.multipliers *= (last * (h + last)) / (h * (last + earlier))
         self.earlier[:] = self.multipliers
         alone, self.begun = self._alone, self.index
-        made = self._make_in_loop(self.index + 1) if alone else self.attempt(start, start + h)
-        if made:
-            # and the last one, rescaled to this size
-            self.steps[1] = h * rate
-        return made
+        return self._make_in_loop(self.index + 1) if alone else self.attempt(start, start + h)
 
     @property
     def _balance_in_loop(self) -> bool:

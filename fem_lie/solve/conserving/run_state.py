@@ -457,5 +457,7 @@ class RunState(DividedIntegration[History]):
         # unknowns are along midpoint axes, elements and constraints are differentiated at the end
         lag = 0.5 * self.size * v[:, 3:]
         lag[self._vectors] = 0.0
-        plan = plan._replace(stressed=H, matrix_terms=self.matrix_terms, lag=lag)
+        back = np.ascontiguousarray(lie.so3_exp(-lag))[:, np.newaxis]
+        plan = plan._replace(motions=back, end_motions=back)
+        plan = plan._replace(stressed=H, matrix_terms=self.matrix_terms)
         return equations.fill(now, self._found, plan)

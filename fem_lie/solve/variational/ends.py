@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie.lie.node_types import POSITION_GRADIENT
 from fem_lie.linear.direct import DirectSolver
 from fem_lie.solve.motion.consistent import accelerations
-from fem_lie.solve.variational import momenta
+from fem_lie.solve.variational import kinematics, momenta
 from fem_lie.system.equations import Equations, Plan, TimeState
 
 
@@ -118,29 +117,23 @@ class Ends:
         equations.residual(now, np.ones(len(self._none)), self._work)
         return accelerations(equations, self._solver, H, v, time, self.h, self._sweeps)
 
-    def through(self, H: Array, steps: Array, time: float, changing: bool) -> tuple[Array, Array]:
-        """Twists, shape (N, 6), and their rates, shape (n, 6), of a parabola through two steps.
+    def through(self, H: Array, rates: Array, time: float, changing: bool) -> tuple[Array, Array]:
+        """Twists, shape (N, 6), and their rates, shape (n, 6), of a line through two steps.
 
         Args:
             H: Nodal coordinates of all nodes at the end of the last step, shape (N, 4, 3).
-            steps: The last step and the one before, shape (2, n, 6).
+            rates: Rates in the last step and the one before, see
+                :func:`~.kinematics.set_rates`, shape (2, n, 6).
             time: Time at its end.
             changing: Whether there are prescribed motions.
         """
         equations, n, h = self.equations, self._n, self.h
-        twists = equations.start.velocities.copy()
-        spatial = (1.5 * steps[0] - 0.5 * steps[1]) / h
+        twists, change = equations.start.velocities.copy(), np.empty((n, 6))
         kinds, held = equations.unknowns.kinds, equations.unknowns.held
-        momenta.to_local(kinds, H, spatial, held, twists[:n])
+        kinematics.at_end(kinds, H, held, rates, h, (twists[:n], change))
         if changing:
             twists[n + 1 :] = equations.prescribed(time, h).velocities
-        rates = np.empty((n, 6))
-        change = (steps[0] - steps[1]) / h**2
-        momenta.to_local(kinds, H, change, held, rates)
-        frames = np.flatnonzero(kinds < POSITION_GRADIENT)
-        rates[frames, :3] -= np.cross(twists[frames, 3:], twists[frames, :3])
-        momenta.subtract_turning(kinds, H, twists, rates)
-        return twists, rates
+        return twists, change
 
 
 def prescribe(

@@ -24,7 +24,7 @@ from fem_lie.linear.factors import PlainFactors, solve
 from fem_lie.solve.conserving.midpoint.cayley import advance
 from fem_lie.solve.convergence import DIVERGES, GOES_ON, STAGNANT, estimate, judged
 from fem_lie.solve.refactorisation import KNOWN, PlainRule, due, learn
-from fem_lie.solve.variational import momenta
+from fem_lie.solve.variational import kinematics, momenta
 from fem_lie.system.nodes.sums import residual
 from fem_lie.system.outer_forces import look_and_sum_up
 
@@ -47,15 +47,15 @@ class Packed(NamedTuple):
     Attributes:
         H: Nodal coordinates of all nodes, (N, 4, 3).
         rest: Further digits of ``H`` beyond double precision, (n, 4, 3).
-        last: Increments of the last step, (n, 6).
-        earlier_step: Increments of the step before it, (n, 6).
+        rates: Rates in the last step and the one before, see :func:`~.kinematics.set_rates`, (2, n,
+            6).
         step: Increments of the current step, (n, 6).
         before: Momenta at the start, (n, 6).
         after: Momenta at the end, (n, 6).
         multipliers: Current Lagrange multipliers, (m,).
         earlier: Lagrange multipliers of the last step, (m,).
         gap: Constraint violations, (m,).
-        delta: Increments of all nodes, see :func:`~.momenta.between`, (N, 4, 3).
+        delta: Increments of all nodes, see :func:`~.kinematics.between`, (N, 4, 3).
         mean: Mean coordinates, (N, 4, 3).
         end: Coordinates at the end, (N, 4, 3).
         middle: Nodes at the midpoint, (N, 4, 3).
@@ -79,8 +79,8 @@ class Packed(NamedTuple):
         progress: See :data:`PROGRESS`.
         table: Packed arrays of :func:`~fem_lie.system.nodes.sums.residual`.
         balance_table: Packed arrays of :func:`~fem_lie.system.outer_forces.look_and_sum_up`.
-        reported: Twists for the energy balance, in global components, (n, 6).
-        local: The same in the nodes' frames, (n, 6).
+        local: Twists for the energy balance, (n, 6).
+        change_of_twists: Their rates, (n, 6).
         ahead: Multipliers for the energy balance, (m,).
         targets: Targets of the constraints, (m,).
         kinds: Types of the nodes, (n,).
@@ -89,8 +89,7 @@ class Packed(NamedTuple):
 
     H: Numbers3
     rest: Numbers3
-    last: Numbers2
-    earlier_step: Numbers2
+    rates: Numbers3
     step: Numbers2
     before: Numbers2
     after: Numbers2
@@ -121,8 +120,8 @@ class Packed(NamedTuple):
     progress: Annotated[Records, one(PROGRESS)]
     table: Integers2
     balance_table: Integers2
-    reported: Numbers2
     local: Numbers2
+    change_of_twists: Numbers2
     ahead: Numbers1
     targets: Numbers1
     kinds: Integers1
@@ -155,7 +154,7 @@ def weigh(table: Indices, h: float) -> None:
     this = packed(table)
     n, H, step, held = this.step.shape[0], this.H, this.step, this.held
     coordinates = this.delta, this.mean, this.end, this.middle
-    momenta.between(this.kinds, H, step, coordinates, h, this.twists)
+    kinematics.between(this.kinds, H, step, coordinates, h, this.twists)
     still = this.still
     residual(this.middle, still, still, this.none, this.scale, this.work, this.table)
     for i in range(n):
@@ -171,14 +170,11 @@ def weigh(table: Indices, h: float) -> None:
 
 
 @linked
-def _begin(table: Indices) -> None:
-    """Predict the step by extrapolating the last change."""
+def _begin(table: Indices, h: float) -> None:
+    """Predict the step by extrapolating the last change of rates."""
     this = packed(table)
     progress, n = this.progress[0], this.step.shape[0]
-    for i in range(n):
-        for k in range(6):
-            this.step[i, k] = 2.0 * this.last[i, k] - this.earlier_step[i, k]
-    momenta.hold(this.kinds, this.H, this.held, this.step)
+    kinematics.predict(this.kinds, this.H, this.held, this.rates, h, this.step)
     if this.progress[0].made < 2:
         this.multipliers[:] = this.earlier
     progress.motion = _largest(this.step.reshape(6 * n), this.measure)
@@ -189,7 +185,7 @@ def _begin(table: Indices) -> None:
 def _correct(table: Indices) -> None:
     this = packed(table)
     n = this.step.shape[0]
-    momenta.correct(this.kinds, this.H, this.held, this.x, this.step)
+    kinematics.correct(this.kinds, this.H, this.middle, this.held, this.x, this.step)
     for c in range(this.scale.shape[0]):
         # the residual has 4 times the forces of constraints
         this.multipliers[c] -= 0.25 * this.scale[c] * this.x[6 * n + c]
@@ -219,7 +215,7 @@ def _improve(table: Indices, factors: PlainFactors, h: float, tolerance: float) 
 
 
 @linked
-def _accept(table: Indices) -> None:
+def _accept(table: Indices, h: float) -> None:
     """Make the end of the step the start of the next."""
     this = packed(table)
     for c in range(this.gap.shape[0]):
@@ -227,8 +223,8 @@ def _accept(table: Indices) -> None:
     advance(this.H, this.rest, this.delta[: this.step.shape[0]])
     momenta.keep_axes(this.kinds, this.end, this.H)
     this.gap[:] += this.change
-    this.before[:], this.earlier_step[:] = this.after, this.last
-    this.last[:], this.earlier[:] = this.step, this.multipliers
+    kinematics.keep_rates(this.kinds, this.step, this.twists, h, this.rates)
+    this.before[:], this.earlier[:] = this.after, this.multipliers
     this.progress[0].made += 1
 
 
@@ -239,10 +235,8 @@ def _add_to_balance(table: Indices, h: float, loads: bool, joints: bool) -> None
     Velocities are those of a line through the last two steps.
     """
     this = packed(table)
-    for i in range(this.last.shape[0]):
-        for k in range(6):
-            this.reported[i, k] = (1.5 * this.last[i, k] - 0.5 * this.earlier_step[i, k]) / h
-    momenta.to_local(this.kinds, this.H, this.reported, this.held, this.local)
+    ends = this.local, this.change_of_twists
+    kinematics.at_end(this.kinds, this.H, this.held, this.rates, h, ends)
     look_and_sum_up(
         h, (this.H, this.local, this.ahead, this.targets), loads, joints, this.balance_table
     )
@@ -273,7 +267,7 @@ def run(
     progress = this.progress[0]
     while progress.made < last:
         if progress.iteration == 0:
-            _begin(table)
+            _begin(table, h)
         while True:
             if not asked:
                 if progress.iteration == most:
@@ -291,7 +285,7 @@ def run(
                 break
         learn(rule, this.known[0], progress.iteration)
         progress.iteration = 0
-        _accept(table)
+        _accept(table, h)
         if accounts[0]:
             _add_to_balance(table, h, accounts[1], accounts[2])
     return DONE

@@ -7,7 +7,6 @@ has a momentum of each coordinate vector. All are in global components. Formulas
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -21,9 +20,7 @@ from fem_lie.lie.node_types import inertia
 from fem_lie.lie.node_types.floating import Floating
 from fem_lie.lie.node_types.node_type import (
     POSITION_GRADIENT,
-    add_increment,
     axes,
-    axes_spin,
     first_vector,
     vector_count,
 )
@@ -31,10 +28,8 @@ from fem_lie.lie.tuples import (
     Vector,
     combined,
     cross,
-    dot,
     load,
     load_row,
-    minus,
     plus,
     rotate,
     rotate_back,
@@ -42,7 +37,6 @@ from fem_lie.lie.tuples import (
     store,
     store_row,
 )
-from fem_lie.solve.conserving.midpoint.cayley import half, span
 from fem_lie.solve.conserving.midpoint.products import add_on_rows
 from fem_lie.solve.conserving.midpoint.reduced_bodies import (
     PackedBodies,
@@ -50,6 +44,7 @@ from fem_lie.solve.conserving.midpoint.reduced_bodies import (
     span_products,
 )
 from fem_lie.solve.conserving.step.joints import add_joints
+from fem_lie.solve.variational import kinematics
 
 PlainWithin: TypeAlias = tuple[PackedBodies, Numbers3, Numbers2, Numbers3, Numbers3]
 """Plain tuple of a :class:`Within`, with which compiled functions are called faster."""
@@ -129,93 +124,12 @@ def _moment(H: Array, p: Array) -> Vector:
 
 
 @compiled
-def hold(kinds: Indices, H: Array, held: Flags | Indices, step: Array) -> None:
-    """Remove components that are held along the axes of the nodes ``H`` from steps (n, 6)."""
-    for i in range(step.shape[0]):
-        any_held = False
-        for k in range(6):
-            any_held = any_held or held[i, k]
-        if any_held:
-            d1, d2, d3 = axes(kinds[i], H[i])
-            for at in (0, 3):
-                a = rotate_back(d1, d2, d3, load(step[i], at))
-                a = (
-                    0.0 if held[i, at] else a[0],
-                    0.0 if held[i, at + 1] else a[1],
-                    0.0 if held[i, at + 2] else a[2],
-                )
-                store(step[i], at, rotate(d1, d2, d3, a))
-
-
-@compiled
-def between(
-    kinds: Indices,
-    H: Array,
-    step: Array,
-    coordinates: tuple[Array, Array, Array, Array],
-    h: float,
-    twists: Array,
-) -> None:
-    """Kinematics over a step, and the velocities at its midpoint.
-
-    Args:
-        kinds: Types of the nodes, (n,).
-        H: Nodes at the start, (≥ n, 4, 3).
-        step: Translation and rotation of each frame in global components, increments of both
-            coordinate vectors of other nodes, (n, 6).
-        coordinates: Increments, means, ends and midpoint nodes, (≥ n, 4, 3), overwritten.
-        h: Step size.
-        twists: Velocities, (≥ n, 6); those of the moving nodes are overwritten.
-    """
-    delta, mean, end, middle = coordinates
-    span(H, step, delta, mean, end, middle)
-    for i in range(step.shape[0]):
-        if kinds[i] >= POSITION_GRADIENT:
-            _span_vectors(kinds[i], H[i], step[i], (delta[i], mean[i], end[i], middle[i]))
-        d1, d2, d3 = axes(kinds[i], middle[i])
-        for at in (0, 3):
-            store(twists[i], at, rotate_back(d1, d2, d3, scaled(1.0 / h, load(step[i], at))))
-
-
-@compiled
-def _span_vectors(
-    kind: int, H: Array, step: Array, coordinates: tuple[Array, Array, Array, Array]
-) -> None:
-    """Increments, mean, end and midpoint of one node with vector coordinates."""
-    delta, mean, end, middle = coordinates
-    half, at = 0.5 * step, first_vector(kind)
-    add_increment(kind, H, half, middle)
-    add_increment(kind, H, step, end)
-    mean[:], delta[:] = middle, 0.0
-    for k in range(vector_count(kind)):
-        store_row(delta, at + k, load(step, 3 * k))
-
-
-@compiled
 def keep_axes(kinds: Indices, end: Array, H: Array) -> None:
     """Give position and position-gradient nodes ``H`` the axes of ``end``, (≥ n, 4, 3)."""
     for i in range(kinds.shape[0]):
         if kinds[i] == POSITION_GRADIENT:
             store_row(H[i], 2, load_row(end[i], 2))
             store_row(H[i], 3, load_row(end[i], 3))
-
-
-@compiled
-def subtract_turning(kinds: Indices, H: Array, twists: Array, rates: Array) -> None:
-    """Convert components of accelerations to rates of components, for nodes with rotating axes.
-
-    Args:
-        kinds: Types of the nodes, (n,); frames are left out.
-        H: Nodes, (≥ n, 4, 3).
-        twists: Velocities along the axes of the nodes, (≥ n, 6).
-        rates: Accelerations along them, (n, 6), updated.
-    """
-    for i in range(rates.shape[0]):
-        if kinds[i] >= POSITION_GRADIENT:
-            ψ = axes_spin(kinds[i], H[i], load(twists[i], 3))
-            for at in (0, 3):
-                change = cross(ψ, load(twists[i], at))
-                store(rates[i], at, minus(load(rates[i], at), change))
 
 
 @compiled
@@ -258,7 +172,7 @@ def constrain(
 
     Args:
         H: Nodes at the start.
-        coordinates: See :func:`between`.
+        coordinates: See :func:`~.kinematics.between`.
         joints: Packed arrays of the joints.
         multipliers: Lagrange multipliers, (m,).
         driven: Increments of the constraints' targets, (m,).
@@ -275,27 +189,6 @@ def constrain(
     add_joints(H, still, joints, none, driven, 1.0, unused, aside, ground)
     add_joints(H, still, joints, multipliers, driven, 1.0, unused, forces, ground)
     forces -= aside
-
-
-@inlined
-def _shares(ψ: Vector, m: Vector) -> tuple[Vector, Vector]:
-    """Twice the moments at both ends that are equivalent to a moment on the midpoint frame.
-
-    It rotates by ``½(φ₀ + φ₁) + ¼ a × (φ₀ − φ₁)``.
-    """
-    across = scaled(0.5, cross(half(ψ), m))
-    return combined(1.0, m, -1.0, across), plus(m, across)
-
-
-@inlined
-def _shares_of_director(
-    start: Array, middle: Array, end: Array, m: Vector
-) -> tuple[Vector, Vector]:
-    """The same for a director node, ``d̄ = (d₀ + d₁)/|d₀ + d₁|``."""
-    d0, d, d1 = load_row(start, 3), load_row(middle, 3), load_row(end, 3)
-    whole = plus(d0, d1)
-    g = scaled(2.0 / sqrt(dot(whole, whole)), cross(m, d))
-    return cross(d0, g), cross(d1, g)
 
 
 @compiled
@@ -316,16 +209,16 @@ def balance(
     Args:
         kinds: Types of the nodes, (n,).
         H: Nodes at the start.
-        step: See :func:`between`.
-        coordinates: See :func:`between`.
+        step: See :func:`~.kinematics.between`.
+        coordinates: See :func:`~.kinematics.between`.
         mass: Inertia.
         h: Step size.
         acting: Momenta at the start, (n, 6); forces without inertia, as of a residual, in the
             midpoint frames, (n, 6); constraint forces at the start, (n, 6).
         held: Which unknowns are zero, (n, 6).
         within: Reduced-order bodies, see :class:`Within`.
-        out: 4/h times the residual, in the frames at the start, (n, 6), and momenta at the end, (n,
-            6); overwritten.
+        out: 4/h times the residual, in the equations of the unknowns of :mod:`.kinematics`, (n,
+            6), and momenta at the end, (n, 6); overwritten.
     """
     delta, mean, end, middle = coordinates
     before, forces, constraints = acting
@@ -352,10 +245,9 @@ def balance(
         m = scaled(0.5 * h, rotate(d1, d2, d3, load(forces[i], 3)))
         early, last = m, m
         if kind < POSITION_GRADIENT:
-            early, last = _shares(load(step[i], 3), m)
+            early, last = kinematics.shares(load(step[i], 3), m)
             if held[i, 5] and not held[i, 3]:
-                early, last = _shares_of_director(H[i], middle[i], end[i], m)
-        d1, d2, d3 = axes(kind, H[i])
+                early, last = kinematics.shares_of_director(H[i], middle[i], end[i], m)
         for at in (0, 3):
             mine = _momentum(kind, H[i], p[i], at)
             own = f if at == 0 else early
@@ -363,28 +255,12 @@ def balance(
             wrong = combined(1.0, wrong, h, load(constraints[i], at))
             later = _momentum(kind, end[i], q[i], at)
             own = f if at == 0 else last
-            wrong = rotate_back(d1, d2, d3, wrong)
-            wrong = (
-                0.0 if held[i, at] else wrong[0],
-                0.0 if held[i, at + 1] else wrong[1],
-                0.0 if held[i, at + 2] else wrong[2],
-            )
-            store(r[i], at, scaled(4.0 / h, wrong))
+            wrong = kinematics.free_part(kind, H[i], held[i], at, wrong)
+            row = kinematics.to_midpoint(kind, middle[i], load(step[i], 3), at, wrong)
+            store(r[i], at, scaled(4.0 / h, kinematics.free_components(row, held[i], at)))
             # the next step corrects the remainder: momenta are compensated sums
-            left = plus(own, rotate(d1, d2, d3, wrong))
-            store(after[i], at, combined(1.0, later, -1.0, left))
-    hold(kinds, end, held, after)
-
-
-@compiled
-def correct(kinds: Indices, H: Array, held: Flags | Indices, x: Array, step: Array) -> None:
-    """Subtract the solution ``x`` (6 n,), along the axes of the nodes ``H``, from the step."""
-    for i in range(step.shape[0]):
-        d1, d2, d3 = axes(kinds[i], H[i])
-        for at in (0, 3):
-            change = rotate(d1, d2, d3, load(x, 6 * i + at))
-            store(step[i], at, combined(1.0, load(step[i], at), -1.0, change))
-    hold(kinds, H, held, step)
+            store(after[i], at, combined(1.0, later, -1.0, plus(own, wrong)))
+    kinematics.hold(kinds, end, held, after)
 
 
 @compiled

@@ -26,7 +26,7 @@ from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.refactorisation import Refactorisation
-from fem_lie.solve.variational import loop, momenta
+from fem_lie.solve.variational import kinematics, loop, momenta
 from fem_lie.solve.variational.ends import prescribe
 from fem_lie.solve.variational.loop import Packed
 from fem_lie.solve.variational.run_state import RunState
@@ -45,9 +45,9 @@ class Newton(RunState, Iterated):
 
     def _made_with(self, decisions: PolicyState) -> bool:
         """Make the step from its start; return whether it converged."""
-        held = self.equations.unknowns.held
-        self.step[:] = 2.0 * self.steps[0] - self.steps[1]
-        momenta.hold(self.equations.unknowns.kinds, self.H, held, self.step)
+        unknowns = self.equations.unknowns
+        given = unknowns.kinds, self.H, unknowns.held, self.rates, self.size
+        kinematics.predict(*given, self.step)
         self.multipliers[:] = self.earlier
         motion = float(np.abs(self.step.ravel() * self._measure[: self.step.size]).max(initial=0.0))
         tolerance, self._motion = self.options.tolerance, motion
@@ -94,7 +94,7 @@ class Newton(RunState, Iterated):
 
 _log = logging.getLogger(__name__)
 
-CHANGED = "H", "rest", "steps", "before", "multipliers", "earlier", "gap", "_made"
+CHANGED = "H", "rest", "rates", "before", "multipliers", "earlier", "gap", "_made"
 """State that the acceptance of a step changes."""
 
 _AT_A_TIME = 20_000
@@ -219,8 +219,7 @@ class VariationalRun(Newton):
         return Packed(
             self.H,
             self.rest,
-            self.steps[0],
-            self.steps[1],
+            self.rates,
             self.step,
             self.before,
             self.after,
@@ -269,11 +268,12 @@ class VariationalRun(Newton):
         n, start = self._n, self.H.copy()
         was = None if self._contacts is None else saved(self, CHANGED)
         advance(self.H[:n], self.rest, delta[:n])
-        momenta.keep_axes(self.equations.unknowns.kinds, end, self.H)
+        kinds = self.equations.unknowns.kinds
+        momenta.keep_axes(kinds, end, self.H)
         self.H[n:] = end[n:]
         self.gap += self._change
         self.before[:] = self.after
-        self.steps[1], self.steps[0] = self.steps[0], self.step
+        kinematics.keep_rates(kinds, self.step, self.twists, self.size, self.rates)
         ahead = 2.0 * self.multipliers - self.earlier if self.index else self.multipliers.copy()
         self.earlier[:] = self.multipliers
         self._made += 1
@@ -306,7 +306,7 @@ class VariationalRun(Newton):
             contacts.abandon()
             return False
         if not self.balance.empty:
-            _, rates = self._ends.through(self.H, self.steps, time, self._changing)
+            _, rates = self._ends.through(self.H, self.rates, time, self._changing)
             self.balance.add(self.size, time, self.H, v, rates, ahead)
         if changed is not None:
             was = TimeState(self.H.copy(), v, changed.rates[0], ahead)
@@ -314,7 +314,7 @@ class VariationalRun(Newton):
             self.before += change
             self.H[:n], v = changed.frames[:n], changed.twists
             self.rest[:] = 0.0
-            self._set_steps(v, changed.rates[1])
+            self._set_rates(v, changed.rates[1])
             self.multipliers += changed.multipliers
             self.earlier[:] = self.multipliers
             now = TimeState(self.H, v, changed.rates[1], ahead + changed.multipliers)
@@ -331,8 +331,8 @@ class VariationalRun(Newton):
         """Update convected axes at the accepted state, and the spins of frames along them."""
         kinds, before = self.equations.unknowns.kinds, self.H.copy()
         self.equations.history_variables.rotate_axes(self.H)
-        for spatial in (self.before, *self.steps):
-            momenta.turn_with(kinds, before, self.H, spatial)
+        momenta.turn_with(kinds, before, self.H, self.before)
+        kinematics.rotate_axes(kinds, before, self.H, self.rates)
 
     def _add_to_balance(self, time: float, multipliers: Array) -> None:
         """Update the energy balance by the trapezoidal rule.
@@ -341,7 +341,7 @@ class VariationalRun(Newton):
         """
         if self._changing:
             self.equations.prescribed(time).act()
-        twists, rates = self._ends.through(self.H, self.steps, time, self._changing)
+        twists, rates = self._ends.through(self.H, self.rates, time, self._changing)
         self.balance.add(self.size, time, self.H, twists[: self._n], rates, multipliers)
 
     def _failure(self, steps: int) -> str:

@@ -26,7 +26,7 @@ from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.motion.policies import RefactorisationPolicy
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.rotations import MeanPositions, by_momenta
-from fem_lie.solve.variational import momenta
+from fem_lie.solve.variational import kinematics, momenta
 from fem_lie.solve.variational.ends import Binding, Ends
 from fem_lie.system.equations import Equations, Plan, TimeState
 
@@ -52,7 +52,7 @@ class RunState(DividedIntegration[Recorder]):
     STATE = attributes(
         "H",
         "rest",
-        "steps",
+        "rates",
         "before",
         "multipliers",
         "earlier",
@@ -88,8 +88,9 @@ class RunState(DividedIntegration[Recorder]):
         self._convects_axes = any(body.model.axes_update() is not None for body in unknowns.bodies)
         self.H, self.rest = equations.start.frames.copy(), z((n, 4, 3))
         self._within = momenta.Within.of(known.floating, self.rest)
-        # the last step and the one before
-        self.steps, self.step = z((2, n, 6)), z((n, 6))
+        # of the last step and the one before
+        self.rates, self.step = z((2, n, 6)), z((n, 6))
+        self._maps = z((2, n, 2, 3, 3))
         self.before, self.after = z((n, 6)), z((n, 6))
         self.multipliers, self.earlier, self.gap = z(m), z(m), z(m)
         self.coordinates = z(self.H.shape), self.H.copy(), self.H.copy(), self.H.copy()
@@ -111,11 +112,13 @@ class RunState(DividedIntegration[Recorder]):
         # twists at the start of the step, which only contacts need
         self._v: Array = equations.start.velocities[:n].copy()
         self._contacts: CoupledContacts | None = None
+        # factors that impulses at the ends of steps use
+        self._at_ends: StepFactors | None = None
         if contacts := equations.scene.impacts:
-            factors = None
             if not unknowns.rigid or len(known.terms):
-                factors = StepFactors(self._factorise, self._solve, self._r, self._x, self.scale)
-            self._contacts = CoupledContacts(contacts, equations, self._end_rule, factors)
+                given = self._factorise, self._solve, self._r, self._x, self.scale
+                self._at_ends = StepFactors(*given)
+            self._contacts = CoupledContacts(contacts, equations, self._end_rule, self._at_ends)
 
     @property
     def _end_rule(self) -> Rule:
@@ -135,7 +138,7 @@ class RunState(DividedIntegration[Recorder]):
         check_velocities(equations, self.h)
         v = equations.start.velocities
         self.before[:] = self._momenta(self.H, v[:n])
-        self._set_steps(v[:n])
+        self._set_rates(v[:n], np.zeros((n, 6)))
         rates, self.multipliers[:] = self._ends.accelerations(self.H, v, 0.0)
         self.earlier[:] = self.multipliers
         now = TimeState(self.H, v[:n], rates, self.multipliers)
@@ -156,22 +159,15 @@ class RunState(DividedIntegration[Recorder]):
         momenta.of_rates(kinds, H, V, self._mass, bodies, found)
         return found
 
-    def _set_steps(self, v: Array, rates: Array | None = None) -> None:
-        """Set the last two steps to those of a uniform motion.
+    def _set_rates(self, v: Array, acceleration: Array) -> None:
+        """Set the rates of the last two steps to those of a uniform acceleration.
 
         Args:
             v: Twists at its end, shape (n, 6).
-            rates: Rates of these, shape (n, 6); default: none.
+            acceleration: Rates of these, shape (n, 6).
         """
-        kinds, h = self.equations.unknowns.kinds, self.size
-        velocity, acceleration = np.empty((2, self._n, 6))
-        momenta.to_space(kinds, self.H, v, velocity)
-        self.steps[:] = h * velocity
-        if rates is not None:
-            local = rates.copy()
-            local[:, :3] += np.cross(v[:, 3:], v[:, :3])
-            momenta.to_space(kinds, self.H, local, acceleration)
-            self.steps -= h**2 * np.array([0.5, 1.5])[:, np.newaxis, np.newaxis] * acceleration
+        kinds = self.equations.unknowns.kinds
+        kinematics.set_rates(kinds, self.H, v, acceleration, self.size, self.rates)
 
     def _reset_coordinates(self) -> None:
         for row in self.coordinates[1:]:
@@ -181,7 +177,6 @@ class RunState(DividedIntegration[Recorder]):
 
     def resize(self, time: float, size: float) -> None:
         """Start steps of another size; momenta do not depend on it."""
-        self.steps *= size / self.size
         self._take_size(size)
         self._reset_coordinates()
         self.scale[:] = self._fill(None)
@@ -197,7 +192,8 @@ class RunState(DividedIntegration[Recorder]):
     def _correct(self) -> None:
         size = 6 * self._n
         unknowns = self.equations.unknowns
-        momenta.correct(unknowns.kinds, self.H, unknowns.held, self._x, self.step)
+        middle = self.coordinates[3]
+        kinematics.correct(unknowns.kinds, self.H, middle, unknowns.held, self._x, self.step)
         # the residual has 4 times the forces of constraints
         self.multipliers -= 0.25 * self.scale * self._x[size:]
 
@@ -205,7 +201,7 @@ class RunState(DividedIntegration[Recorder]):
         """Residual of the momenta at the start and of the constraints at the end."""
         equations, n, coordinates, h = self.equations, self._n, self.coordinates, self.size
         kinds = equations.unknowns.kinds
-        momenta.between(kinds, self.H, self.step, coordinates, h, self.twists)
+        kinematics.between(kinds, self.H, self.step, coordinates, h, self.twists)
         middle = coordinates[3]
         v = self.twists if self._viscous else np.zeros_like(self.twists)
         equations.residual(
@@ -254,6 +250,12 @@ class RunState(DividedIntegration[Recorder]):
         equations.residual(now, ones, self._work, self._found)
         plan = Plan(self._still, scale, 4.0 / h**2, 2.0 / h, end.copy(), self.H)
         plan = plan._replace(stressed=H, matrix_terms=self.matrix_terms)
+        # impulses are along the axes at the end of a step
+        if self._at_ends is None:
+            motions, forces = self._maps
+            kinematics.maps(equations.unknowns.kinds, end, middle, motions)
+            kinematics.maps(equations.unknowns.kinds, self.H, middle, forces)
+            plan = plan._replace(end_motions=motions, start_forces=forces)
         return equations.fill(now, self._found, plan)
 
 

@@ -19,7 +19,7 @@ def kinetic(
 
     Args:
         kinds: Types of the nodes, (n,).
-        step: Increments in global components, see :func:`~.momenta.between`, (n, 6).
+        step: Increments in global components, see :func:`~.kinematics.between`, (n, 6).
         h: Step size.
         before: Momenta at the start, (n, 6).
         after: Momenta at the end, (n, 6).

@@ -102,7 +102,6 @@ class VariationalSteps(VariationalRun):
     def set_step(self, time: float, h: float) -> None:
         """Set the state at ``time`` as the start of a step of size ``h``."""
         if abs(h / self.size - 1.0) > SAME_SIZE:
-            self.steps *= h / self.size
             self._take_size(h)
         levels = self._levels
         levels.use(4.0 / h**2)
