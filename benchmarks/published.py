@@ -7,6 +7,10 @@
 - *Euler's disk*: a thin disc whose centre rests precesses with ``Ω² = 4 g/(R sin α)``.
 - *Tippe top*: with any friction the moment of momentum along the arm from the centre of mass to the
   contact is constant, J. H. Jellett, A Treatise on the Theory of Friction, 1872.
+- *Peaucellier's linkage* of seven bars: a point moves along a straight line. All ten hinges have
+  parallel axes, so that 21 of 50 constraints are redundant.
+- *A rimless wheel* rolls down a slope (T. McGeer, Int. J. Robotics Research 9 (1990) 62): impacts
+  of its spokes and gravity determine its steady rolling, in which no spoke leaves the ground early.
 """
 
 from __future__ import annotations
@@ -109,9 +113,91 @@ def spinning() -> Iterator[str]:
         yield f"tippe top, {name}, {type(law).__name__}: {drift:.1e}, least cosine {least:.3f}"
 
 
+def linkage() -> tuple[fl.Scene, fl.extend.Point]:
+    """Peaucellier's linkage, whose crank swings by 0.4 rad, and the point on the straight line."""
+    square, side, angle = 3.0, 1.0, 0.5  # OA·OP, bars of the rhombus, direction of the crank
+    origin, C, z = np.zeros(3), np.array([1.0, 0, 0]), (0, 0, 1)
+    A = np.array([1.0 + np.cos(angle), np.sin(angle), 0])
+    d = float(np.linalg.norm(A))
+    u, far = A / d, square / d
+    v = np.sqrt(side**2 - (far - d) ** 2 / 4) * np.array([-u[1], u[0], 0])
+    B, D, P = (far + d) / 2 * u + v, (far + d) / 2 * u - v, far * u
+    scene = fl.Scene(
+        redundant=fl.joints.RedundantConstraints.MINIMUM_NORM, gravity=(0, -GRAVITY, 0)
+    )
+    bars = {}
+    for name, start, end in zip(
+        ("CA", "OB", "OD", "AB", "AD", "BP", "DP"),
+        (C, origin, origin, A, A, B, D),
+        (A, B, D, B, D, P, P),
+        strict=True,
+    ):
+        bars[name] = scene.add(fl.RigidBody.cylinder(1.0, 0.01, start, end, name=name))
+    hinges = {}
+    for one, two, at in (
+        ("", "CA", C),
+        ("", "OB", origin),
+        ("", "OD", origin),
+        ("CA", "AB", A),
+        ("CA", "AD", A),
+        ("AB", "OB", B),
+        ("AD", "OD", D),
+        ("OB", "BP", B),
+        ("OD", "DP", D),
+        ("BP", "DP", P),
+    ):
+        a = bars[one].point("centre") if one else fl.ground()
+        hinge = fl.joints.Revolute(a, bars[two].point("centre"), at=at, axis=z)
+        hinges[one, two] = scene.add(hinge)
+    scene.add(fl.joints.Drive(hinges["", "CA"].angle, lambda t: 0.4 * np.sin(t)))
+    return scene, bars["DP"].point(P)
+
+
+def straight() -> Iterator[str]:
+    """How far the point leaves its line in a stroke of 0.65 m, and the time for a step of 5 ms."""
+    for name, scheme in SCHEMES.items():
+        scene, point = linkage()
+        fl.schemes.set_initial_velocities(scene, 5e-3)
+        result = scheme.run(scene, duration=6.3, step=5e-3, progress=False)
+        x, y, _ = result.position(point).T
+        each = 1e3 * result.seconds / (len(result.times) - 1)
+        yield (
+            f"Peaucellier, {name}: {np.abs(x - 1.5).max():.1e} m of {np.ptp(y):.4f} m, "
+            f"{each:.2f} ms a step"
+        )
+
+
+def rolling_spokes(step: float) -> tuple[float, float]:
+    """Relative errors of the angular velocity before and after impacts in steady rolling."""
+    spokes, slope, J = 8, 0.2, 0.5
+    half = np.pi / spokes
+    corners = np.arange(spokes) * 2 * half + half
+    ends = [(np.sin(a), y, np.cos(a)) for a in corners for y in (-0.2, 0.2)]
+    scene = fl.Scene(gravity=(GRAVITY * np.sin(slope), 0, -GRAVITY * np.cos(slope)))
+    wheel = scene.add(fl.RigidBody(1.0, (0.3, J, 0.3), (0, 0, np.cos(half))))
+    wheel.add_velocity(omega=(0, 1.5, 0), about=(np.sin(half), 0, 0))
+    rim = fl.contact.ConvexPolyhedron(wheel.point("centre"), ends)
+    scene.add(fl.contact.Contact(rim, FLAT, fl.contact.Impact(friction=5.0)))
+    result = SCHEMES["GeneralisedAlpha"].run(scene, duration=20.0, step=step, progress=False)
+    omega = result.velocity(wheel.point("centre"))[len(result.times) // 2 :, 4]
+    # momentum about the next corner, energy between impacts
+    kept = (J + np.cos(2 * half)) / (J + 1)
+    fall = 2 * GRAVITY * (np.cos(slope - half) - np.cos(slope + half)) / (J + 1)
+    before = np.sqrt(fall / (1 - kept**2))
+    top = np.sqrt((kept * before) ** 2 - 2 * GRAVITY * (1 - np.cos(half - slope)) / (J + 1))
+    return float(omega.max() / before - 1), float(omega.min() / top - 1)
+
+
+def spokes() -> Iterator[str]:
+    """Errors before an impact and where a spoke is upright, in steady rolling."""
+    for step in (2e-3, 1e-3, 5e-4):
+        before, upright = rolling_spokes(step)
+        yield f"rimless wheel, {step:g} s: before impacts {before:.1e}, upright {upright:.1e}"
+
+
 def main() -> None:
     """Print all rows."""
-    for rows in (thrown, precession, spinning):
+    for rows in (thrown, precession, spinning, straight, spokes):
         for row in rows():
             print(row, flush=True)
 
