@@ -275,6 +275,25 @@ def test_the_matrix_of_a_beam_that_rotates_is_kept(omega):
     np.testing.assert_allclose(kept.frames[-1], exact.frames[-1], atol=1e-10)
 
 
+@pytest.mark.parametrize(("product", "grows"), [(3.9, False), (4.5, True)])
+def test_the_limit_of_stability_of_vibrations_of_what_rotates(product, grows):
+    """A mass on a stiff spring that rotates by θ in a step is stable for h ω θ < 4."""
+    theta, steps = 0.1, 200
+    stiffness, mean = (product / theta) ** 2, np.cos(0.5 * theta)
+    scene = fl.Scene()
+    mass = scene.add(fl.RigidBody(1.0, (1e-3, 1e-3, 1e-3), (1, 0, 0)))
+    centre = mass.point("centre")
+    mass.add_velocity((0, np.sin(theta), 0))
+    distance = fl.joints.Distance(fl.ground(), centre, at=(0, 0, 0))
+    scene.add(distance)
+    rest = mean - 2.0 * (1.0 - np.cos(theta)) / mean / stiffness
+    scene.add(fl.joints.Spring(distance.length, stiffness, rest=rest))
+    result = fl.schemes.Variational().run(scene, duration=steps, step=1.0)
+    away = np.abs(np.linalg.norm(result.position(centre), axis=1) - 1.0)
+    ratio = away[-20:].max() / away[:20].max()
+    assert (ratio > 30.0) == grows and (ratio < 2.0) != grows
+
+
 @pytest.mark.parametrize("kind", ["cable", "spline cable"])
 def test_a_cable_that_rotates_keeps_its_matrix_and_momenta(kind):
     """Axes of position gradients rotate with them in the compiled loop, too: few matrices serve."""

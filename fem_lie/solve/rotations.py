@@ -80,7 +80,7 @@ class MeanPositions(Rotations):
     """Rotations in a scheme whose forces are those of mean positions over a step.
 
     An elastic body that turns by θ is shorter there by ``θ²/8``, and its stress stretches it by as
-    much.
+    much. Its vibrations of the angular frequency ω grow if ``h ω θ > 4``.
     """
 
     def __init__(self, made: Callable[[float], float], elastic: Flags) -> None:
@@ -91,7 +91,7 @@ class MeanPositions(Rotations):
             elastic: Mask of the nodes that cells connect with others, shape (n,).
         """
         super().__init__(made)
-        self._elastic, self._turned = elastic, 0.0
+        self._elastic, self._turned, self._step = elastic, 0.0, 0.0
 
     def note_velocities(self, h: float, v: Array, node_types: Indices) -> None:
         """Take the rotation of frames in a step of size ``h`` into account.
@@ -104,6 +104,7 @@ class MeanPositions(Rotations):
         super().note_velocities(h, v, node_types)
         rates = v[self._elastic & (node_types < POSITION_GRADIENT), 3:]
         self._turned = max(self._turned, h * float(np.linalg.norm(rates, axis=1).max(initial=0.0)))
+        self._step = h
 
     def report(self) -> None:
         """Log a warning if nodes rotate far in a step, and one if that stretches bodies."""
@@ -112,7 +113,8 @@ class MeanPositions(Rotations):
         if strain > _STRETCHED:
             _log.warning(
                 "elastic bodies that turn by up to %.3g° in a step are stretched by up to %.2g of "
-                "their length, for forces are those of mean positions over a step: take smaller "
-                "steps, or EnergyMomentum or GeneralisedAlpha",
-                *(degrees(self._turned), strain),
+                "their length, for forces are those of mean positions over a step, and vibrations "
+                "of more than %.3g rad per time grow: take smaller steps, or EnergyMomentum or "
+                "GeneralisedAlpha",
+                *(degrees(self._turned), strain, 4.0 / (self._step * self._turned)),
             )
