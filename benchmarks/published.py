@@ -8,7 +8,7 @@
 - *Tippe top*: with any friction the moment of momentum along the arm from the centre of mass to the
   contact is constant, J. H. Jellett, A Treatise on the Theory of Friction, 1872.
 - *Peaucellier's linkage* of seven bars: a point moves along a straight line. All ten hinges have
-  parallel axes, so that 21 of 50 constraints are redundant.
+  parallel axes, so that 9 of 50 constraints are redundant.
 - *A rimless wheel* rolls down a slope (T. McGeer, Int. J. Robotics Research 9 (1990) 62): impacts
   of its spokes and gravity determine its steady rolling, in which no spoke leaves the ground early.
 """
