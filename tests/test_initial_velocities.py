@@ -1,7 +1,5 @@
 """Initial velocities that joints, drives and prescribed motions allow."""
 
-from itertools import repeat
-
 import numpy as np
 import pytest
 
@@ -126,7 +124,9 @@ def test_prescribed_motions_and_equilibria_in_rotation():
 WRONG = {
     "rate": (lambda rail: [(rail.displacement, np.nan)], ValueError, "rate of the displacement"),
     "joint": (lambda rail: [(rail, 1.0)], TypeError, "Prismatic has: displacement"),
-    "twice": (lambda rail: repeat((rail.displacement, 1.0), 2), ValueError, "redundant"),
+    "pairs": (lambda rail: [rail.displacement], TypeError, "pairs of a coordinate and its rate"),
+    "list": (lambda rail: rail.displacement.joint, TypeError, "list of pairs"),
+    "twice": (lambda rail: 2 * [(rail.displacement, 1.0)], ValueError, "redundant"),
 }
 
 

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from fem_lie._arrays import Array, number, positive
+from fem_lie._arrays import Array, instance, number, positive, shown
 from fem_lie.joints.connection import Coordinate
 from fem_lie.joints.springs import Drive
 from fem_lie.lie.node_types import push_all_forward
@@ -129,7 +129,8 @@ def _without_strain(equations: Equations, H: Array, rates: Array, step: float) -
             equations.supports.rotate_back(H, found)
             before, change = change, equations.shared.largest(float(np.abs(found - v).max()))
             v, slow = found, change > _FAST * before
-            if change <= _SETTLED * equations.shared.largest(float(np.abs(v).max())) or fast & slow:
+            settled = change <= _SETTLED * equations.shared.largest(float(np.abs(v).max()))
+            if settled or (fast and slow):
                 return v
             if slow and (times < _TIMES[-1] or change > _STOPPED * before):
                 break
@@ -140,7 +141,14 @@ def _without_strain(equations: Equations, H: Array, rates: Array, step: float) -
 def _with_rates(scene: Scene, rates: Sequence[tuple[Coordinate, float]]) -> Scene:
     """A copy of the scene in which coordinates are driven at given rates."""
     driven = scene.with_loads(*scene.loads)
-    for coordinate, rate in rates:
+    instance(rates, Sequence, "rates", "a list of pairs, as [(joint.angle, 2.0)]")
+    for pair in rates:
+        if not isinstance(pair, tuple) or len(pair) != 2:
+            raise TypeError(
+                "rates: expected pairs of a coordinate and its rate, as (joint.angle, 2.0), got "
+                f"{shown(pair)}"
+            )
+        coordinate, rate = pair
         Coordinate.require(coordinate, "rates: coordinate")
         given = number(rate, f"rate of the {coordinate.label}")
         at = coordinate.start()
