@@ -3,7 +3,6 @@
 import numpy as np
 
 import fem_lie as fl
-from fem_lie.adaptivity.estimates.cut import Cut, Patches
 from fem_lie.mesh.shapes import turn, turned_round
 from fem_lie.results.stresses.nodal_values import planes
 from fem_lie.sections.warping import WarpingFields
@@ -39,35 +38,6 @@ def test_motion_by_poissons_ratio_is_no_shear():
     strain = fields.shear_strain(y, a, torsion)
     moved = a + np.array([0.3 - 0.7 * z, -0.2 + 0.7 * y])
     np.testing.assert_allclose(fields.shear_strain(y, moved, torsion), strain, rtol=1e-9)
-
-
-def test_cut_cells_about_one_cell_are_solved_exactly():
-    """Four cells, cut: forces of the found motion are those that were missing, but at the rim."""
-    shell = fl.Shell(
-        fl.mesh.parametric_surface(lambda a, b: (a, b, 0.1 * a * a), (2, 2)),
-        fl.ShellSection.layer(0.1, STEEL),
-        name="sheet",
-    )
-    cut = Cut.of(shell)
-    cells, N = cut.fine.model.cut_mesh.cells, len(cut.fine.frames)
-    random = np.random.default_rng(1)
-    A = random.normal(size=(len(cells), 20, 20))
-    stiffness = A @ np.swapaxes(A, 1, 2)
-    rest, free = random.normal(size=(N, 5)), random.random((N, 5)) < 0.8
-    found = Patches.of(cut).solved(cells, stiffness, rest, free)
-    corners = shell.model.cut_mesh.cells[0]
-    K = np.zeros((N, 5, N, 5))
-    for nodes, block in zip(cells, stiffness.reshape(-1, 4, 5, 4, 5), strict=True):
-        K[np.ix_(nodes, range(5), nodes, range(5))] += block
-    own = np.zeros(N, dtype=bool)
-    own[corners] = True
-    edges = len(shell.frames) + np.flatnonzero(np.isin(cut.ends, corners).any(axis=1))
-    own[edges] = own[len(shell.frames) + len(cut.ends) :] = True
-    chosen = np.flatnonzero((own[:, np.newaxis] & free).ravel())
-    moved = np.zeros(5 * N)
-    K = K.reshape(5 * N, 5 * N)
-    moved[chosen] = np.linalg.solve(K[np.ix_(chosen, chosen)], rest.ravel()[chosen])
-    np.testing.assert_allclose(found[:4], moved.reshape(N, 5)[cells[:4]], rtol=1e-8, atol=1e-9)
 
 
 def test_values_at_edges_are_those_of_planes():
