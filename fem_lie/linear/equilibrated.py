@@ -17,7 +17,7 @@ import scipy.sparse as sp
 from fem_lie._arrays import Array, Flags, Indices
 from fem_lie._jit import compiled
 from fem_lie.linear.low_rank import Extended
-from fem_lie.linear.redundancy import IdleMultipliers, scaled
+from fem_lie.linear.redundancy import IdleFilter, IdleMultipliers, scaled
 
 if TYPE_CHECKING:
     from fem_lie.linear.saddle_point import KKT
@@ -349,3 +349,10 @@ class Equilibrated:
         size = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
         size[size == 0.0] = 1.0
         return IdleMultipliers(scaled(B, 1.0 / size), size)
+
+    def idle_filter(self) -> IdleFilter:
+        """Filter of the solutions of the scene for compiled loops; see :meth:`idle`."""
+        found, n, m = self.idle(), len(self._kkt.units), len(self._kkt.measure)
+        if found is None or m == 0:
+            return IdleFilter.none()
+        return found.for_compiled(n - m, self.right[n - m : n])

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import ctypes
 import logging
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -24,26 +24,24 @@ from numba import types
 from numba.extending import intrinsic
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined
+from fem_lie._jit import compiled
 from fem_lie.linear.equilibrated import (
     ACCURATE,
     Equilibrated,
     InaccurateSolutionError,
     SingularMatrixError,
 )
+from fem_lie.linear.redundancy import IdleFilter, PlainIdleFilter, remove_idle
+from fem_lie.linear.triangles import Triangle, Triangles, substitute
 
 if TYPE_CHECKING:
     from fem_lie.linear.saddle_point import KKT
 
 _log = logging.getLogger(__name__)
 
-ONE, TWO = np.uint64(1), np.uint64(2)
-
-
-Triangle: TypeAlias = tuple[Array, Indices, Indices]
-"""Values, row indices and column pointers."""
-
-PlainFactors: TypeAlias = tuple[Array, Array, Indices, Indices, Array, Triangle, Triangle]
+PlainFactors: TypeAlias = tuple[
+    Array, Array, Indices, Indices, Array, Triangle, Triangle, PlainIdleFilter
+]
 """:class:`Factors` as a plain tuple, for compiled functions."""
 
 
@@ -61,6 +59,7 @@ class Factors(NamedTuple):
         diagonal: Inverse of the diagonal of ``U``.
         lower: ``L``.
         upper: ``U``.
+        idle: What removes multipliers without force from solutions.
     """
 
     left: Array
@@ -70,42 +69,54 @@ class Factors(NamedTuple):
     diagonal: Array
     lower: Triangle
     upper: Triangle
+    idle: IdleFilter
 
     @classmethod
     def none(cls) -> Factors:
         """No factors, where others solve the equations."""
-        number, whole = np.empty(0), np.empty(0, dtype=np.int64)
-        triangle = number, whole, whole
-        return cls(number, number, whole, whole, number, triangle, triangle)
+        number = np.empty(0)
+        return cls(number, number, *Triangles.none(), IdleFilter.none())
 
     @property
     def plain(self) -> PlainFactors:
         """Plain tuple of the fields, which makes calls of compiled functions faster."""
-        return (*self,)
+        return (*self[:-1], (*self.idle,))
 
     def arrays(self) -> dict[str, Array]:
         """All arrays by name, for a checkpoint."""
-        found: dict[str, Any] = {}
-        for name, value in self._asdict().items():
-            if name in _TRIANGLES:
-                inside = zip(_INSIDE, value, strict=True)
-                found |= {f"factors.{name}.{what}": array for what, array in inside}
-            else:
-                found[f"factors.{name}"] = value
-        return found
+        return _named("factors", self[:-1], self._fields) | _named(
+            "factors.idle", self.idle, self.idle._fields
+        )
 
     @classmethod
     def of(cls, kept: Mapping[str, Array]) -> Factors | None:
         """Factors from the :meth:`arrays` of a checkpoint, or ``None``."""
         if "factors.left" not in kept:
             return None
-        given: dict[str, Any] = {}
-        for name in cls._fields:
-            if name in _TRIANGLES:
-                given[name] = tuple(kept[f"factors.{name}.{what}"] for what in _INSIDE)
-            else:
-                given[name] = kept[f"factors.{name}"]
-        return cls(**given)
+        idle = IdleFilter(**_taken("factors.idle", kept, IdleFilter._fields))
+        return cls(**_taken("factors", kept, cls._fields[:-1]), idle=idle)
+
+
+def _named(prefix: str, values: Iterable[Any], fields: Iterable[str]) -> dict[str, Array]:
+    """Arrays of a record, and those of its triangles, by name."""
+    found: dict[str, Any] = {}
+    for name, value in zip(fields, values, strict=False):
+        if name in _TRIANGLES:
+            inside = zip(_INSIDE, value, strict=True)
+            found |= {f"{prefix}.{name}.{what}": array for what, array in inside}
+        else:
+            found[f"{prefix}.{name}"] = value
+    return found
+
+
+def _taken(prefix: str, kept: Mapping[str, Array], fields: Iterable[str]) -> dict[str, Any]:
+    """Values of a record from the arrays of :func:`_named`."""
+    return {
+        name: tuple(kept[f"{prefix}.{name}.{what}"] for what in _INSIDE)
+        if name in _TRIANGLES
+        else kept[f"{prefix}.{name}"]
+        for name in fields
+    }
 
 
 def factorise(kkt: KKT) -> Factors:
@@ -125,52 +136,13 @@ def factorise(kkt: KKT) -> Factors:
             lu = spla.splu(transposed, **pivoting)
         except RuntimeError as error:
             raise SingularMatrixError("the matrix is singular") from error
-        factors = _unpacked(lu, own)
+        factors = Factors(own.left, own.right, *Triangles.of(lu), IdleFilter.none())
         solve(factors.plain, b / own.left, y, x)
         left = own.backward_error(b, x / own.right, r).of_terms
         if left <= ACCURATE:
-            return factors
+            return factors._replace(idle=own.idle_filter())
         _log.info("SuperLU: residual %.1e", left)
     raise InaccurateSolutionError(f"the matrix is nearly singular: a residual of {left:.1e}")
-
-
-def _unpacked(lu: spla.SuperLU, own: Equilibrated) -> Factors:
-    L, U = lu.L, lu.U
-    diagonal: Array = np.ones(len(own.left))
-    lower = _strict(L.data, L.indices, L.indptr, diagonal)
-    upper = _strict(U.data, U.indices, U.indptr, diagonal)
-    row, column = lu.perm_r.astype(np.int64), lu.perm_c.astype(np.int64)
-    return Factors(own.left, own.right, row, column, np.reciprocal(diagonal), lower, upper)
-
-
-@compiled
-def _strict(values: Array, indices: Indices, pointers: Indices, diagonal: Array) -> Triangle:
-    """Triangle by columns without its diagonal, which is written into ``diagonal``."""
-    n = diagonal.shape[0]
-    kept, rows = np.empty(values.shape[0]), np.empty(values.shape[0], dtype=np.int64)
-    first, at = np.zeros(n + 1, dtype=np.int64), 0
-    for j in range(n):
-        for k in range(pointers[j], pointers[j + 1]):
-            if indices[k] == j:
-                diagonal[j] = values[k]
-            else:
-                kept[at], rows[at] = values[k], indices[k]
-                at += 1
-        first[j + 1] = at
-    return kept[:at], rows[:at], first
-
-
-@inlined
-def _along(values: Array, indices: Indices, y: Array, first: np.uint64, end: np.uint64) -> float:
-    """Product of a row of a triangle with ``y``, in two sums, as each waits for its last term."""
-    even, odd, k = 0.0, 0.0, first
-    while k + ONE < end:
-        even += values[k] * y[np.uint64(indices[k])]
-        odd += values[k + ONE] * y[np.uint64(indices[k + ONE])]
-        k += TWO
-    if k < end:
-        even += values[k] * y[np.uint64(indices[k])]
-    return even + odd
 
 
 @compiled
@@ -179,20 +151,14 @@ def solve(factors: PlainFactors, b: Array, y: Array, x: Array) -> None:
 
     Indices are unsigned: the compiler would check signed ones at each use.
     """
-    left, right, row, column, diagonal, lower, upper = factors
-    values, indices, pointers = upper
+    left, right, row, column, diagonal, lower, upper, idle = factors
     n = np.uint64(b.shape[0])
     for j in range(n):
         y[np.uint64(column[j])] = left[j] * b[j]
-    for j in range(n):
-        first, end = np.uint64(pointers[j]), np.uint64(pointers[j + ONE])
-        y[j] = (y[j] - _along(values, indices, y, first, end)) * diagonal[j]
-    values, indices, pointers = lower
-    for j in range(n):
-        i = n - ONE - j
-        y[i] -= _along(values, indices, y, np.uint64(pointers[i]), np.uint64(pointers[i + ONE]))
+    substitute(diagonal, lower, upper, y, n)
     for j in range(n):
         x[j] = right[j] * y[np.uint64(row[j])]
+    remove_idle(idle, x)
 
 
 # --- by the function of a library -----------------------------------------------------------------

@@ -9,7 +9,8 @@ scene.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, partial
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import scipy.linalg
@@ -17,6 +18,8 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._jit import inlined
+from fem_lie.linear.triangles import Triangle, Triangles, substitute
 
 _NOTHING = 1e-10  # norm of a row that is zero up to round-off
 _DEPENDENT = 1e-10  # squared distance of a dependent unit row from the span of others
@@ -114,10 +117,9 @@ class IdleMultipliers:
             measure: Norm scaling of each multiplier, shape (m,): the removed part is orthogonal to
                 the rest in the scaled multipliers.
         """
-        self._measure = measure
-        products = B @ B.T
-        self._bound = IDLE * max(float(products.diagonal().max(initial=0.0)), np.finfo(float).tiny)
-        self._solve = _solution_with(products, self._bound)
+        self._measure, self._products = measure, B @ B.T
+        largest = float(self._products.diagonal().max(initial=0.0))
+        self._bound = IDLE * max(largest, np.finfo(float).tiny)
 
     @classmethod
     def of(cls, B: sp.csr_matrix, units: Array, measure: Array) -> IdleMultipliers:
@@ -135,7 +137,92 @@ class IdleMultipliers:
         """Part of constraint ``values`` that no motion can change, shape (m,)."""
         return np.asarray(self._filter(values / self._measure) * self._measure)
 
+    def for_compiled(self, first: int, right: Array) -> IdleFilter:
+        """The same filter for compiled loops.
+
+        Args:
+            first: Position of the multipliers among all unknowns.
+            right: Solutions of those loops over the multipliers of this filter, shape (m,).
+        """
+        m = len(right)
+        shifted = (self._products + self._bound * sp.identity(m)).tocsc()
+        return IdleFilter(
+            np.array([first]),
+            np.array([self._bound]),
+            np.asarray(self._measure / right),
+            np.empty((3, m)),
+            *Triangles.of(symmetric_factors(shifted)),
+        )
+
+    @cached_property
+    def _solve(self) -> Callable[[Array], Array]:
+        return _solution_with(self._products, self._bound)
+
     def _filter(self, x: Array) -> Array:
         for _ in range(_POWER):
             x = self._bound * self._solve(x)
         return x
+
+
+class IdleFilter(NamedTuple):
+    """:class:`IdleMultipliers` for compiled loops; without constraints it has no effect.
+
+    Attributes:
+        first: Position of the multipliers among all unknowns, shape (1,).
+        bound: Shift δ, shape (1,).
+        weights: Scaling of the multipliers, shape (m,).
+        work: Workspace, shape (3, m).
+        row: As the following ones one of the :class:`~fem_lie.linear.triangles.Triangles` of
+            ``G + δ``.
+        column: See above.
+        diagonal: See above.
+        lower: See above.
+        upper: See above.
+    """
+
+    first: Indices
+    bound: Array
+    weights: Array
+    work: Array
+    row: Indices
+    column: Indices
+    diagonal: Array
+    lower: Triangle
+    upper: Triangle
+
+    @classmethod
+    def none(cls) -> IdleFilter:
+        """Filter without effect."""
+        number = np.empty(0)
+        return cls(np.zeros(1, np.int64), number, number, np.empty((3, 0)), *Triangles.none())
+
+
+PlainIdleFilter: TypeAlias = tuple[
+    Indices, Array, Array, Array, Indices, Indices, Array, Triangle, Triangle
+]
+"""An :class:`IdleFilter` as a plain tuple, for compiled functions."""
+
+
+@inlined
+def remove_idle(idle: PlainIdleFilter, x: Array) -> None:
+    """:meth:`IdleMultipliers.remove` for the multipliers of a solution ``x``, shape (n,)."""
+    place, bound, weights, work, row, column, diagonal, lower, upper = idle
+    m = np.uint64(weights.shape[0])
+    if m == 0:
+        return
+    first, left, part, y = place[0], work[0], work[1], work[2]
+    for k in range(m):
+        left[k] = weights[k] * x[first + k]
+    for _ in range(_PASSES):
+        for k in range(m):
+            part[k] = left[k]
+        for _ in range(_POWER):
+            for k in range(m):
+                y[np.uint64(column[k])] = bound[0] * part[k]
+            substitute(diagonal, lower, upper, y, m)
+            for k in range(m):
+                part[k] = y[np.uint64(row[k])]
+        for k in range(m):
+            left[k] -= part[k]
+    for k in range(m):
+        x[first + k] = left[k] / weights[k]
