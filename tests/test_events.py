@@ -55,6 +55,19 @@ def test_latched_panel_rests_and_lost_its_energy(step):
     assert np.abs(result.joint_force("latch")[:before]).max() == 0.0
 
 
+@pytest.mark.parametrize("initially", [True, False], ids=["released", "inactive"])
+def test_a_joint_that_does_not_act_is_not_violated(initially):
+    scene = fl.Scene(gravity=(0, 0, -10.0))
+    ball = scene.add(fl.RigidBody.ball(1.0, 0.1))
+    hold = fl.joints.Spherical(fl.ground(), ball.point("centre"), active=initially)
+    scene.add(hold)
+    if initially:
+        scene.add(Event(lambda state: state.time - 0.2, Release(hold)))
+    result = SCHEME.run(scene, duration=0.5, step=0.01)
+    assert np.ptp(result.position(ball.point("centre"))[:, 2]) > 0.1
+    assert result.joint_violation(hold).max() < 1e-12
+
+
 def docking(speed=0.3):
     """Two free bodies fly apart or together and are locked to each other."""
     scene = fl.Scene()

@@ -278,6 +278,7 @@ class SystemArrays(NamedTuple):
         directors = director_inertia(system.inertia, system.count)
         system.shared.sum(directors)
         all_felt = system.scene.redundant is not RedundantConstraints.MINIMUM_NORM or not system.m
+        all_act = not system.scene.switched
         return cls(
             system.kinds,
             master_map.master,
@@ -301,7 +302,7 @@ class SystemArrays(NamedTuple):
             supported(system),
             system.numbering.assemblies,
             list(system.terms),
-            complete=connections.of_joints_only and all_felt,
+            complete=connections.of_joints_only and all_felt and all_act,
             in_one_sum=system.in_one_sum,
             stored=system.terms.tables[1] if system.terms.energy_in_tables else None,
             pairs_of_all=connections.all_pairs(system.frames, system.kinds),
