@@ -552,3 +552,23 @@ def test_the_message_on_a_mechanism_that_moves_says_how_it_comes_to_rest():
     decay = 0.5 / (2 / 3)  # damping over twice the moment of inertia about the hinge
     wanted = -decay + 1j * np.sqrt(1.5 * G - decay**2)
     assert s == pytest.approx(wanted, rel=1e-6)
+
+
+@pytest.mark.parametrize("tilt", [(0.0, 0.0, 0.0), (0.3, 0.5, -0.7)])
+@pytest.mark.parametrize("radius", [0.3, 0.01, 1e-3])
+def test_slender_free_rods_joined_by_springs(radius, tilt):
+    """Of twelve modes two are strained: the rods move and turn against each other.
+
+    Rotations about their own axes have little inertia, in which round-off of the springs counts.
+    """
+    stiffness, gap = 100.0, 0.5
+    ends = np.array([[[0, y, 0], [1, y, 0]] for y in (0.0, gap)]) @ expm(lie.hat(np.array(tilt))).T
+    scene = fl.Scene()
+    one, two = (scene.add(fl.RigidBody.cylinder(1.0, radius, *each)) for each in ends)
+    for a, b in zip(*ends, strict=True):
+        distance = fl.joints.Distance(one.point(a), two.point(b))
+        scene.add(fl.joints.Spring(distance.length, stiffness))
+    inertia = 1 / 12 + radius**2 / 4
+    exact = np.sort(np.sqrt([4 * stiffness, stiffness / inertia]))
+    found = 2 * np.pi * fl.vibrations(scene, 12).hertz
+    np.testing.assert_allclose(found, [0.0] * 10 + list(exact), rtol=1e-6, atol=1e-6)

@@ -132,12 +132,17 @@ def smallest(
         except ConvergenceError as error:
             reasons.append(str(error))
             continue
-        s, vectors, round_off = _physical(pencil, found)
+        s, vectors, round_off, free = _physical(pencil, found)
         if len(s) < count:
             reasons.append(f"{len(s)} of {count} modes found")
             continue
         order = np.argsort(np.abs(s), kind="stable")[:count]
-        s, vectors, residuals = _improved(pencil, found, s[order], vectors[order])
+        rates, motions = s[order], vectors[order]
+        s, vectors, residuals = _improved(pencil, found, rates, motions)
+        # free motions are known without the inverse, in which round-off of their stiffness grows
+        # by the smallest inertia
+        known = order < free
+        vectors[known], residuals[known] = motions[known], 0.0
         if (residuals <= _ACCEPTED).all():
             # only now: a mode of round-off satisfies the problem with its own rate, not with zero
             s = np.where(np.abs(s) <= round_off[order], 0.0, s)
@@ -150,8 +155,12 @@ def smallest(
     )
 
 
-def _physical(pencil: Pencil, found: Approximation) -> tuple[Complex, Complex, Array]:
-    """Eigenpairs, one of each conjugate pair, and rates that round-off makes of zero, (k,)."""
+def _physical(pencil: Pencil, found: Approximation) -> tuple[Complex, Complex, Array, int]:
+    """Eigenpairs, one of each conjugate pair, and rates that round-off makes of zero, (k,).
+
+    The last number is that of free motions, which come first: their strains and the stiffness along
+    them are zero up to round-off.
+    """
     possible = _possible(pencil, found.s, found.vectors)
     s, vectors = found.s[possible], found.vectors[possible]
     free = np.empty((0, pencil.M.shape[0]))
@@ -166,7 +175,7 @@ def _physical(pencil: Pencil, found: Approximation) -> tuple[Complex, Complex, A
         round_off = np.zeros(len(s))
     zeros = np.zeros(len(free), dtype=np.complex128)
     both = np.concatenate([free.astype(np.complex128), vectors])
-    return np.concatenate([zeros, s]), both, np.concatenate([zeros.real, round_off])
+    return np.concatenate([zeros, s]), both, np.concatenate([zeros.real, round_off]), len(free)
 
 
 def _possible(pencil: Pencil, s: Complex, vectors: Complex) -> npt.NDArray[np.bool_]:
