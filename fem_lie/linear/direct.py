@@ -190,13 +190,17 @@ class DirectSolver:
         for tried, method in enumerate(self._methods):
             if not method.fits(self._kkt, self._own):
                 continue
-            began = process_time()
+            expected, self._expected = self._expected, None
+            # some systems take as long to read the clock as to solve a small scene
+            began = 0.0 if expected is None else process_time()
             failure = self._failure(method)
             if failure is None:
                 # a method that failed would fail again, and each failure costs a factorisation
                 self._methods, self._ksp = self._methods[tried:], self._solver(method)
-                self._notice(process_time() - began)
+                if expected is not None:
+                    self._notice(process_time() - began, expected)
                 return
+            self._expected = expected
         if failure is None:  # none of them fits
             self._methods = self._rescues
             self._set_up()
@@ -207,11 +211,8 @@ class DirectSolver:
             raise failure
         raise SingularMatrixError("the matrix is singular") from failure
 
-    def _notice(self, seconds: float) -> None:
+    def _notice(self, seconds: float, expected: float) -> None:
         """Log the time of the first factorisation; try another method next if it is too long."""
-        if self._expected is None:
-            return
-        expected, self._expected = self._expected, None
         package, others = self._methods[0].package, self._methods[1:]
         _log.info("%s: %.2g s of processor for the first factors", package, seconds)
         if others and seconds > max(_LONG, _FAR * expected):

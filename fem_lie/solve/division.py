@@ -101,11 +101,16 @@ class Division(Stateful):
         steps.resize(time, size / self.parts)
         return done // 2
 
-    def report(self, steps: int) -> None:
-        """Log a warning if some of the steps were divided."""
+    def report(self, steps: int, why: str = "whole ones did not converge") -> None:
+        """Log a warning if some of the steps were divided.
+
+        Args:
+            steps: Number of steps made.
+            why: Why steps are divided.
+        """
         if self.divided:
             _log.warning(
-                "%d of %d steps were divided into up to %d sub-steps: whole ones did not converge; "
-                "smaller steps, or a scheme that damps such as GeneralisedAlpha, may need less",
-                *(self.divided, steps, self.most),
+                "%d of %d steps were divided into up to %d sub-steps: %s; smaller steps, or a "
+                "scheme that damps such as GeneralisedAlpha, may need less",
+                *(self.divided, steps, self.most, why),
             )

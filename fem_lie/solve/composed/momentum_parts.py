@@ -21,11 +21,13 @@ from fem_lie.solve.conserving.step import loop
 from fem_lie.solve.conserving.step.corrections import progress_of
 from fem_lie.solve.conserving.step.packing import state_of
 from fem_lie.solve.convergence import failure
+from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
 from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.variational.ends import Ends
+from fem_lie.solve.variational.limit import DIVIDES
 from fem_lie.solve.variational.run import VariationalRun
 from fem_lie.solve.variational.run_state import Options
 from fem_lie.system.equations import Equations
@@ -97,6 +99,9 @@ class MomentumPart(VariationalRun):
     """Sub-steps of one size, with matrices of their own; all sizes share one state.
 
     The compiled loop makes one at a time; the energy balance is updated over whole steps.
+
+    Attributes:
+        limited: Whether sub-steps fail in which vibrations grow.
     """
 
     def __init__(
@@ -112,7 +117,7 @@ class MomentumPart(VariationalRun):
         """
         super().__init__(options, equations, step)
         self._ends = Ends(equations, abs(step), sweeps=2)
-        self._start = 0.0
+        self._start, self.limited = 0.0, True
         if shared is not None:
             for name in _SHARED:
                 setattr(self, name, getattr(shared, name))
@@ -151,8 +156,12 @@ class MomentumPart(VariationalRun):
         # multipliers act at the end of one step and the start of the next
         self.multipliers *= (last * (h + last)) / (h * (last + earlier))
         self.earlier[:] = self.multipliers
-        alone, self.begun = self._alone, self.index
-        return self._make_in_loop(self.index + 1) if alone else self.attempt(start, start + h)
+        self.begun = self.index
+        return self.attempt(start, start + h)
+
+    @property
+    def _limited(self) -> bool:
+        return self.limited
 
     @property
     def _balance_in_loop(self) -> bool:
@@ -261,6 +270,7 @@ class MomentumRun(DividedIntegration[Recorder]):
         before = [saved(owner, names) for owner, names in changed]
         for at, k in enumerate(self._order):
             part, self._part = self._parts[k], at
+            part.limited = self.divides and self.division.level < HALVINGS
             if not part.make(start + float(self._ends[at]) * size, *self._sizes.tolist()):
                 for (owner, names), kept in zip(changed, before, strict=True):
                     put_back(owner, names, kept)
@@ -306,5 +316,5 @@ class MomentumRun(DividedIntegration[Recorder]):
 
     def _result(self, history: Recorder) -> Result:
         made = sum(part.factorisations for part in self._parts)
-        self.division.report(self.index)
+        self.division.report(self.index, DIVIDES)
         return history.result(made, history.seconds, divided=self.division.divided)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -19,12 +19,15 @@ from fem_lie._jit.packed_arrays import (
 )
 from fem_lie._jit.records import Records, record_type
 from fem_lie.joints.equations.joint_arrays import PackedJoints
+from fem_lie.joints.equations.terms import unwrap_both
 from fem_lie.lie.node_types import inertia
 from fem_lie.linear.factors import PlainFactors, solve
 from fem_lie.solve.conserving.midpoint.cayley import advance
+from fem_lie.solve.conserving.midpoint.products import accelerations, add_inertia
 from fem_lie.solve.convergence import DIVERGES, GOES_ON, STAGNANT, estimate, judged
 from fem_lie.solve.refactorisation import KNOWN, PlainRule, due, learn
 from fem_lie.solve.variational import kinematics, momenta
+from fem_lie.solve.variational.limit import vibrations_grow
 from fem_lie.system.nodes.sums import residual
 from fem_lie.system.outer_forces import look_and_sum_up
 
@@ -85,6 +88,10 @@ class Packed(NamedTuple):
         targets: Targets of the constraints, (m,).
         kinds: Types of the nodes, (n,).
         within: Reduced-order bodies, see :class:`~.momenta.Within`.
+        probes: Packed arrays of the reported joint coordinates.
+        q: Second rates of nodal coordinates and products, (n + p, 4, 3).
+        pairs: Pairs of nodes that vibrate, see :class:`~.limit.Pairs`, (p, 2).
+        squares: Squares of their frequencies, (p,).
     """
 
     H: Numbers3
@@ -126,13 +133,18 @@ class Packed(NamedTuple):
     targets: Numbers1
     kinds: Integers1
     within: momenta.PlainWithin
+    probes: PackedJoints
+    q: Numbers3
+    pairs: Integers2
+    squares: Numbers1
 
 
 packed = unpacking(Packed)
 
 
-DONE, MATRIX, FAILED = range(3)
-"""Why the loop returns: all steps are made, a refactorisation is due, a step does not converge."""
+DONE, MATRIX, FAILED, GROWS = range(4)
+"""Why the loop returns: all steps are made, a refactorisation is due, a step does not converge, or
+vibrations grow in it."""
 
 ROUND_OFF_LEVEL = 1e3 * float(np.finfo(np.float64).eps)
 """Increments below this level, over the length of the model, that do not decrease are round-off."""
@@ -148,18 +160,55 @@ def _largest(x: Array, measure: Array) -> float:
     return size
 
 
+class Steps(NamedTuple):
+    """How steps are made.
+
+    Attributes:
+        h: Step size.
+        tolerance: Tolerance of the iteration.
+        most: Largest number of iterations of a step.
+        viscous: Whether forces depend on velocities.
+        limited: Whether steps fail in which vibrations grow.
+        accepts: Whether the loop makes the end of a step the start of the next; otherwise it
+            returns at the end.
+        turns: Whether joints count their turns.
+        accounts: Whether the energy balance is updated.
+        loads: Whether it is by the work of loads.
+        joints: Whether it is by the work of joints.
+    """
+
+    h: float
+    tolerance: float
+    most: int
+    viscous: bool
+    limited: bool
+    accepts: bool
+    turns: bool
+    accounts: bool
+    loads: bool
+    joints: bool
+
+
+PlainSteps: TypeAlias = tuple[float, float, int, bool, bool, bool, bool, bool, bool, bool]
+"""Plain tuple of :class:`Steps`, with which compiled functions are called faster."""
+
+
 @linked
-def weigh(table: Indices, h: float) -> None:
+def weigh(table: Indices, h: float, viscous: bool) -> None:
     """Residual of the momenta at the start and of the constraints at the end."""
     this = packed(table)
     n, H, step, held = this.step.shape[0], this.H, this.step, this.held
     coordinates = this.delta, this.mean, this.end, this.middle
     kinematics.between(this.kinds, H, step, coordinates, h, this.twists)
-    still = this.still
-    residual(this.middle, still, still, this.none, this.scale, this.work, this.table)
+    v = this.twists if viscous else this.still
+    residual(this.middle, v, this.still, this.none, this.scale, this.work, this.table)
     for i in range(n):
         for k in range(6):
             this.forces[i, k] = 0.0 if held[i, k] else this.work[6 * i + k]
+    if viscous:
+        bodies = this.within[0]
+        accelerations(this.kinds, bodies, this.middle, v[:n], this.q)
+        add_inertia(this.kinds, this.mass, bodies, this.middle, this.q, -1.0, this.forces)
     found = this.change, this.constraints
     momenta.constrain(H, coordinates, this.joints, this.multipliers, this.driven, found)
     acting = this.before, this.forces, this.constraints
@@ -175,8 +224,7 @@ def _begin(table: Indices, h: float) -> None:
     this = packed(table)
     progress, n = this.progress[0], this.step.shape[0]
     kinematics.predict(this.kinds, this.H, this.held, this.rates, h, this.step)
-    if this.progress[0].made < 2:
-        this.multipliers[:] = this.earlier
+    this.multipliers[:] = this.earlier
     progress.motion = _largest(this.step.reshape(6 * n), this.measure)
     progress.previous, progress.ratio = np.inf, 1.0
 
@@ -192,16 +240,17 @@ def _correct(table: Indices) -> None:
 
 
 @linked
-def _improve(table: Indices, factors: PlainFactors, h: float, tolerance: float) -> int:
+def _improve(table: Indices, factors: PlainFactors, steps: PlainSteps) -> int:
     """One iteration with a known residual; returns whether the step is made, continues or fails."""
-    this = packed(table)
+    this, how = packed(table), Steps(*steps)
     progress = this.progress[0]
     solve(factors, this.r, this.y, this.x)
     increment, previous = _largest(this.x, this.measure), progress.previous
     ratio, remaining = estimate(increment, previous, progress.ratio)
     progress.ratio, progress.increment = ratio, increment
     progress.motion = max(progress.motion, increment)
-    verdict = judged(increment, previous, remaining, tolerance * progress.motion, ROUND_OFF_LEVEL)
+    bound = how.tolerance * progress.motion
+    verdict = judged(increment, previous, remaining, bound, ROUND_OFF_LEVEL)
     if verdict == DIVERGES:
         return FAILED
     if verdict != STAGNANT:
@@ -210,22 +259,8 @@ def _improve(table: Indices, factors: PlainFactors, h: float, tolerance: float) 
     if verdict == GOES_ON:
         return MATRIX
     if verdict != STAGNANT:
-        weigh(table, h)
+        weigh(table, how.h, how.viscous)
     return DONE
-
-
-@linked
-def _accept(table: Indices, h: float) -> None:
-    """Make the end of the step the start of the next."""
-    this = packed(table)
-    for c in range(this.gap.shape[0]):
-        this.ahead[c] = 2.0 * this.multipliers[c] - this.earlier[c]
-    advance(this.H, this.rest, this.delta[: this.step.shape[0]])
-    momenta.keep_axes(this.kinds, this.end, this.H)
-    this.gap[:] += this.change
-    kinematics.keep_rates(this.kinds, this.step, this.twists, h, this.rates)
-    this.before[:], this.earlier[:] = this.after, this.multipliers
-    this.progress[0].made += 1
 
 
 @linked
@@ -243,12 +278,29 @@ def _add_to_balance(table: Indices, h: float, loads: bool, joints: bool) -> None
 
 
 @linked
+def _accept(table: Indices, steps: PlainSteps) -> None:
+    """Make the end of the step the start of the next."""
+    this, how = packed(table), Steps(*steps)
+    for c in range(this.gap.shape[0]):
+        this.ahead[c] = 2.0 * this.multipliers[c] - this.earlier[c]
+    advance(this.H, this.rest, this.delta[: this.step.shape[0]])
+    momenta.keep_axes(this.kinds, this.end, this.H)
+    this.gap[:] += this.change
+    kinematics.keep_rates(this.kinds, this.step, this.twists, how.h, this.rates)
+    this.before[:], this.earlier[:] = this.after, this.multipliers
+    this.progress[0].made += 1
+    if how.turns:
+        unwrap_both(this.H, this.joints, this.probes)
+    if how.accounts:
+        _add_to_balance(table, how.h, how.loads, how.joints)
+
+
+@linked
 def run(
     table: Indices,
     factors: PlainFactors,
     rule: PlainRule,
-    given: tuple[float, float, int],
-    accounts: tuple[bool, bool, bool],
+    steps: PlainSteps,
     last: int,
     asked: bool,
 ) -> int:
@@ -258,34 +310,35 @@ def run(
         table: Packed arrays, see :class:`Packed`.
         factors: Factors of the matrix.
         rule: Rule for refactorisation.
-        given: Step size, tolerance, and largest number of iterations of a step.
-        accounts: Whether the energy balance is updated, and by the work of loads and of joints.
+        steps: How steps are made, see :class:`Steps`.
         last: Last step.
         asked: Whether the loop had returned for a matrix, which is now factorised.
     """
-    (h, tolerance, most), this = given, packed(table)
+    this, how = packed(table), Steps(*steps)
     progress = this.progress[0]
     while progress.made < last:
         if progress.iteration == 0:
-            _begin(table, h)
+            _begin(table, how.h)
         while True:
             if not asked:
-                if progress.iteration == most:
+                if progress.iteration == how.most:
                     return FAILED
                 progress.iteration += 1
                 progress.total += 1
-                weigh(table, h)
+                weigh(table, how.h, how.viscous)
                 if due(rule, this.known[0], progress.iteration) != 0:
                     return MATRIX
             asked = False
-            code = _improve(table, factors, h, tolerance)
+            code = _improve(table, factors, steps)
             if code == FAILED:
                 return FAILED
             if code == DONE:
                 break
+        if how.limited and vibrations_grow(this.pairs, this.squares, this.H, this.end, how.h):
+            return GROWS
         learn(rule, this.known[0], progress.iteration)
         progress.iteration = 0
-        _accept(table, h)
-        if accounts[0]:
-            _add_to_balance(table, h, accounts[1], accounts[2])
+        if not how.accepts:
+            return DONE
+        _accept(table, steps)
     return DONE

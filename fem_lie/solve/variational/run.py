@@ -18,6 +18,7 @@ from fem_lie.results import Result
 from fem_lie.results.record import Record, with_others
 from fem_lie.solve.conserving.midpoint.cayley import advance
 from fem_lie.solve.convergence import Verdict, failure
+from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.impacts.contacts import CoupledContacts
 from fem_lie.solve.impacts.step_end import StepEnd
 from fem_lie.solve.iteration import Iterated, LinearRate, iterate
@@ -28,6 +29,7 @@ from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.refactorisation import Refactorisation
 from fem_lie.solve.variational import kinematics, loop, momenta
 from fem_lie.solve.variational.ends import prescribe
+from fem_lie.solve.variational.limit import DIVIDES, vibrations_grow
 from fem_lie.solve.variational.loop import Packed
 from fem_lie.solve.variational.run_state import RunState
 from fem_lie.system.equations import TimeState
@@ -36,8 +38,8 @@ from fem_lie.system.equations import TimeState
 class Newton(RunState, Iterated):
     """Run of the variational scheme whose steps are iterated from Python.
 
-    The compiled loop does not support time-dependent loads and motions, viscous forces, convected
-    axes, and the first step, which has no matrix yet.
+    The compiled loop does not support constraints outside of the compiled joints, and the first
+    step, which has no matrix yet.
     """
 
     _motion: float
@@ -136,7 +138,10 @@ class VariationalRun(Newton):
         before = self._iterations
         if self._contacts is not None:
             self._contacts.history.begin_step(self.index + 1)
-        made = self._make_in_loop(history.next_stop(self.index)) if self._alone else self._cover()
+        if self._alone and self.division.level == 0:
+            made = self._in_loop(history.next_stop(self.index)) or (self.divides and self._divide())
+        else:
+            made = self._cover()
         history.count += self._iterations - before
         return made
 
@@ -150,6 +155,8 @@ class VariationalRun(Newton):
             self._binding.begin(self.H, start, self.size)
         if self._contacts is not None:
             self._contacts.begin(self.H, self._v, start)
+        if self._compiled:
+            return self._in_loop(self.begun + 1, end)
         return (self._made_with(self.decisions) or self._fallback_converged()) and self._accept(end)
 
     def _fallback_converged(self) -> bool:
@@ -160,47 +167,65 @@ class VariationalRun(Newton):
         return self._made_with(EveryIteration().begin(bound=False))
 
     @property
+    def _compiled(self) -> bool:
+        """Whether a compiled loop can iterate; the first step has no matrix yet."""
+        known = self._factors is not None and self.decisions.rule is not None
+        return known and self.equations.arrays.in_one_sum and self._binding is None
+
+    @property
     def _alone(self) -> bool:
-        """Whether the compiled loop can make the next steps; the first ones have no matrix yet."""
-        arrays, balance = self.equations.arrays, self.balance
-        needs_python = self._changing or self._viscous or arrays.turns or not arrays.in_one_sum
-        needs_python = needs_python or self._binding is not None or self._convects_axes
-        needs_python = needs_python or self._contacts is not None
-        needs_python = (
-            needs_python or not (balance.empty or balance.compiled) or self.division.level > 0
-        )
-        return not needs_python and self._factors is not None and self.decisions.rule is not None
+        """Whether the compiled loop can make many steps."""
+        balance = self.balance
+        needs_python = self._changing or self._convects_axes or self._contacts is not None
+        return self._compiled and not needs_python and (balance.empty or balance.compiled)
+
+    @property
+    def _limited(self) -> bool:
+        """Whether steps fail in which vibrations grow: parts of them may be stable."""
+        return self.divides and self.division.level < HALVINGS
 
     @property
     def _balance_in_loop(self) -> bool:
         """Whether the compiled loop updates the energy balance."""
         return True
 
-    def _make_in_loop(self, stop: int) -> bool:
-        """Make steps in the compiled loop up to ``stop``; return whether all are made."""
-        rule, packed, balance = self.decisions.rule, self._packed, self.balance
+    def _in_loop(self, stop: int, end: float | None = None) -> bool:
+        """Make whole steps, or parts of one, in the compiled loop; return whether all are made.
+
+        Args:
+            stop: Number of the last step.
+            end: Time at its end; default: that of steps of one size.
+        """
+        rule, packed, balance, alone = self.decisions.rule, self._packed, self.balance, self._alone
         assert rule is not None
-        progress, first = packed.progress, self.index
+        progress, first, options = packed.progress, self.index, self.options
         last = min(stop, first + max(1, _AT_A_TIME // len(self._r)))
-        given = self.h, self.options.tolerance, self.options.max_iterations
-        accounts = self._balance_in_loop and not balance.empty, *balance.looks
+        steps = loop.Steps(
+            h=self.size,
+            tolerance=options.tolerance,
+            most=options.max_iterations,
+            viscous=self._viscous,
+            limited=self._limited,
+            accepts=alone,
+            turns=self.equations.arrays.turns,
+            accounts=self._balance_in_loop and not balance.empty,
+            loads=balance.looks[0],
+            joints=balance.looks[1],
+        )
         progress.made, progress.iteration, progress.total = first, 0, self._iterations
         code, asked = loop.MATRIX, False
         while code == loop.MATRIX:
             assert self._factors is not None
-            how = self._factors.plain, rule.plain, given, accounts, last, asked
+            how = self._factors.plain, rule.plain, (*steps,), last, asked
             code = loop.run(self._fixed.addresses, *how)
             self._made, self._iterations = int(progress.made), int(progress.total)
             self._increment, asked = float(packed.progress.increment), True
             if code == loop.MATRIX and not self._refactorised():
                 code = loop.FAILED
-        if code == loop.DONE:
-            return True
-        if self._fallback_converged():
-            return self._accept(self.time + self.h)
-        if not self.divides:
-            return False
-        return self._divide()
+        end = self.time + self.size if end is None else end
+        if code == loop.FAILED:
+            return self._fallback_converged() and self._accept(end)
+        return code == loop.DONE and (alone or self._accept(end))
 
     def _refactorised(self) -> bool:
         """Factorise a new matrix; return whether it is regular."""
@@ -253,6 +278,9 @@ class VariationalRun(Newton):
             self.balance.targets,
             self.equations.unknowns.kinds,
             self._inside,
+            self.equations.arrays.probes,
+            self._q,
+            *self._pairs,
         )
 
     @cached_property
@@ -262,9 +290,11 @@ class VariationalRun(Newton):
     def _accept(self, time: float) -> bool:
         """Make the end of the step, at ``time``, the start of the next.
 
-        Returns whether no surfaces passed through each other.
+        Returns whether vibrations do not grow, and no surfaces passed through each other.
         """
         delta, _, end, middle = self.coordinates
+        if self._limited and vibrations_grow(*self._pairs, self.H, end, self.size):
+            return False
         n, start = self._n, self.H.copy()
         was = None if self._contacts is None else saved(self, CHANGED)
         advance(self.H[:n], self.rest, delta[:n])
@@ -389,7 +419,7 @@ class VariationalRun(Newton):
 
     def _result(self, history: Recorder) -> Result:
         self._rotations.report()
-        self.division.report(self.index)
+        self.division.report(self.index, DIVIDES)
         divided, others = self.division.divided, {}
         if self._contacts is not None:
             others["contacts"] = steps = self._contacts.history.result(self.h)

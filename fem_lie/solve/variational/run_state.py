@@ -28,6 +28,7 @@ from fem_lie.solve.recording.recorder import Recorder
 from fem_lie.solve.rotations import MeanPositions, by_momenta
 from fem_lie.solve.variational import kinematics, momenta
 from fem_lie.solve.variational.ends import Binding, Ends
+from fem_lie.solve.variational.limit import Pairs
 from fem_lie.system.equations import Equations, Plan, TimeState
 
 
@@ -107,7 +108,7 @@ class RunState(DividedIntegration[Recorder]):
         self._factors: Factors | None = None
         self._made, self._factorisations, self._iterations = 0, 0, 0
         self._increment, self._born = np.inf, 0
-        self._ends = Ends(equations, step)
+        self._ends, self._pairs = Ends(equations, step), Pairs.of(equations)
         self._binding = Binding(equations) if unknowns.other_constraints else None
         # twists at the start of the step, which only contacts need
         self._v: Array = equations.start.velocities[:n].copy()

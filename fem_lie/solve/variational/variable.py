@@ -147,7 +147,8 @@ class VariationalSteps(VariationalRun):
         """Make step ``index``; return its iterations, 0 if it failed."""
         self._seen = end - side(end, self.size) if lands else end
         before, spent = self.before.copy(), self._iterations
-        made = self._make_in_loop(index) if self._alone else self.attempt(start, self._seen)
+        self.begun = index - 1
+        made = self.attempt(start, self._seen)
         if made:
             kinds = self.equations.unknowns.kinds
             found = kinetic(kinds, self.step, self.size, before, self.after)

@@ -23,7 +23,8 @@ frames (Lagrange-d'Alembert), with the velocities ``(u, ψ)/h``. The scheme is s
 order and symplectic; the energy oscillates with the square of the step size and does not drift.
 Steps of variable size keep that of reversible motions if they are chosen symmetrically
 (:mod:`fem_lie.solve.symmetric_steps`).
-With a quadratic potential it is as stable as the trapezoidal rule.
+With a quadratic potential it is as stable as the trapezoidal rule. Vibrations of bodies that rotate
+grow in large steps (:mod:`.limit`), which are therefore divided.
 
 Contacts by impacts change frames and momenta at the end of a step, as in generalised-α
 (:mod:`fem_lie.solve.impacts`), by the velocities there.

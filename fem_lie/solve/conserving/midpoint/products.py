@@ -19,7 +19,7 @@ from fem_lie.lie.node_types.floating import (
     spread_forces,
 )
 from fem_lie.lie.node_types.floating_coordinates import add_times, coordinates, strains
-from fem_lie.lie.node_types.inertia import Inertia, multiply
+from fem_lie.lie.node_types.inertia import Inertia, PlainInertia, multiply
 
 
 def inertia_with_products(mass: Inertia, bodies: Floating) -> Inertia:
@@ -167,6 +167,7 @@ def stored_energies(integers: Indices, numbers: Array, H: Array, W: Array) -> No
 # --- nodal coordinates and products ---
 
 
+@compiled
 def accelerations(
     kinds: Indices, bodies: tuple[Indices, Array], H: Array, twist: Array, out: Array
 ) -> None:
@@ -180,9 +181,10 @@ def accelerations(
         out[n:] = found[1]
 
 
+@compiled
 def add_inertia(
     kinds: Indices,
-    mass: Inertia,
+    mass: Inertia | PlainInertia,
     bodies: tuple[Indices, Array],
     H: Array,
     q: Array,
@@ -191,6 +193,6 @@ def add_inertia(
 ) -> None:
     """Add ``factor Lᵀ G q``, with ``q`` (n + p, 4, 3), at frames ``H`` to ``forces``, (n, 6)."""
     n, work = len(kinds), np.empty_like(q)
-    multiply(*mass, q, work)
+    multiply(mass[0], mass[1], mass[2], q, work)
     add_on_rows(*bodies, H, work[n:], work[:n])
     pull_all_back(kinds, H, work[:n], factor, forces.reshape(-1))
