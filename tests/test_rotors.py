@@ -163,6 +163,6 @@ def test_the_dense_method_has_the_modes_of_krylov_methods(speed):
             smallest._physical(pencil, method(pencil, 6, spin))
             for method in (Krylov("test_"), smallest.dense)
         ]
-        rates = [np.where(np.abs(s) <= noise, 0.0, s) for s, _, noise in found]
+        rates = [np.where(np.abs(s) <= noise, 0.0, s) for s, _, noise, _ in found]
         first, second = (s[np.argsort(np.abs(s))][:6] for s in rates)
         np.testing.assert_allclose(first, second, rtol=1e-6, atol=1e-7 * np.abs(first).max())

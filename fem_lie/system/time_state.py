@@ -138,7 +138,8 @@ class Plan(NamedTuple):
         steady: Whether it is the stiffness in a frame in which all nodes move steadily. The plan
             then needs ``scale``, and has no other effect.
         at_rest: Step size ``h`` of a matrix for accelerations and impulses, ``M + h² K/4``, at rest
-            with the current stress and a fitting scale. The plan then has no other effect.
+            with the current stress and a fitting scale; zero: the mass matrix. The plan then has no
+            other effect.
         ends: Ends of a step, of all nodes, for terms with forces over a step; default: none.
         without_low_rank: Whether terms that can be separate low-rank corrections are left out.
         low_rank_only: Whether only the low-rank correction of these terms is filled; needs

@@ -257,6 +257,8 @@ def accelerations(
     time: float,
     step: float,
     sweeps: int = 1,
+    *,
+    scale: Array | None = None,
 ) -> tuple[Array, Array]:
     """Initial ``v̇`` and Lagrange multipliers from the equations of motion.
 
@@ -277,6 +279,8 @@ def accelerations(
         time: The time.
         step: Step ``h`` of the difference quotients of prescribed motions.
         sweeps: Number of solutions, without friction in joints.
+        scale: Scale of the constraints in the matrix of which ``solver`` has factors, (m,);
+            default: it gets new ones.
 
     Returns:
         Accelerations (n, 6) and multipliers (m,).
@@ -295,7 +299,8 @@ def accelerations(
     guided = equations.supports.nodes
     if len(guided):
         rate[guided, :3] = -np.cross(v[guided, 3:], v[guided, :3])
-    start = _AtStart(equations, solver, (H, v, rate), prescribed.target_rates[1], step)
+    given = (H, v, rate), prescribed.target_rates[1], step, scale
+    start = _AtStart(equations, solver, *given)
     iterate(start, _MOST_SWEEPS if start.nonlinear else sweeps, FROZEN)
     return rate[:n], start.multipliers
 
@@ -319,13 +324,14 @@ class _AtStart(Iterated):
         motion: tuple[Array, Array, Array],
         targets: Array,
         step: float,
+        scale: Array | None,
     ) -> None:
         self._equations, self._solver, self._step, self._targets = equations, solver, step, targets
         self._H, self._v, self._rate = motion
         self.multipliers = np.zeros(equations.unknowns.m)
         self._constraints = equations.constraints(self._H)
         _, self._second = self._constraints.rates(self._v)
-        self._scale: Array | None = None
+        self._scale = scale
         self.nonlinear, self._first = equations.unknowns.joint_friction, 0.0
         self._none = self._rate[: equations.unknowns.moving].copy()
         self._before = np.zeros(6 * equations.unknowns.moving)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
+from fem_lie.joints.equations.joint_arrays import joint_arrays
 from fem_lie.linear.direct import DirectSolver
+from fem_lie.solve.impacts.impulses import massless
 from fem_lie.solve.motion.consistent import accelerations
 from fem_lie.solve.variational import kinematics, momenta
 from fem_lie.system.equations import Equations, Plan, TimeState
@@ -52,7 +54,8 @@ class Binding:
 
 PREFIX = "fem_lie_dynamics_"
 _UNFILTERED = 1e-6
-"""Step size, over the true one, of the matrix that computes velocities from momenta."""
+"""Step size, over the true one, of the matrix that computes velocities from momenta, if the mass
+matrix is singular."""
 
 
 class Ends:
@@ -71,6 +74,13 @@ class Ends:
         self._still, self._none = np.zeros((n, 6)), np.zeros(m)
         self._work = np.zeros(equations.unknowns.size)
         self._made: DirectSolver | None = None
+        unknowns, known = equations.unknowns, equations.arrays
+        light = massless(known.inertia, unknowns.kinds, unknowns.held).count_nonzero() > 0
+        self._unfiltered = _UNFILTERED if light else 0.0
+        # without stiffness accelerations have the matrix of velocities
+        springs = len(joint_arrays(known.joints).springs)
+        self._one_matrix = not (light or springs or len(known.terms))
+        self._scale: Array | None = None
 
     @property
     def _solver(self) -> DirectSolver:
@@ -94,13 +104,14 @@ class Ends:
         r = solver.right_hand_side
         held = equations.unknowns.held
         momenta.to_local(equations.unknowns.kinds, H, spatial, held, r[: 6 * n].reshape(n, 6))
-        plan = Plan(self._still, at_rest=_UNFILTERED * self.h)
+        plan = Plan(self._still, at_rest=self._unfiltered * self.h)
         scale = equations.fill(TimeState(H, self._still, self._still, self._none), None, plan)
         moved, _ = equations.constraints(H).rates(v)
         r[6 * n :] = scale * (given.target_rates[0] - moved)
         solver.factorise()
         solver.solve()
         v[:n] = solver.solution[: 6 * n].reshape(n, 6)
+        self._scale = scale if self._one_matrix else None
         return v
 
     def accelerations(self, H: Array, v: Array, time: float) -> tuple[Array, Array]:
@@ -115,7 +126,9 @@ class Ends:
         now = TimeState(H, v[:n], self._still, self._none)
         # internal unknowns of elements are those of the midpoint
         equations.residual(now, np.ones(len(self._none)), self._work)
-        return accelerations(equations, self._solver, H, v, time, self.h, self._sweeps)
+        given, scale = (H, v, time, self.h, self._sweeps), self._scale
+        self._scale = None
+        return accelerations(equations, self._solver, *given, scale=scale)
 
     def through(self, H: Array, rates: Array, time: float, changing: bool) -> tuple[Array, Array]:
         """Twists, shape (N, 6), and their rates, shape (n, 6), of a line through two steps.

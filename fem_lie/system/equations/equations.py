@@ -44,29 +44,37 @@ def fill_at_rest(system: System, H: Array, step: float) -> Array:
     Modes that the step does not resolve would otherwise start with meaningless accelerations.
 
     Args:
-        system: The equations; the independent stress is reset to the current one.
+        system: The equations; unless the step is zero, the independent stress is reset to the
+            current one.
         H: Frames of all nodes, ground and prescribed motions.
         step: Step size ``h``.
     """
-    tangent = system.tangent
-    terms, still = system.terms, np.zeros((system.count, 6))
-    kept = terms.workspace()
-    terms.reset_stress(H)
-    terms.add_forces(H, np.zeros(system.size), kept)
-    # after the forces, which may change the pairs of nodes in contact
-    tangent.clear()
     # A and K may share blocks: the sum is scaled by 4/h² until it is complete
-    inverse = 4.0 / step**2
-    tangent.add_terms(H, kept)
-    tangent.add_viscosity(
-        H, still, 0.5 * step * inverse, lambda term, of: not (term.of_bodies or of.in_space)
-    )
+    tangent, inverse = system.tangent, 4.0 / step**2 if step else 1.0
+    if step:
+        _add_stiffness(system, H, step)
+    else:
+        tangent.clear()
     tangent.add_mass(H, system.kinds, inverse)
     tangent.parts.add_K()
     tangent.A[:] /= inverse
     scale = tangent.constraint_scale(H)
     tangent.fill(tangent.A, H, scale)
     return scale
+
+
+def _add_stiffness(system: System, H: Array, step: float) -> None:
+    """Clear the matrix and add stiffness and viscosity of a step at rest, in units of stiffness."""
+    tangent, terms, still = system.tangent, system.terms, np.zeros((system.count, 6))
+    kept = terms.workspace()
+    terms.reset_stress(H)
+    terms.add_forces(H, np.zeros(system.size), kept)
+    # after the forces, which may change the pairs of nodes in contact
+    tangent.clear()
+    tangent.add_terms(H, kept)
+    tangent.add_viscosity(
+        H, still, 2.0 / step, lambda term, of: not (term.of_bodies or of.in_space)
+    )
 
 
 class LinearState:
