@@ -438,12 +438,20 @@ def same(a: fl.Result, b: fl.Result) -> None:
     assert a.factorisations == b.factorisations
 
 
+def written(file: Path) -> int:
+    """Time at which a file was written last, 0 without it; another process may replace it."""
+    try:
+        return file.stat().st_mtime_ns
+    except FileNotFoundError:
+        return 0
+
+
 def kill_after_a_checkpoint(file: Path, scheme: str, how: str, seconds: float) -> None:
     """Start a run, or go on with one, and kill it ``seconds`` after its next checkpoint."""
     beside = file.with_name(file.name + ".checkpoint")
-    before = beside.stat().st_mtime_ns if beside.exists() else 0
+    before = written(beside)
     process = subprocess.Popen([sys.executable, "-c", SCRIPT, scheme, str(file), how], cwd=ROOT)
-    while not (beside.exists() and beside.stat().st_mtime_ns > before):
+    while not written(beside) > before:
         assert process.poll() is None, "the run ended before it could be killed"
         time.sleep(0.01)
     time.sleep(seconds)
