@@ -30,9 +30,9 @@ Contacts by impacts change frames and momenta at the end of a step, as in genera
 (:mod:`fem_lie.solve.impacts`), by the velocities there.
 
 Velocities in results are the admissible velocities with these momenta; joint forces are those of
-the equations of motion at the ends of steps. Both need a factorisation for each recorded state.
-Work and impulses are integrated by the trapezoidal rule. The groups of bodies do not matter for
-this scheme.
+the equations of motion at the ends of steps. Both need a factorisation for each recorded state,
+one without elastic bodies and springs. Work and impulses are integrated by the trapezoidal rule.
+The groups of bodies do not matter for this scheme.
 
 Sources: Moser & Veselov, Commun. Math. Phys. 139 (1991) 217; Bou-Rabee & Marsden, Found. Comput.
 Math. 9 (2009) 197; Leyendecker, Marsden & Ortiz, ZAMM 88 (2008) 677 (constraints).
