@@ -21,7 +21,6 @@ from fem_lie.solve.conserving.step import loop
 from fem_lie.solve.conserving.step.corrections import progress_of
 from fem_lie.solve.conserving.step.packing import state_of
 from fem_lie.solve.convergence import failure
-from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.motion.integration import DividedIntegration
 from fem_lie.solve.recording.checkpoints import Checkpoints
 from fem_lie.solve.recording.plan import EqualSteps
@@ -101,7 +100,7 @@ class MomentumPart(VariationalRun):
     The compiled loop makes one at a time; the energy balance is updated over whole steps.
 
     Attributes:
-        limited: Whether sub-steps fail in which vibrations grow.
+        whole_divisible: Whether the step of which this is a part may be divided.
     """
 
     def __init__(
@@ -117,7 +116,7 @@ class MomentumPart(VariationalRun):
         """
         super().__init__(options, equations, step)
         self._ends = Ends(equations, abs(step), sweeps=2)
-        self._start, self.limited = 0.0, True
+        self._start, self.whole_divisible = 0.0, True
         if shared is not None:
             for name in _SHARED:
                 setattr(self, name, getattr(shared, name))
@@ -160,8 +159,9 @@ class MomentumPart(VariationalRun):
         return self.attempt(start, start + h)
 
     @property
-    def _limited(self) -> bool:
-        return self.limited
+    def divisible(self) -> bool:
+        """Whether the step of which this is a part may be divided."""
+        return self.whole_divisible
 
     @property
     def _balance_in_loop(self) -> bool:
@@ -270,7 +270,7 @@ class MomentumRun(DividedIntegration[Recorder]):
         before = [saved(owner, names) for owner, names in changed]
         for at, k in enumerate(self._order):
             part, self._part = self._parts[k], at
-            part.limited = self.divides and self.division.level < HALVINGS
+            part.whole_divisible = self.divisible
             if not part.make(start + float(self._ends[at]) * size, *self._sizes.tolist()):
                 for (owner, names), kept in zip(changed, before, strict=True):
                     put_back(owner, names, kept)

@@ -321,6 +321,11 @@ class Divided(Driver[HistoryT]):
         """
         return self._may_fall_back and not self.reason
 
+    @property
+    def divisible(self) -> bool:
+        """Whether the current step or sub-step may be divided further if it fails."""
+        return self.divides and self.division.level < HALVINGS
+
     @abstractmethod
     def resize(self, time: float, size: float) -> None:
         """Start steps of another size, see :class:`~fem_lie.solve.division.Divisible`.

@@ -80,7 +80,8 @@ class Ends:
         # without stiffness accelerations have the matrix of velocities
         springs = len(joint_arrays(known.joints).springs)
         self._one_matrix = not (light or springs or len(known.terms))
-        self._scale: Array | None = None
+        # frames and scale of the constraints of the matrix that is factorised
+        self._known: tuple[Array, Array] | None = None
 
     @property
     def _solver(self) -> DirectSolver:
@@ -111,7 +112,7 @@ class Ends:
         solver.factorise()
         solver.solve()
         v[:n] = solver.solution[: 6 * n].reshape(n, 6)
-        self._scale = scale if self._one_matrix else None
+        self._known = (H.copy(), scale) if self._one_matrix else None
         return v
 
     def accelerations(self, H: Array, v: Array, time: float) -> tuple[Array, Array]:
@@ -126,8 +127,9 @@ class Ends:
         now = TimeState(H, v[:n], self._still, self._none)
         # internal unknowns of elements are those of the midpoint
         equations.residual(now, np.ones(len(self._none)), self._work)
-        given, scale = (H, v, time, self.h, self._sweeps), self._scale
-        self._scale = None
+        known, self._known = self._known, None
+        scale = known[1] if known is not None and np.array_equal(known[0], H) else None
+        given = H, v, time, self.h, self._sweeps
         return accelerations(equations, self._solver, *given, scale=scale)
 
     def through(self, H: Array, rates: Array, time: float, changing: bool) -> tuple[Array, Array]:

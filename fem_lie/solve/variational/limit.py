@@ -30,7 +30,7 @@ from fem_lie.system.equations import Equations
 
 LIMIT = 4.0
 """Largest ``h ω θ`` of vibrations that do not grow."""
-DIVIDES = "whole ones did not converge, or vibrations of what rotates would have grown in them"
+DIVIDES = "whole ones did not converge, or vibrations of bodies that rotate grow in them"
 """Why steps are divided."""
 
 
@@ -54,8 +54,8 @@ class Pairs(NamedTuple):
         pairs = [np.zeros((0, 2), dtype=np.int64), *(np.column_stack(t.pairs) for t in elastic)]
         nodes = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0).astype(np.int64)
         chosen = (nodes[:, 0] != nodes[:, 1]) & positioned[nodes].all(axis=1)
-        stiffness = _at_nodes(elastic, equations.start.frames, count)
-        masses = _in_vibrations(known.inertia)
+        stiffness = _node_stiffness(elastic, equations.start.frames, count)
+        masses = _alternating_masses(known.inertia)
         free = (masses > 0.0) & positioned & ~unknowns.held[:, :3].all(axis=1)
         squares = np.zeros(count)
         squares[free] = 4.0 * np.linalg.eigvalsh(stiffness[free])[:, -1] / masses[free]
@@ -63,7 +63,7 @@ class Pairs(NamedTuple):
         return cls(nodes, squares[nodes].max(axis=1, initial=0.0))
 
 
-def _at_nodes(terms: Sequence[Term], H: Array, count: int) -> Array:
+def _node_stiffness(terms: Sequence[Term], H: Array, count: int) -> Array:
     """Stiffness of translations of each node, (n, 3, 3)."""
     K = np.zeros((count, 3, 3))
     for term in terms:
@@ -74,8 +74,8 @@ def _at_nodes(terms: Sequence[Term], H: Array, count: int) -> Array:
     return np.asarray(0.5 * (K + K.swapaxes(1, 2)))
 
 
-def _in_vibrations(inertia: Inertia) -> Array:
-    """Mass ``m``, or ``2 (m − Σ|m'|)`` if that is larger, of each node, (n,)."""
+def _alternating_masses(inertia: Inertia) -> Array:
+    """The larger one of ``m`` and ``2 (m − Σ|m'|)`` of each node, (n,)."""
     rows = np.repeat(np.arange(len(inertia.indptr) - 1), np.diff(inertia.indptr))
     own, masses = rows == inertia.indices, inertia.blocks[:, 0, 0]
     diagonal, others = np.zeros((2, len(inertia.indptr) - 1))

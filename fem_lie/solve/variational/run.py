@@ -18,7 +18,6 @@ from fem_lie.results import Result
 from fem_lie.results.record import Record, with_others
 from fem_lie.solve.conserving.midpoint.cayley import advance
 from fem_lie.solve.convergence import Verdict, failure
-from fem_lie.solve.division import HALVINGS
 from fem_lie.solve.impacts.contacts import CoupledContacts
 from fem_lie.solve.impacts.step_end import StepEnd
 from fem_lie.solve.iteration import Iterated, LinearRate, iterate
@@ -180,11 +179,6 @@ class VariationalRun(Newton):
         return self._compiled and not needs_python and (balance.empty or balance.compiled)
 
     @property
-    def _limited(self) -> bool:
-        """Whether steps fail in which vibrations grow: parts of them may be stable."""
-        return self.divides and self.division.level < HALVINGS
-
-    @property
     def _balance_in_loop(self) -> bool:
         """Whether the compiled loop updates the energy balance."""
         return True
@@ -205,7 +199,7 @@ class VariationalRun(Newton):
             tolerance=options.tolerance,
             most=options.max_iterations,
             viscous=self._viscous,
-            limited=self._limited,
+            limited=self.divisible,
             accepts=alone,
             turns=self.equations.arrays.turns,
             accounts=self._balance_in_loop and not balance.empty,
@@ -293,7 +287,8 @@ class VariationalRun(Newton):
         Returns whether vibrations do not grow, and no surfaces passed through each other.
         """
         delta, _, end, middle = self.coordinates
-        if self._limited and vibrations_grow(*self._pairs, self.H, end, self.size):
+        # parts of the step may be stable
+        if self.divisible and vibrations_grow(*self._pairs, self.H, end, self.size):
             return False
         n, start = self._n, self.H.copy()
         was = None if self._contacts is None else saved(self, CHANGED)
