@@ -49,6 +49,23 @@ def with_joints(group: fl.lie.Group) -> fl.Scene:
     return scene
 
 
+def driven_crank() -> fl.Scene:
+    """A crank of 0.3 m makes a revolution in 1 s, on it a rod of 0.6 m and a slider of 2 kg."""
+    scene, ground = fl.Scene(), fl.ground()
+    crank = scene.add(fl.RigidBody(1.0, (0.01, 0.01, 0.01), (0.15, 0, 0), name="crank"))
+    rod = scene.add(fl.RigidBody(1.0, (0.001, 0.03, 0.03), (0.6, 0, 0), name="rod"))
+    slider = scene.add(fl.RigidBody(2.0, (0.01, 0.01, 0.01), (0.9, 0, 0), name="slider"))
+    inner, middle, outer = (body.point("centre") for body in (crank, rod, slider))
+    joints = fl.joints
+    axle = scene.add(joints.Revolute(ground, inner, at=(0, 0, 0), axis=(0, 0, 1)))
+    scene.add(joints.Spherical(inner, middle, at=(0.3, 0, 0)))
+    scene.add(joints.Revolute(middle, outer, at=(0.9, 0, 0), axis=(0, 0, 1)))
+    scene.add(joints.InPlane(ground, outer, at=(0.9, 0, 0), axis=(0, 1, 0)))
+    scene.add(joints.Drive(axle.angle, lambda t: 2 * np.pi * t, name="motor"))
+    fl.schemes.set_initial_velocities(scene, 1e-4)
+    return scene
+
+
 def run(
     scene: fl.Scene, step: float | fl.extend.StepChoice, duration: float = 1.0, **options
 ) -> fl.Result:
@@ -169,6 +186,37 @@ def test_joint_forces_with_kept_matrices():
     same = exact.resampled(result.times[5:])
     gap = np.abs(result.joint_forces[5:] - same.joint_forces).max()
     assert gap < 3e-3 * np.abs(exact.joint_forces).max()
+
+
+class TooLarge(fl.extend.Control):
+    """Tries twice the size before each step, which is rejected."""
+
+    def ratio(self, translation: float, rotation: float, h: float) -> float:
+        return 10.0 * self.level
+
+    def accept(self, e: float) -> None:
+        self.level = 2
+
+    def reject(self, e: float) -> None:
+        self.level = 0
+
+
+@dataclass(frozen=True)
+class FirstTooLarge(Alternating):
+    def control(self, duration: float, length: float, order: int, jumps=()) -> fl.extend.Control:
+        return TooLarge(self.size, math.inf, math.inf, (duration,), 1.0, 0.0, order)
+
+
+@pytest.mark.parametrize("make", [with_joints, lambda _: driven_crank()])
+def test_rejected_sizes_leave_no_trace(make):
+    """Velocities across joints are of the size of the next step, not of one that was rejected."""
+    exact = run(make(fl.lie.Group.SE3), 1e-3, 0.2)
+    result = run(make(fl.lie.Group.SE3), FirstTooLarge(1e-3), 0.2)
+    assert len(result.steps.rejected) > 190
+    # the last steps, which end at the end of the run, are smaller
+    same = slice(3, 190)
+    gap = np.abs(result.joint_forces[same] - exact.joint_forces[same]).max()
+    assert gap < 2e-3 * np.abs(exact.joint_forces).max()
 
 
 # --- the tolerance ---

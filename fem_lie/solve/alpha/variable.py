@@ -51,7 +51,7 @@ from fem_lie._arrays import Array, Indices
 from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie._state import ChangingArrays, attributes
 from fem_lie.joints.equations.joint_arrays import views
-from fem_lie.lie.node_types import all_to_group, push_all_forward
+from fem_lie.lie.node_types import all_from_group, all_to_group, push_all_forward
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.factors import PlainSolution
 from fem_lie.linear.levels import StoredFactors
@@ -215,7 +215,10 @@ class AlphaSteps(Run):
         """
         equations, s, n = self.equations, self.s, self._moving
         driven, v = equations.prescribed(time, self.h), equations.start.velocities.copy()
-        v[:n], v[n + 1 :] = s.twist1, driven.velocities
+        # not the recorded twists: they have no correction of a consistent start, and no part that
+        # a step of another size, which was rejected, has put into the velocities
+        v[:n], v[n + 1 :] = s.v, driven.velocities
+        all_from_group(s.kinds, s.H, v[:n])
         constraints, across = equations.constraints(s.H), np.zeros_like(v)
         wanted = constraints.rates(v)[0] - driven.target_rates[0]
         self.r[: 6 * n] = 0.0
