@@ -102,3 +102,12 @@ def test_rotations_have_the_tolerance_of_positions_over_the_length():
     assert chosen.ratio(5e-4, 2e-5, 0.5) == pytest.approx(1.0)
     assert chosen.ratio(1e-4, 1e-4, 0.5) == pytest.approx(2.0)
     assert chosen.ratio(float("nan"), 0.0, 0.5) == inf
+
+
+def test_rates_that_smaller_steps_do_not_reduce_are_ignored_for_a_while():
+    """Such as those of constraints that contradict each other."""
+    control = fl.extend.Control(1.0, 1.0, 1.0, (100.0,), 1.0, 1e-12, 2)
+    found = [control.believed(50.0) for _ in range(200)]
+    assert max(found.count(value) for value in (0.0, 50.0)) == found.count(0.0) > 150
+    falling = fl.extend.Control(1.0, 1.0, 1.0, (100.0,), 1.0, 1e-12, 2)
+    assert all(falling.believed(50.0 * 0.5**k) for k in range(40))

@@ -222,6 +222,26 @@ def test_rejected_sizes_leave_no_trace(make):
 # --- the tolerance ---
 
 
+@pytest.mark.parametrize(
+    "scheme", [fl.GeneralisedAlpha(), fl.EnergyMomentum(), fl.EnergyDecaying()]
+)
+def test_velocities_of_a_driven_mechanism_follow_the_tolerance(scheme):
+    """Positions have no error, and say nothing about the step."""
+    errors, numbers = [], []
+    for tolerance in (1e-1, 1e-2, 1e-3):
+        step = fl.schemes.AdaptiveStep(tolerance)
+        result = scheme.run(driven_crank(), duration=1.0, step=step)
+        angle = 2 * np.pi * result.times
+        sine, cosine = np.sin(angle), np.cos(angle)
+        along = np.sqrt(0.6**2 - 0.3**2 * sine**2)
+        assert np.abs(result.position("slider.centre")[:, 0] - 0.3 * cosine - along).max() < 1e-9
+        speed = -2 * np.pi * (0.3 * sine + 0.3**2 * sine * cosine / along)
+        errors.append(np.abs(result.velocity("slider.centre")[:, 0] - speed).max() / tolerance)
+        numbers.append(len(result.times))
+    assert max(errors[1:]) < 4.0
+    assert numbers[2] > 2 * numbers[1]
+
+
 @pytest.mark.parametrize("group", list(fl.lie.Group))
 def test_global_error_follows_the_tolerance(group):
     tolerances = 10.0 ** np.arange(-2, -6.5, -1)

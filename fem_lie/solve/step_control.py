@@ -43,6 +43,12 @@ FAILED = 4
 FITTED_STEPS = 4
 """Number of steps before an event that are fitted to end at it."""
 
+DOUBTFUL, FALLING = 2.0, 0.9
+"""Rates of constraints over the tolerance that are to fall with the step, and by what factor."""
+
+DOUBTS, IGNORED = 8, 64
+"""Number of steps in which they do not fall, and in which they are ignored then."""
+
 NO_ERROR = 1e-6
 """Smallest error over its tolerance that the controller distinguishes."""
 
@@ -154,7 +160,8 @@ class AdaptiveStep(StepChoice):
     """Step sizes chosen by an error tolerance.
 
     Attributes:
-        tolerance: Estimated error of positions in a step over the step size: length per time.
+        tolerance: Estimated error of positions in a step over the step size: length per time. In
+            scenes with drives or prescribed motions also the rates of constraints.
         rotation_tolerance: That of rotations and of position gradients, rad or 1 per time; default:
             ``tolerance`` over the length of the model.
         first: Size of the first step; default: a thousandth of the duration.
@@ -296,7 +303,7 @@ class Control(Stateful):
         fitted_steps: Number of steps before an event that are fitted to end at it.
     """
 
-    STATE = attributes("level", "_since", "_previous", "_next")
+    STATE = attributes("level", "_since", "_previous", "_next", "_rates", "_doubts")
 
     def __init__(
         self,
@@ -324,6 +331,7 @@ class Control(Stateful):
         self._first, self._largest, self._order = first, largest, order
         self._events, self._next = tuple(events), 0
         self.level, self._since, self._previous = 0, 0, AIM
+        self._rates, self._doubts = inf, 0
         self.fitted_steps: float = FITTED_STEPS
 
     @property
@@ -396,6 +404,25 @@ class Control(Stateful):
         """
         e = max(translation / (h * self.tolerance), rotation / (h * self.rotation_tolerance))
         return e if isfinite(e) else inf
+
+    def believed(self, rates: float) -> float:
+        """Rates of constraints over their tolerance, or 0 while smaller steps do not reduce them.
+
+        No velocities satisfy constraints that contradict each other, whatever the step.
+
+        Args:
+            rates: Rates of an accepted step over their tolerance.
+        """
+        if self._doubts < 0:
+            self._doubts += 1
+            return 0.0
+        doubtful = DOUBTFUL < rates >= FALLING * self._rates
+        self._rates = rates if rates > DOUBTFUL else inf
+        self._doubts = self._doubts + 1 if doubtful else 0
+        if self._doubts == DOUBTS:
+            self._rates, self._doubts = inf, -IGNORED
+            return 0.0
+        return rates
 
     def accept(self, e: float) -> None:
         """Choose the level after an accepted step with error ``e`` over its tolerance.

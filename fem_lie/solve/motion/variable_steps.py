@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
+from math import isfinite
 from typing import Any, Protocol, TypeVar, cast
 
 import numpy as np
 
+from fem_lie import lie
 from fem_lie._arrays import Array, Indices
 from fem_lie._state import attributes, put_back, saved
 from fem_lie.forms.abilities import PassedThroughError
@@ -241,6 +243,8 @@ class VariableSteps(Driver[Growing]):
         if self._feedback:
             # generalised-α alone takes controllers
             cast(Any, stepper).feedback = self._feedback.look
+        driven = self.equations.unknowns.driven or bool(self.equations.scene.motions)
+        self._driven = self.equations.shared.any(driven)
         self._stops = self._events.stops_in_loop
         # what Python evaluates after each step
         scene = self._scene.scene
@@ -436,7 +440,7 @@ class VariableSteps(Driver[Growing]):
         lands = abs(time + h - event) <= 1e-6 * h
         end = event if lands else time + h
         stepper.set_step(time, h)
-        before, start = stepper.saved(), stepper.frames.copy()
+        before, start, moving = stepper.saved(), stepper.frames.copy(), stepper.twists.copy()
         iterations = self._step_to(before, end, lands)
         if iterations and self._events:
             signs = self._events.crossed(values := self._events.evaluate(self._state(end)))
@@ -473,10 +477,45 @@ class VariableSteps(Driver[Growing]):
             self._events.values[:] = values
             self._events.pass_step(not signs.any() or h > 0.1 * control.size)
         self.steps.add(end, h, error, self._measure(before, time, end, index, lands))
-        control.accept(e)
+        rates = self._constraint_rates(start, moving, time, end, lands)
+        control.accept(max(e, control.believed(rates)))
         self._index, self._time, self._iterations = index + 1, end, iterations
         self._sense()
         return True
+
+    def _constraint_rates(self, H: Array, v: Array, time: float, end: float, lands: bool) -> float:
+        """Rates of driven constraints over the tolerance, in the mean of both ends of a step.
+
+        Positions satisfy the constraints, so their estimated error sees nothing of velocities that
+        do not, and where drives prescribe all motions it is zero. Rates choose the next size but
+        reject no step: smaller steps do not reduce those that a kink of a drive leaves. They
+        alternate from step to step, and are therefore not in the mean. Others that smaller steps do
+        not reduce are ignored, see :meth:`.Control.believed`.
+
+        Args:
+            H: Frames at the start.
+            v: Twists of the moving nodes there, shape (n, 6).
+            time: The start.
+            end: The end.
+            lands: Whether an event is there.
+        """
+        control, unknowns, n = self._control, self.equations.unknowns, len(v)
+        if not self._driven or not isfinite(control.tolerance):
+            return 0.0
+        stepper, h = self._stepper, end - time
+        twists = self.equations.start.velocities.copy()
+        if len(H) > n + 1:
+            twists[n + 1 :] = lie.se3_relative(H[n + 1 :], stepper.frames[n + 1 :]) / h
+        seen = end - side(end, h) if lands else end
+        start, finish = self.equations.prescribed(time), self.equations.prescribed(seen)
+        rates = (start.targets - finish.targets) / h
+        for frames, moving in ((H, v), (stepper.frames, stepper.twists)):
+            twists[:n] = moving
+            rates += 0.5 * self.equations.constraints(frames).rates(twists)[0]
+        # what rolls has velocity constraints, which hold
+        rates[len(rates) - unknowns.of_velocities :] = 0.0
+        allowed = np.where(unknowns.angular, control.rotation_tolerance, control.tolerance)
+        return float(self.equations.shared.largest(float(np.abs(rates / allowed).max(initial=0.0))))
 
     def _step_to(self, before: Any, end: float, lands: bool) -> int:
         """Make a step from the state ``before``, with what continuous controllers do in it.
