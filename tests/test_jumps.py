@@ -170,3 +170,52 @@ def test_runs_go_to_a_file_through_a_jump(scheme, tmp_path):
     np.testing.assert_array_equal(kept.times, whole.times)
     assert (np.diff(kept.times) == 0.0).sum() == 1
     assert np.abs(kept.frames - whole.frames).max() < 1e-8
+
+
+# --- functions that are defined during the run only, such as those of measured data ---
+
+
+def within(function, last: float):
+    """The function, which fails before the start of a run and after its end."""
+
+    def checked(t: float):
+        assert 0.0 <= t <= last * (1.0 + 1e-15), f"evaluated at {t!r}"
+        return function(t)
+
+    return checked
+
+
+def moved_by_data(last: float) -> fl.Scene:
+    """A driven rod on a spring, hung on a body whose motion is prescribed."""
+    scene = fl.Scene(gravity=(0, 0, -9.81))
+    carriage = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (0, 0, 0)))
+    rod = scene.add(fl.RigidBody(2.0, (0.01, 0.2, 0.2), (0.5, 0, 0)))
+    load = scene.add(fl.RigidBody(1.0, (0.1, 0.1, 0.1), (1, 0, 0)))
+    centre, middle, end = (body.point("centre") for body in (carriage, rod, load))
+    hinge = scene.add(fl.joints.Revolute(centre, middle, at=(0, 0, 0), axis=(0, 1, 0)))
+    free = scene.add(fl.joints.Revolute(middle, end, axis=(0, 1, 0), at=(1, 0, 0)))
+    scene.add(fl.joints.Spring(free.angle, 5.0))
+    scene.add(fl.joints.Drive(hinge.angle, within(lambda t: 2.0 * t**2, last)))
+
+    def motion(t: float) -> np.ndarray:
+        return np.vstack([(0.1 * t**2, 0, 0), np.eye(3)])
+
+    scene.add(fl.PrescribedMotion(centre, within(motion, last)))
+    return scene
+
+
+@pytest.mark.parametrize(
+    ("scheme", "step"),
+    [
+        (fl.GeneralisedAlpha(), 1e-2),
+        (fl.GeneralisedAlpha(index=fl.schemes.ConstraintIndex.STABILISED_TWO), 1e-2),
+        (fl.GeneralisedAlpha(), fl.schemes.AdaptiveStep(1e-2)),
+        (fl.EnergyMomentum(), fl.schemes.AdaptiveStep(1e-2)),
+        (fl.schemes.Variational(), 1e-2),
+        (fl.schemes.Composed(), 1e-2),
+    ],
+    ids=["alpha", "stabilised", "alpha adaptive", "energy adaptive", "variational", "composed"],
+)
+def test_motions_are_evaluated_during_the_run_only(scheme, step):
+    result = scheme.run(moved_by_data(0.2), duration=0.2, step=step)
+    assert result.joint_coordinates[-1, 0] == pytest.approx(0.08, abs=1e-9)

@@ -108,6 +108,30 @@ def until_next(times: Sequence[float], time: float) -> float:
     return min((t - time for t in times if t > time * (1.0 + 1e-12)), default=inf)
 
 
+def difference_step(
+    times: Sequence[float], time: float, step: float, count: int, last: float
+) -> float:
+    """Interval of differences over ``count`` times after ``time``; before it if it is negative.
+
+    Functions are defined from the start to the end of a run, and have a rate between the sorted
+    ``times``. At most ``step``; differences are backward where more time has passed since the last
+    of the ``times`` than is left until the end.
+
+    Args:
+        times: Discontinuities.
+        time: The time.
+        step: Largest interval.
+        count: Number of intervals.
+        last: End of the run, or infinity.
+    """
+    ahead, left = until_next(times, time), last - time
+    if count * step > left and left <= ahead:
+        passed = time - max((t for t in times if t <= time * (1.0 + 1e-12)), default=0.0)
+        if passed > left:
+            return -min(step, passed / count)
+    return min(step, ahead / count, max(left, 0.0) / count if left > 0.0 else inf)
+
+
 def _checked(times: Sequence[float], what: str) -> tuple[float, ...]:
     given = tuple(map(float, times))
     if not all(map(isfinite, given)):

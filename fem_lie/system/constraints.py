@@ -291,9 +291,9 @@ class Connections:
         for each in self.sets:
             each.scale_spring(item, factor)
 
-    def target_rates(self, time: float, step: float) -> tuple[Array, Array]:
+    def target_rates(self, time: float, step: float, last: float) -> tuple[Array, Array]:
         """Rates of targets, see :meth:`~.constraint_sets.constraint_set.Targets.rates`."""
-        first, second = self._targets.rates(time, step)
+        first, second = self._targets.rates(time, step, last)
         first[self.inactive] = second[self.inactive] = 0.0
         return first, second
 

@@ -11,7 +11,7 @@ from fem_lie import lie
 from fem_lie._arrays import Array, Flags, Indices, diameter
 from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie.forms.abilities import Ends
-from fem_lie.joints.histories import declared, until_next
+from fem_lie.joints.histories import declared, difference_step
 from fem_lie.lie.motions import Group, Parametrisation
 from fem_lie.lie.node_types import node_types_of
 from fem_lie.scene import Scene
@@ -87,9 +87,9 @@ class NodalData:
         frames = [motion.frame(time) for motion in self._motions]
         return np.array(frames).reshape(-1, 4, 3)
 
-    def until_break(self, time: float) -> float:
-        """Time until the next declared jump of a prescribed motion."""
-        return until_next(self._breaks, time)
+    def difference_step(self, time: float, step: float, count: int, last: float) -> float:
+        """Interval of differences of prescribed motions, see :func:`.histories.difference_step`."""
+        return difference_step(self._breaks, time, step, count, last)
 
 
 ALL = MatrixTerms(gyroscopic=True, geometric=True)

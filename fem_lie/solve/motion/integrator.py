@@ -132,6 +132,7 @@ class Integrator(ABC):
                 store = Checkpoints(place(file), *given)
             else:
                 store = PartsFile(Path(file), *given, equations)
+        equations.last = plan.last
         return begin(equations).run(plan, progress, store)
 
     @all_stay("a resumed run")
@@ -171,6 +172,7 @@ class Integrator(ABC):
             store = Checkpoints(path, last.every, last.plan, Fingerprint(equations, self))
         with equations.shared.errors(ValueError):
             store.resume(last)
+        equations.last = last.plan.last
         return self._beginning(scene, last.plan)(equations).run(last.plan, progress, store)
 
     def _beginning(self, scene: Scene, plan: Plan) -> Callable[[Equations], Driver[Any]]:

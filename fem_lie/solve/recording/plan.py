@@ -130,6 +130,11 @@ class Plan(ABC):
 
     saving: Saving
 
+    @property
+    @abstractmethod
+    def last(self) -> float:
+        """Time at which the run ends, since its start."""
+
     @abstractmethod
     def checkpoint_interval(self, given: int | None) -> int:
         """Steps between two checkpoints; 0: they are written at every hundredth of the duration."""
@@ -154,6 +159,11 @@ class EqualSteps(Plan):
 
     steps: int
     step: float
+
+    @property
+    def last(self) -> float:
+        """See the base class."""
+        return self.steps * self.step
 
     def checkpoint_interval(self, given: int | None) -> int:
         """The given interval, or a hundredth of all steps."""
@@ -180,6 +190,11 @@ class ChosenSteps(Plan):
 
     duration: float
     choice: StepChoice
+
+    @property
+    def last(self) -> float:
+        """See the base class."""
+        return self.duration
 
     def checkpoint_interval(self, given: int | None) -> int:
         """The given interval, or 0: by time, because the number of steps is unknown."""

@@ -23,7 +23,7 @@ from fem_lie._arrays import Array, Flags, Indices, at_time
 from fem_lie.bodies.beams.beam import Beam
 from fem_lie.bodies.body import Point
 from fem_lie.joints.connection import Connection
-from fem_lie.joints.histories import declared, until_next
+from fem_lie.joints.histories import declared, difference_step
 from fem_lie.linear.saddle_point import Incidences
 from fem_lie.system.nodes.numbering import Numbering
 
@@ -184,15 +184,15 @@ class Targets:
         """
         self.base[which] += violations[which]
 
-    def rates(self, time: float, step: float) -> tuple[Array, Array]:
+    def rates(self, time: float, step: float, last: float) -> tuple[Array, Array]:
         """First and second time derivatives of the targets at ``time``, shape (m,).
 
-        They are forward differences over five later times before the next jump, which may be closer
-        than ``step``.
+        They are differences over five later times before the next jump, which may be closer than
+        ``step``, or over five earlier ones if the run ends before, at ``last``.
         """
         if not self.driven:
             return np.zeros_like(self.base), np.zeros_like(self.base)
-        step = min(step, until_next(self._breaks, time) / 5.0)
+        step = difference_step(self._breaks, time, step, 5, last)
         values = [self.at(time + k * step) for k in range(6)]
         first, second = np.tensordot(_FORWARD, values, axes=1)
         return first / step, second / step**2

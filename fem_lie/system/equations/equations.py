@@ -150,6 +150,7 @@ class Equations:
         supports: Nodes whose unknowns are along axes fixed in space, with transformations.
         info: Bodies and joints, for results.
         history_variables: History variables, which neither states nor the time determine.
+        last: End of the run: prescribed functions are not evaluated after it for their rates.
     """
 
     def __init__(
@@ -199,6 +200,7 @@ class Equations:
         self._terms = self._system.terms.chosen(lambda term: not term.within_joints)
         self._settles = any(term.local is not None for term in self._terms)
         self.unknowns = Unknowns.of(self._system)
+        self.last = np.inf
         nodal, began = self._system.nodal_data, self.scene.began
         self.start = Start(nodal.start_frames, nodal.velocities, self._system.frames)
         self._system.connections.remember(began.turned)
@@ -250,7 +252,7 @@ class Equations:
             time: Time.
             step: Step size.
         """
-        return Prescribed(self._system, time, step)
+        return Prescribed(self._system, time, step, self.last)
 
     # --- residual and matrix ---
 

@@ -93,20 +93,22 @@ def _rotations(a: _Sample, b: _Sample) -> tuple[Array, Array]:
 class Prescribed:
     """Frames of prescribed motions, targets of constraints, and loads at one time, computed lazily.
 
-    Rates are differences over later times before the next jump: prescribed functions need not be
-    defined at earlier times.
+    Rates are differences over later times before the next jump, near the end of the run over
+    earlier ones: prescribed functions need not be defined before the start of the run or after its
+    end.
     """
 
-    def __init__(self, system: System, time: float, step: float) -> None:
+    def __init__(self, system: System, time: float, step: float, last: float) -> None:
         """Store the time.
 
         Args:
             system: The equations.
             time: Time since the start of the scene.
             step: Interval of the differences for rates.
+            last: End of the run, or infinity.
         """
         self._system, self._step = system, step
-        self._time = system.scene.began.time + time
+        self._time, self._last = system.scene.began.time + time, system.scene.began.time + last
 
     def act(self, factor: float = 1.0, preload: float = 1.0) -> None:
         """Apply loads and targets of this time from now on.
@@ -181,17 +183,17 @@ class Prescribed:
     @cached_property
     def target_rates(self) -> tuple[Array, Array]:
         """First and second rates of the targets, (m,)."""
-        return self._system.connections.target_rates(self._time, self._step)
+        return self._system.connections.target_rates(self._time, self._step, self._last)
 
     @cached_property
     def _rates(self) -> tuple[Array, Array]:
-        """Rates of the motions, by differences over three later times."""
+        """Rates of the motions, by differences over three other times."""
         system, time, here = self._system, self._time, self.frames
         if len(here) == 0:
             return np.zeros((0, 6)), np.zeros((0, 6))
-        step = min(self._step, system.nodal_data.until_break(time) / 3.0)
-        later = [system.prescribed_frames(time + k * step) for k in (1, 2, 3)]
-        d1, d2, d3 = (lie.se3_relative(here, frames) for frames in later)
+        step = system.nodal_data.difference_step(time, self._step, 3, self._last)
+        others = [system.prescribed_frames(time + k * step) for k in (1, 2, 3)]
+        d1, d2, d3 = (lie.se3_relative(here, frames) for frames in others)
         # d(t) = v t + v̇ t²/2 + j t³/6 through the three
         first = (18 * d1 - 9 * d2 + 2 * d3) / (6 * step)
         return np.asarray(first), np.asarray((-5 * d1 + 4 * d2 - d3) / step**2)
