@@ -40,31 +40,31 @@ def passages(result: fl.Result, bodies: list[fl.Net]) -> int:
     ends, nodes = chords(result, bodies)
     moved = np.linalg.norm(np.diff(ends, axis=0), axis=3).max()
     reach = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=2).max() + 2.0 * moved
-    found = 0
+    turned = []
     for before, after in pairwise(ends):
         i, j = cKDTree(before.mean(axis=0)).query_pairs(reach, output_type="ndarray").T
         apart = (nodes[i][:, :, np.newaxis] != nodes[j][:, np.newaxis]).all(axis=(1, 2))
-        i, j = i[apart], j[apart]
-        low, high = np.zeros(len(i)), np.ones(len(i))
-        first = volume(before, after, i, j, low)[0]
-        turns = first * volume(before, after, i, j, high)[0] < 0.0
-        i, j, low, high, first = (each[turns] for each in (i, j, low, high, first))
-        for _ in range(50):
-            middle = 0.5 * (low + high)
-            same = volume(before, after, i, j, middle)[0] * first > 0.0
-            low, high = np.where(same, middle, low), np.where(same, high, middle)
-        found += int(volume(before, after, i, j, high)[1].sum())
-    return found
+        pair = np.stack([i[apart], j[apart]])
+        steps = before[:, pair], after[:, pair]
+        first, last = (volume(*steps, np.full(len(pair[0]), t))[0] for t in (0.0, 1.0))
+        turned.append([step[:, :, first * last < 0.0] for step in steps])
+    before, after = (np.concatenate(each, axis=2) for each in zip(*turned, strict=True))
+    low, high = np.zeros(before.shape[2]), np.ones(before.shape[2])
+    first = volume(before, after, low)[0]
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        same = volume(before, after, middle)[0] * first > 0.0
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    return int(volume(before, after, high)[1].sum())
 
 
-def volume(
-    before: np.ndarray, after: np.ndarray, i: np.ndarray, j: np.ndarray, t: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Volume between chords at fractions of a step, and whether they cross, seen across both."""
-    p, q = (
-        (1.0 - t)[:, np.newaxis] * before[:, k] + t[:, np.newaxis] * after[:, k] for k in (i, j)
-    )
-    a, b, d = p[1] - p[0], q[1] - q[0], q[0] - p[0]
+def volume(before: np.ndarray, after: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Volume between two chords at fractions of a step, and whether they cross, seen across both.
+
+    ``before`` and ``after`` have the ends of both chords of each pair, shape (2, 2, m, 3).
+    """
+    at = (1.0 - t)[:, np.newaxis] * before + t[:, np.newaxis] * after
+    (a, b), d = at[1] - at[0], at[0, 1] - at[0, 0]
     n = np.cross(a, b)
     size = np.maximum((n * n).sum(axis=1), 1e-300)
     s, r = (np.einsum("ej,ej->e", np.cross(d, each), n) / size for each in (b, a))

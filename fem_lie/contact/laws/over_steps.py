@@ -15,8 +15,7 @@ moment arms of the mean configuration has zero resultant and zero moment, and do
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -65,14 +64,18 @@ class Secants(NamedTuple):
     end: Array
     change: Array
 
-    def scaled(self, factors: Array) -> Secants:
-        """Secants of forces times factors, shape (m,)."""
-        return self._replace(σ=factors * self.σ, by_gap=factors * self.by_gap)
+
+Both: TypeAlias = tuple[ContactPoints, ...]
+"""Contact points at the start of a step, and at its end if these are other material points."""
 
 
 def empty_secants(m: int) -> Secants:
     """Uninitialised secants of ``m`` pairs."""
     return Secants(*np.empty((5, m)))
+
+
+_OPEN, _NONE = Secant(0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+"""Secant and vectors of a pair without contact at either end."""
 
 
 @inlined_uncounted
@@ -82,7 +85,7 @@ def _secant(g0: float, g1: float, change: float) -> Secant:
     U0, U1 = 0.5 * a * a, 0.5 * b * b
     if a < 0.0 and b < 0.0:
         return Secant(0.5 * (a + b), 1.0, U0, U1, change)
-    if (a == 0.0 and b == 0.0) or change == 0.0:
+    if change == 0.0:
         return Secant(0.0, 0.0, U0, U1, change)
     if b < 0.0:
         return Secant(U1 / change, 2.0 * (b - U1 / change) / change, U0, U1, change)
@@ -95,6 +98,8 @@ def _between(ends: Ends, at: ContactPoints, e: int) -> tuple[Secant, Vector, Vec
     i, j = at.pairs[e]
     g0 = contact_point(ends.start, at.a, at.b, i, j, at.kind).gap
     g1 = contact_point(ends.end, at.a, at.b, i, j, at.kind).gap
+    if g0 >= 0.0 and g1 >= 0.0:
+        return _OPEN, _NONE, _NONE
     P, Q = position(ends.mean, at.a, i), position(ends.mean, at.b, j)
     moved = minus(displacement(ends.delta, at.a, i), displacement(ends.delta, at.b, j))
     separation = minus(P, Q)
@@ -174,72 +179,45 @@ def _store(secant: Secant, out: Secants, e: int) -> None:
 
 
 @uncounted
-def _add(
-    ends: Ends,
-    types: Indices,
-    at: ContactPoints,
-    k: float,
-    factors: Array,
-    found: Secants,
-    out: Array,
-    ground: Array,
-) -> None:
-    for e in range(at.pairs.shape[0]):
-        secant, n, P = _between(ends, at, e)
-        _store(secant, found, e)
-        if secant.σ == 0.0:
-            continue
-        F = scaled(factors[e] * at.weight[e] * k * secant.σ, n)
-        i, j = at.pairs[e]
-        add_force(ends.mean, types, at.a, i, (False, P), F, out, ground)
-        foot = at.kind != ROUND, P
-        add_force(ends.mean, types, at.b, j, foot, scaled(-1.0, F), out, ground)
-
-
-@compiled
-def add_secants(
-    ends: Ends,
-    types: Indices,
-    at: ContactPoints,
-    k: float,
-    factors: Array,
-    found: Secants,
-    out: Array,
-    ground: Array,
-) -> None:
-    """Add the contact forces of the step to the residual, and set the secants.
-
-    Args:
-        ends: Both ends of the step.
-        types: Types of all nodes.
-        at: Contact points.
-        k: Stiffness.
-        factors: Factors of the forces, shape (m,).
-        found: Secants for unit stiffness, overwritten.
-        out: Forces and moments about the mean positions of all nodes, global components, (N, 6).
-        ground: Force and moment about the origin on ground, (6,).
-    """
-    _add(ends, types, at, k, factors, found, out, ground)
-
-
-@compiled
-def secants(ends: Ends, at: ContactPoints, out: Secants) -> None:
-    """Set the secants of all pairs for unit stiffness."""
+def _set_secants(ends: Ends, at: ContactPoints, out: Secants) -> None:
     for e in range(at.pairs.shape[0]):
         secant, _, _ = _between(ends, at, e)
         _store(secant, out, e)
 
 
-def all_secants(ends: Ends, both: Sequence[ContactPoints]) -> list[Secants]:
-    """:func:`secants` of each set of contact points."""
-    found = [empty_secants(len(at.pairs)) for at in both]
-    for at, out in zip(both, found, strict=True):
-        secants(ends, at, out)
-    return found
+@uncounted
+def _energies(at: ContactPoints, found: Secants) -> tuple[float, float]:
+    """Potentials at the start and at the end for unit stiffness."""
+    start, end = 0.0, 0.0
+    for e in range(at.pairs.shape[0]):
+        start += at.weight[e] * found.start[e]
+        end += at.weight[e] * found.end[e]
+    return start, end
 
 
-def force_factors(ends: Ends, both: Sequence[ContactPoints]) -> list[Array]:
-    """Factors of the forces of a step at the contact points of its start and of its end, (m,) each.
+@uncounted
+def _work(at: ContactPoints, found: Secants) -> tuple[float, float, float]:
+    """Work of forces for unit stiffness, its square over pairs, and the largest of a pair."""
+    work, square, most = 0.0, 0.0, 0.0
+    for e in range(at.pairs.shape[0]):
+        own = at.weight[e] * found.σ[e] * found.change[e]
+        work, square, most = work + own, square + own * own, max(most, abs(own))
+    return work, square, most
+
+
+@uncounted
+def _scale(found: Secants, factor: float, at: ContactPoints, part: float) -> None:
+    """Multiply forces by a factor, and change them in proportion to the works they have then."""
+    for e in range(at.pairs.shape[0]):
+        own = factor * at.weight[e] * found.σ[e] * found.change[e]
+        factors = factor * (1.0 + part * own)
+        found.σ[e] *= factors
+        found.by_gap[e] *= factors
+
+
+@uncounted
+def _weigh(both: Both, found: tuple[Secants, ...]) -> None:
+    """Multiply forces at the contact points of both ends by factors, so that they do the work.
 
     Along curves and patches the closest points at the end differ from the material points that were
     closest at the start, so a secant at fixed material points underestimates the overlap at one
@@ -251,30 +229,82 @@ def force_factors(ends: Ends, both: Sequence[ContactPoints]) -> list[Array]:
     the least overlap at the other one, and a mean may not do. Then the forces are changed in
     proportion to their works, which is the smallest change that does the missing work. The
     resultant and the moment of each pair of forces vanish, so any factors conserve momenta.
+    """
+    last = len(both) - 1
+    U0, lower_end = _energies(both[0], found[0])
+    lower_start, U1 = _energies(both[last], found[last])
+    by_start, by_end = U0 - lower_start, U1 - lower_end
+    fraction = 0.5
+    if by_start + by_end > _KNOWN * (U0 + U1):
+        fraction = min(1.0, max(0.0, by_start / (by_start + by_end)))
+    a, b = fraction, 1.0 - fraction
+    work, square, most = _work(both[0], found[0])
+    of_end, square_of_end, most_of_end = _work(both[last], found[last])
+    missing = U1 - U0 - (a * work + b * of_end)
+    square = a * a * square + b * b * square_of_end
+    most = abs(missing) * max(a * most, b * most_of_end)
+    little = abs(missing) <= _KNOWN * (U0 + U1)
+    part = 0.0 if little or most >= _MOST * square else missing / square
+    _scale(found[0], a, both[0], part)
+    _scale(found[last], b, both[last], part)
+
+
+@uncounted
+def _set_all(ends: Ends, both: Both, found: tuple[Secants, ...]) -> None:
+    for n in range(len(both)):
+        _set_secants(ends, both[n], found[n])
+    if len(both) > 1:
+        _weigh(both, found)
+
+
+@uncounted
+def _add(
+    ends: Ends, types: Indices, at: ContactPoints, k: float, found: Secants, out: Array, on: Array
+) -> None:
+    for e in range(at.pairs.shape[0]):
+        if found.σ[e] == 0.0:
+            continue
+        _, n, P = _between(ends, at, e)
+        F = scaled(at.weight[e] * k * found.σ[e], n)
+        i, j = at.pairs[e]
+        add_force(ends.mean, types, at.a, i, (False, P), F, out, on)
+        foot = at.kind != ROUND, P
+        add_force(ends.mean, types, at.b, j, foot, scaled(-1.0, F), out, on)
+
+
+@compiled
+def add_forces(
+    ends: Ends,
+    types: Indices,
+    both: Both,
+    k: float,
+    found: tuple[Secants, ...],
+    out: Array,
+    ground: Array,
+) -> tuple[float, float]:
+    """Add the contact forces of the step to the residual, and set their secants.
 
     Args:
         ends: Both ends of the step.
+        types: Types of all nodes.
         both: Contact points at the start, and at the end if these are other material points.
+        k: Stiffness.
+        found: Secants for unit stiffness with the factors of the forces, overwritten.
+        out: Forces and moments about the mean positions of all nodes, global components, (N, 6).
+        ground: Force and moment about the origin on ground, (6,).
+
+    Returns:
+        The energy that is stored at the end, and the work that is stored over the step.
     """
-    if len(both) == 1:
-        return [np.ones(len(both[0].pairs))]
-    found = all_secants(ends, both)
-    (U0, lower_end), (lower_start, U1) = (
-        (float(out.start @ at.weight), float(out.end @ at.weight))
-        for at, out in zip(both, found, strict=True)
-    )
-    by_start, by_end = U0 - lower_start, U1 - lower_end
-    known = by_start + by_end > _KNOWN * (U0 + U1)
-    fraction = min(1.0, max(0.0, by_start / (by_start + by_end))) if known else 0.5
-    means = fraction, 1.0 - fraction
-    works = [
-        mean * at.weight * out.σ * out.change
-        for mean, at, out in zip(means, both, found, strict=True)
-    ]
-    missing = U1 - U0 - sum(float(each.sum()) for each in works)
-    square = sum(float(each @ each) for each in works)
-    most = abs(missing) * max(float(np.abs(each).max(initial=0.0)) for each in works)
-    if abs(missing) <= _KNOWN * (U0 + U1) or most >= _MOST * square:
-        return [np.full(len(each), mean) for mean, each in zip(means, works, strict=True)]
-    part = missing / square
-    return [mean * (1.0 + part * each) for mean, each in zip(means, works, strict=True)]
+    _set_all(ends, both, found)
+    work, last = 0.0, len(both) - 1
+    for n in range(len(both)):
+        _add(ends, types, both[n], k, found[n], out, ground)
+        work += k * _work(both[n], found[n])[0]
+    return k * _energies(both[last], found[last])[1], work
+
+
+@compiled
+def set_secants(ends: Ends, both: Both, found: tuple[Secants, ...]) -> None:
+    """Set the secants of all pairs for unit stiffness, with the factors of the forces."""
+    _set_all(ends, both, found)

@@ -12,12 +12,7 @@ from fem_lie._jit import uncounted
 from fem_lie.contact.laws.energy import EnergyWatch, PenaltyConstants, damping
 from fem_lie.contact.laws.friction import Friction, renumbered
 from fem_lie.contact.laws.law import ContactTerm, Penalty
-from fem_lie.contact.laws.over_steps import (
-    add_secants,
-    all_secants,
-    empty_secants,
-    force_factors,
-)
+from fem_lie.contact.laws.over_steps import add_forces, empty_secants, set_secants
 from fem_lie.contact.laws.tangents import normal_rows, speed_of, tangents
 from fem_lie.contact.sides.kinematics import (
     SLOTS,
@@ -396,16 +391,13 @@ class PenaltyForces(
 
     def add_over_step(self, ends: Ends, out: Array, ground: Array) -> Done:
         """Add the forces of a step whose work is the change of the stored energy."""
-        k, work = self._law.k, 0.0
         both = self._sides.meet_ends(ends.start, ends.end, known=False)
-        for at, factors in zip(both, force_factors(ends, both), strict=True):
-            secants = empty_secants(len(at.pairs))
-            add_secants(ends, self._types, at, k, factors, secants, out, ground)
-            work += float((factors * secants.σ * secants.change) @ at.weight)
-        done = Done(k * float(secants.end @ at.weight), k * work, 0.0)
+        found = tuple(empty_secants(len(at.pairs)) for at in both)
+        given = ends, self._types, both, self._law.k, found
+        done = Done(*add_forces(*given, out, ground), 0.0)
         if self._friction is None:
             return done
-        by_friction = self._friction.add_over_step(ends, at, out, ground)
+        by_friction = self._friction.add_over_step(ends, both[-1], out, ground)
         return Done(*(a + b for a, b in zip(done, by_friction, strict=True)))
 
     def tangent_over_step(self, ends: Ends, H: Array) -> Array:
@@ -414,10 +406,10 @@ class PenaltyForces(
         blocks = np.zeros((len(self._sides.near.blocks[0]), 6, 6))
         # the list of pairs must be the one that the sparsity pattern was made from
         both = self._sides.meet_ends(ends.start, ends.end, known=True)
-        found = zip(both, all_secants(ends, both), force_factors(ends, both), strict=True)
-        for at, secants, factors in found:
-            given = H, still, self._types, at, self._law, False, secants.scaled(factors)
-            tangents(*given, blocks, none)
+        found = tuple(empty_secants(len(at.pairs)) for at in both)
+        set_secants(ends, both, found)
+        for at, secants in zip(both, found, strict=True):
+            tangents(H, still, self._types, at, self._law, False, secants, blocks, none)
             if self._friction is not None:
                 self._friction.add_tangent_over_step(ends, at, H, blocks)
         return blocks

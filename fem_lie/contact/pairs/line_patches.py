@@ -29,8 +29,17 @@ from fem_lie.contact.sides.passage import Passage
 from fem_lie.contact.sides.patch_contacts import Workspace, add_contacts_of, far, workspace_for
 from fem_lie.contact.sides.patches import Patches, is_triangle, nearest_on, set_nets
 from fem_lie.contact.sides.surfaces import Piece
-from fem_lie.contact.sides.table import ContactPoints, Nodes, Samples, Side, empty_side, least
-from fem_lie.contact.sides.two_sides import Stations
+from fem_lie.contact.sides.table import (
+    ROUND,
+    ContactPoints,
+    Nodes,
+    Samples,
+    Side,
+    empty_contacts,
+    empty_side,
+    least,
+)
+from fem_lie.contact.sides.two_sides import Stations, first_of
 
 _STEPS = 4
 """Steps of a segment at whose ends the gap is evaluated; each has integration points of its own,
@@ -247,9 +256,15 @@ class LinePatchSides(PointSides):
         self.radius = least(self._lines.radii, b.radii)
         self._most = GAUSS
 
-    def _space(self, most: int) -> ContactPoints:
-        size = self._most * most + 1
-        return super()._space(size)._replace(a=empty_side(size))
+    def _space(self) -> ContactPoints:
+        most = self._most * len(self.near.now) + 1
+        return empty_contacts(empty_side(most), empty_side(most), ROUND, most)
+
+    def _find(self, H: Array, place: int) -> ContactPoints:
+        while len((found := super()._find(H, place)).pairs) == len(self._room(place).weight):
+            self._most *= 2
+            del self._rooms[place]
+        return found
 
     def _found(
         self, H: Array, workspace: ContactPoints, fixed: Side, keys: Indices
@@ -258,16 +273,12 @@ class LinePatchSides(PointSides):
         set_curves(H, self._lines, False)
         near = self.near.now, self.near.first
         k = set_line_contacts(H, self._lines, self._b, *near, workspace, fixed, keys)
-        if k == len(workspace.weight):
-            self._most *= 2
-            self._room = workspace = self._space(len(self.near.now))
-            return self._found(H, workspace, fixed, keys)
-        return workspace._replace(pairs=workspace.pairs[:k])
+        return first_of(workspace, k)
 
     def stations(self, H: Array) -> Stations:
         """Gauss points of whole segments, which are material points."""
         self.near.update(H)
-        workspace = self._space(len(self.near.now))
+        workspace = self._space()
         size = len(workspace.weight)
         fixed, keys = empty_side(size), np.zeros((size, 2), dtype=np.int64)
         found = self._found(H, workspace, fixed, keys)

@@ -36,13 +36,13 @@ from fem_lie.contact.sides.table import (
     empty_side,
     least,
 )
-from fem_lie.contact.sides.two_sides import Sides, Stations, copied
+from fem_lie.contact.sides.two_sides import ClosestPoints, Stations, first_of
 
 _STILL = 0.5
 """Displacement in a step over the radii below which nothing can pass through a patch."""
 
 
-class PointSides(Sides):
+class PointSides(ClosestPoints):
     """Points of a first side, and the closest points of a second side.
 
     Attributes:
@@ -58,11 +58,11 @@ class PointSides(Sides):
             radii: Radius of each part of the second side, shape (m,).
             left_out: Pairs of a point and a part that never touch, shape (k, 2).
         """
+        super().__init__()
         self.samples, self._middles = samples, middles
         self.near = NearPairs(samples.at, middles, kind=ROUND, same=False, left_out=left_out)
         self.radius = least(samples.at.radii, radii)
         self.on_ground = bool(any((side.owners == GROUND).any() for side in (samples.at, middles)))
-        self._version = -1
 
     @abstractmethod
     def _found(
@@ -70,18 +70,14 @@ class PointSides(Sides):
     ) -> ContactPoints:
         """Contact points at frames; with space for them, those of friction springs, too."""
 
-    def meet(self, H: Array) -> ContactPoints:
-        """Contact points at frames ``H``."""
-        self.near.update(H)
-        return self._meet(H)
+    def _take_pairs(self) -> None:
+        """Do nothing: closest points depend on the list alone."""
 
-    def _meet(self, H: Array) -> ContactPoints:
-        if self.near.version != self._version:
-            self._version = self.near.version
-            self._room = self._space(len(self.near.now))
-        return self._found(H, self._room, empty_side(0), np.zeros((0, 2), dtype=np.int64))
+    def _find(self, H: Array, place: int) -> ContactPoints:
+        return self._found(H, self._room(place), empty_side(0), np.zeros((0, 2), dtype=np.int64))
 
-    def _space(self, most: int) -> ContactPoints:
+    def _space(self) -> ContactPoints:
+        most = len(self.near.now)
         return empty_contacts(self.samples.at, empty_side(most), ROUND, most)
 
     def stations(self, H: Array) -> Stations:
@@ -89,14 +85,8 @@ class PointSides(Sides):
         self.near.update(H)
         most = len(self.near.now)
         fixed, keys = empty_side(most), np.zeros((most, 2), dtype=np.int64)
-        at = self._found(H, self._space(most), fixed, keys)
+        at = self._found(H, self._space(), fixed, keys)
         return Stations(at, keys[: len(at.pairs)], self.samples.fixed, fixed)
-
-    def meet_ends(self, start: Array, end: Array, *, known: bool) -> list[ContactPoints]:
-        """Contact points at the start and at the end of a step."""
-        if not known:
-            self.near.cover(start, end)
-        return [copied(self._meet(H)) for H in (start, end)]
 
     @property
     def near_balls(self) -> Side:
@@ -138,14 +128,13 @@ class CurveSides(PointSides):
         runs = runs_of(self.near.now, self._b.after)
         given = H, self.samples, self._b, runs, self.near.first, beyond
         k = set_nearest_of_lines(*given, workspace, keys)
-        return workspace._replace(pairs=workspace.pairs[:k])
+        return first_of(workspace, k)
 
     def stations(self, H: Array) -> Stations:
         """Points near the lines; the closest points on these are material points."""
         self.near.update(H)
-        most = len(self.near.now)
-        keys = np.zeros((most, 2), dtype=np.int64)
-        at = self._nearest(H, self._space(most), keys, 2.0)
+        keys = np.zeros((len(self.near.now), 2), dtype=np.int64)
+        at = self._nearest(H, self._space(), keys, 2.0)
         keys[:, 1] = self._chains[keys[:, 1]]
         return Stations(at, keys[: len(at.pairs)], self.samples.fixed, at.b)
 
@@ -196,7 +185,7 @@ class PatchSides(PointSides):
         a, _, areas = self.samples
         near = self.near.now, self.near.first
         k = set_patch_contacts(H, a, areas, self._b, *near, workspace, fixed, keys)
-        return workspace._replace(pairs=workspace.pairs[:k])
+        return first_of(workspace, k)
 
     def passed(self, start: Array, end: Array) -> Passage | None:
         """A pair that passed through each other, on straight relative paths."""

@@ -79,14 +79,14 @@ class Sides(ABC):
     def meet(self, H: Array) -> ContactPoints:
         """Contact points at frames ``H``, with an update of the list of pairs."""
 
-    def meet_ends(self, start: Array, end: Array, *, known: bool) -> list[ContactPoints]:
+    def meet_ends(self, start: Array, end: Array, *, known: bool) -> tuple[ContactPoints, ...]:
         """Contact points at the start of a step, and at its end if these are other material points.
 
         ``known``: use the present list of pairs.
         """
         if not known:
             self.near.cover(start, end)
-        return [self._meet(start)]
+        return (self._meet(start),)
 
     def meet_again(self, H: Array) -> ContactPoints:
         """Contact points at frames, for the present list of pairs."""
@@ -195,7 +195,67 @@ class Balls(Sides):
         """Do nothing."""
 
 
-class Lines(Sides):
+NOW, START, END = range(3)
+"""Frames of contact points: those of the last call, and both ends of a step."""
+
+
+class ClosestPoints(Sides):
+    """Sides whose contact points are found anew for each set of frames, as closest points are.
+
+    Those of the start of a step are found once for all of its iterations.
+    """
+
+    def __init__(self) -> None:
+        """Begin without any contact points."""
+        self._version = -1
+        self._rooms: dict[int, ContactPoints] = {}
+        self._known: tuple[Array, ContactPoints] | None = None
+
+    def meet(self, H: Array) -> ContactPoints:
+        """Contact points at frames ``H``."""
+        self.near.update(H)
+        return self._meet(H)
+
+    def meet_ends(self, start: Array, end: Array, *, known: bool) -> tuple[ContactPoints, ...]:
+        """Contact points at both ends of a step, which are valid until the next call."""
+        if not known:
+            self.near.cover(start, end)
+        self._follow()
+        if self._known is None or not np.array_equal(start, self._known[0]):
+            self._known = start.copy(), self._find(start, START)
+        return self._known[1], self._find(end, END)
+
+    def _meet(self, H: Array) -> ContactPoints:
+        self._follow()
+        return self._find(H, NOW)
+
+    def _follow(self) -> None:
+        """Follow the list of near pairs."""
+        if self.near.version != self._version:
+            self._version, self._known = self.near.version, None
+            self._rooms.clear()
+            self._take_pairs()
+
+    def _room(self, place: int) -> ContactPoints:
+        """Space for the contact points at given frames."""
+        if place not in self._rooms:
+            self._rooms[place] = self._space()
+        return self._rooms[place]
+
+    @abstractmethod
+    def _take_pairs(self) -> None:
+        """Take the present list of near pairs."""
+
+    @abstractmethod
+    def _space(self) -> ContactPoints:
+        """Space for the contact points between near pairs."""
+
+    @abstractmethod
+    def _find(self, H: Array, place: int) -> ContactPoints:
+        """Contact points at frames ``H``, in the space of ``place``."""
+
+
+class Lines(ClosestPoints):
     """A line, and another line or planes near it."""
 
     def __init__(
@@ -216,6 +276,7 @@ class Lines(Sides):
             nodes: Gives the numbers of the nodes of a body in the scene.
             left_out: For a line that touches itself: pairs of segments that do not touch, (k, 2).
         """
+        super().__init__()
         self._a, self._b = strands_of(a, nodes), strands_of(b, nodes)
         middles = middles_of(a, self._a), middles_of(b, self._b) if planes is None else planes
         self._planes, self._kind = middles[1], ROUND if planes is None else PLANE
@@ -226,30 +287,36 @@ class Lines(Sides):
         self.radius = least(self._a.radii, self._b.radii)
         self.on_ground = bool(any((side.owners == GROUND).any() for side in middles))
         self._chains = lines_of(self._b) if b else None
-        self._version, self._parts = -1, intervals()
+        self._parts = intervals()
         self._frozen = self._stretches
 
     def meet(self, H: Array) -> ContactPoints:
-        """Contact points at frames ``H``."""
+        """Contact points at frames ``H``, with the stretches there."""
         self.near.update(H)
-        return self._meet(H, stretched=True)
+        self._follow()
+        return self._find(H, NOW, stretched=True)
 
-    def _meet(self, H: Array, *, stretched: bool = False) -> ContactPoints:
-        if self.near.version != self._version:
-            self._version = self.near.version
-            after = self._b.after if self._kind == ROUND else None
-            self._runs = runs_of(self.near.now, after)
-            # two intervals of a segment for each run of opposite segments, or for a plane, since
-            # most runs have none and few have more
-            self._room = self._space(2 * GAUSS * len(self._runs) + GAUSS)
+    def _take_pairs(self) -> None:
+        after = self._b.after if self._kind == ROUND else None
+        self._runs = runs_of(self.near.now, after)
+        # two intervals of a segment for each run of opposite segments, or for a plane, since most
+        # runs have none and few have more
+        self._most = 2 * GAUSS * len(self._runs) + GAUSS
+
+    def _find(self, H: Array, place: int, *, stretched: bool = False) -> ContactPoints:
         set_curves(H, self._a, stretched)
         set_curves(H, self._b, stretched)
         given = H, self._a, self._b, self._planes, self._runs, self.near.first
-        while (k := set_points(*given, self._parts, self._room)) == len(self._room.weight):
-            self._room = self._space(2 * k)
-        return self._room._replace(pairs=self._room.pairs[:k])
+        room = self._room(place)
+        while (k := set_points(*given, self._parts, room)) == len(room.weight):
+            self._most = 2 * k
+            self._rooms[place] = room = self._space()
+        return first_of(room, k)
 
-    def _space(self, most: int) -> ContactPoints:
+    def _space(self) -> ContactPoints:
+        return self._points(self._most)
+
+    def _points(self, most: int) -> ContactPoints:
         b = empty_side(most) if self._kind == ROUND else self._planes
         return empty_contacts(empty_side(most), b, self._kind, most)
 
@@ -277,7 +344,7 @@ class Lines(Sides):
         """Gauss points of whole elements, which are material points."""
         self.meet(H)
         most = GAUSS * len(self._runs)
-        workspace = self._space(most)
+        workspace = self._points(most)
         keys = np.zeros((most, 2), dtype=np.int64)
         given = H, self._a, self._b, self._planes, self._runs, self.near.first
         k = set_stations(*given, workspace, keys)
@@ -287,19 +354,17 @@ class Lines(Sides):
             workspace._replace(pairs=workspace.pairs[:k]), keys[:k], workspace.a, workspace.b
         )
 
-    def meet_ends(self, start: Array, end: Array, *, known: bool) -> list[ContactPoints]:
+    def meet_ends(self, start: Array, end: Array, *, known: bool) -> tuple[ContactPoints, ...]:
         """Contact points at both ends of a step, with the kept stretches."""
-        kept, found = self._stretches, []
+        stretches = self._stretches
         self._stretch(self._frozen)
-        if not known:
-            self.near.cover(start, end)
-        found += [copied(self._meet(H)) for H in (start, end)]
-        self._stretch(kept)
+        found = super().meet_ends(start, end, known=known)
+        self._stretch(stretches)
         return found
 
     def keep_stretches(self) -> None:
         """Keep the stretches of the last contact points for the forces of steps."""
-        self._frozen = self._stretches
+        self._frozen, self._known = self._stretches, None
 
     def take_kept_stretches(self) -> None:
         """Take the stretches that were kept, from which others are updated."""
@@ -322,17 +387,20 @@ class Lines(Sides):
         """Restore the state :attr:`pair_positions`."""
         n = len(pair_positions) - len(self._frozen)
         self._stretch(pair_positions[n:, 0])
-        self._frozen = pair_positions[n:, 1].copy()
+        self._frozen, self._known = pair_positions[n:, 1].copy(), None
         self.near.restore_pairs(pair_positions[:n])
+
+
+def first_of(room: ContactPoints, count: int) -> ContactPoints:
+    """The first contact points of a space for more."""
+    return room._replace(pairs=room.pairs[:count], weight=room.weight[:count])
 
 
 def copied(at: ContactPoints) -> ContactPoints:
     """A copy of contact points, which stays valid when others are computed."""
     a, b = _copied_side(at.a), _copied_side(at.b) if at.kind == ROUND else at.b
     slides = Sliding(*(array.copy() for array in at.sliding))
-    return ContactPoints(
-        a, b, at.kind, at.pairs.copy(), at.weight[: len(at.pairs)].copy(), at.first.copy(), slides
-    )
+    return ContactPoints(a, b, at.kind, at.pairs.copy(), at.weight.copy(), at.first.copy(), slides)
 
 
 def _copied_side(side: Side) -> Side:
