@@ -9,12 +9,14 @@ import gc
 import inspect
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from copy import copy
 from typing import Any
 
 from mpi4py import MPI
 from petsc4py import PETSc
 
 import basix.ufl
+import cffi
 import dolfinx
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +27,8 @@ from dolfinx.fem.forms import form_cpp_class
 from dolfinx.mesh import GhostMode
 from ffcx.ir.analysis.valuenumbering import ValueNumberer
 from ufl.core.expr import Expr
+
+from fem_lie._form_structure import Structure
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 # 0.9 has no option for more than two cells at a facet: a branching mesh is cut there in parallel.
@@ -56,29 +60,62 @@ def custom_form(
     return fem.Form(form_cpp_class(np.float64)(*arguments))
 
 
-def form_with_library(form: ufl.Form, ufcx_form: Any, module: Any, code: Any) -> fem.Form:
+def form_with_library(
+    form: ufl.Form, of_form: Structure, ufcx_form: Any, module: Any, code: Any
+) -> fem.Form:
     """A form over whole meshes whose library FFCx has compiled and Python has loaded before.
 
     Args:
         form: The form; its integrals have no subdomain data.
+        of_form: Its functions.
         ufcx_form: FFCx's form in the library.
         module: The library.
         code: Its source.
     """
-    given = form.coefficients()
-    count = ufcx_form.num_coefficients
-    positions = [ufcx_form.original_coefficient_positions[i] for i in range(count)]
     address = int(module.ffi.cast("uintptr_t", module.ffi.addressof(ufcx_form)))
+    given = coefficients_of(ufcx_form, of_form.coefficients)
     arguments: list[Any] = [
         [address] if VERSION >= (0, 10) else address,  # always a list when 0.9 goes
-        [each.ufl_function_space()._cpp_object for each in form.arguments()],
-        [given[i]._cpp_object for i in positions],
-        [each._cpp_object for each in form.constants()],
+        [each.ufl_function_space()._cpp_object for each in of_form.arguments],
+        [each._cpp_object for each in given],
+        [each._cpp_object for each in of_form.constants],
         {getattr(IntegralType, each.integral_type()): [] for each in form.integrals()},
         [] if VERSION >= (0, 10) else {},  # maps to other meshes; always a list when 0.9 goes
-        form.ufl_domain().ufl_cargo(),
+        form.integrals()[0].ufl_domain().ufl_cargo(),
     ]
     return fem.Form(form_cpp_class(np.float64)(*arguments), ufcx_form, code, module)
+
+
+def coefficients_of(made: Any, given: Sequence[Any]) -> list[Any]:
+    """Which of the given functions FFCx's form or expression reads, in its order."""
+    return [given[made.original_coefficient_positions[i]] for i in range(made.num_coefficients)]
+
+
+def expression_alone(made: fem.Expression) -> fem.Expression:
+    """A compiled expression without its functions and its mesh, for :func:`expression_of`."""
+    found = copy(made)
+    found._cpp_object = found._ufl_expression = None
+    return found
+
+
+def expression_of(
+    made: fem.Expression, coefficients: Sequence[fem.Function], constants: Sequence[fem.Constant]
+) -> fem.Expression:
+    """A compiled expression without arguments, of these functions and constants.
+
+    Args:
+        made: Made by :func:`expression_alone`.
+        coefficients: Functions in the order of FFCx's expression.
+        constants: Constants in its order.
+    """
+    found, of_c = copy(made), cffi.FFI()
+    found._cpp_object = dolfinx.cpp.fem.create_expression_float64(
+        int(of_c.cast("uintptr_t", of_c.addressof(made.ufcx_expression))),
+        [each._cpp_object for each in coefficients],
+        [each._cpp_object for each in constants],
+        None,
+    )
+    return found
 
 
 def integration_entities(form: fem.Form, kind: IntegralType) -> npt.NDArray[np.int32]:

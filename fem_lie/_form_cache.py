@@ -14,7 +14,7 @@ import logging
 import re
 import shutil
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager, nullcontext
 from functools import cache
 from pathlib import Path
@@ -27,7 +27,7 @@ import numpy as np
 import numpy.typing as npt
 import ufl
 from dolfinx import fem
-from ufl.algorithms.analysis import has_type
+from ufl.algorithms.analysis import extract_coefficients, extract_constants, has_type
 from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
 from ufl.algorithms.apply_derivatives import apply_derivatives
 from ufl.classes import Variable
@@ -37,6 +37,7 @@ from ufl.corealg.multifunction import MultiFunction
 from ufl.domain import extract_unique_domain
 
 from fem_lie import _compat
+from fem_lie._form_structure import Structure, structure_of_expression, structure_of_form
 from fem_lie._jit import shipped
 
 _log = logging.getLogger(__name__)
@@ -48,12 +49,20 @@ _DEPTH = 20_000  # calls: UFL 2025 and later call themselves five times for each
 Compiled = TypeVar("Compiled")
 
 
-_loaded: dict[str, tuple[Any, Any, Any]] = {}
-"""FFCx's form, library and source of forms by their signatures, loaded by this process alone."""
+_loaded: dict[Hashable, tuple[Any, Any, Any]] = {}
+"""FFCx's form, library and source of forms by their structures, loaded by this process alone."""
+
+_expressions: dict[Hashable, tuple[fem.Expression, list[int], list[int]]] = {}
+"""Likewise expressions without functions, and which functions and constants they have."""
 
 
 def compile_form(form: ufl.Form) -> fem.Form:
-    """A form that FFCx has compiled, for assembly over its mesh.
+    """A form that FFCx has compiled, for assembly over its mesh; see :func:`compiled`."""
+    return compiled(form)[0]
+
+
+def compiled(form: ufl.Form) -> tuple[fem.Form, Structure]:
+    """A form that FFCx has compiled, for assembly over its mesh, and its functions.
 
     FFCx looks through its whole cache folder for each form; one whose library this process has
     loaded takes it from there. Several processes ask FFCx together each time, as not all of them
@@ -62,16 +71,15 @@ def compile_form(form: ufl.Form) -> fem.Form:
     Raises:
         RuntimeError: FFCx or the C compiler cannot compile it.
     """
-    comm = form.ufl_domains()[0].ufl_cargo().comm
+    structure = structure_of_form(form)
+    comm = form.integrals()[0].ufl_domain().ufl_cargo().comm
     whole = all(integral.subdomain_data() is None for integral in form.integrals())
-    if comm.size > 1 or not whole:
-        return wait_for_others(comm, lambda options: fem.form(form, jit_options=options))
-    signature = form.signature()
-    if (known := _loaded.get(signature)) is not None:
-        return _compat.form_with_library(form, *known)
+    if comm.size == 1 and whole and (known := _loaded.get(structure.key)) is not None:
+        return _compat.form_with_library(form, structure, *known), structure
     made = wait_for_others(comm, lambda options: fem.form(form, jit_options=options))
-    _loaded[signature] = made.ufcx_form, made.module, made.code
-    return made
+    if comm.size == 1 and whole:
+        _loaded[structure.key] = made.ufcx_form, made.module, made.code
+    return made, structure
 
 
 class _WithoutVariables(MultiFunction):
@@ -89,13 +97,23 @@ def compile_expression(value: Expr, points: npt.ArrayLike) -> fem.Expression:
     FFCx names compiled expressions by the count of each ``ufl.variable``, so derivatives with
     respect to one are expanded first.
     """
+    at = np.asarray(points, dtype=np.float64)
+    structure = structure_of_expression(value, (at.shape, at.tobytes()))
+    comm = extract_unique_domain(value).ufl_cargo().comm
+    if comm.size == 1 and (known := _expressions.get(structure.key)) is not None:
+        made, functions, constants = known
+        given = [structure.coefficients[i] for i in functions]
+        return _compat.expression_of(made, given, [structure.constants[i] for i in constants])
     if has_type(value, Variable):
         lowered = apply_derivatives(apply_algebra_lowering(value))
         value = map_expr_dag(_WithoutVariables(), lowered)
-    mesh = extract_unique_domain(value).ufl_cargo()
-    return wait_for_others(
-        mesh.comm, lambda options: fem.Expression(value, np.asarray(points), jit_options=options)
-    )
+    made = wait_for_others(comm, lambda options: fem.Expression(value, at, jit_options=options))
+    if comm.size == 1 and not structure.arguments:
+        used = _compat.coefficients_of(made.ufcx_expression, extract_coefficients(value))
+        functions = [structure.coefficients.index(each) for each in used]
+        constants = [structure.constants.index(each) for each in extract_constants(value)]
+        _expressions[structure.key] = _compat.expression_alone(made), functions, constants
+    return made
 
 
 def wait_for_others(comm: MPI.Comm, compile_with: Callable[[dict[str, Any]], Compiled]) -> Compiled:

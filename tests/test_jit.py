@@ -17,10 +17,10 @@ import numba
 import numpy as np
 import pytest
 import ufl
-from dolfinx import fem
+from dolfinx import fem, mesh
 
 import fem_lie._jit
-from fem_lie._form_cache import compile_form
+from fem_lie._form_cache import compile_expression, compile_form
 from fem_lie._jit import shipped
 from fem_lie._jit.checked_files import CheckedFiles, read_checked, unpickled, write_checked
 from fem_lie._jit.garbage import seldom_collected
@@ -516,3 +516,135 @@ def test_signatures_of_functions_that_are_gone_leave_the_index(tmp_path, others)
     files = CheckedFiles(str(tmp_path), "function", 1)
     files._save_index({_Vanished(): "gone", **others, "new": "b"})
     assert files._load_index() == {**others, "new": "b"}
+
+
+# --- forms that take code which was compiled for others ---
+
+
+def two_functions(domain, rng, swapped, degrees=(1, 2)):
+    """Two functions with random values, the second of which may have been made first."""
+    found = {}
+    for degree in degrees[::-1] if swapped else degrees:
+        f = found[degree] = fem.Function(fem.functionspace(domain, ("P", degree)))
+        f.x.array[:] = rng.standard_normal(len(f.x.array))
+    return [found[degree] for degree in degrees]
+
+
+def constants(domain, swapped):
+    values = (0.3, 1.7)
+    found = {v: fem.Constant(domain, v) for v in (values[::-1] if swapped else values)}
+    return [found[v] for v in values]
+
+
+def formula(domain, f, g, a, b):
+    """With free indices, a literal, a variable and a position."""
+    x, (i, j) = ufl.SpatialCoordinate(domain), ufl.indices(2)
+    u = ufl.variable(f)
+    change = ufl.diff(u**3 + ufl.sin(u) * g, u)
+    H = ufl.outer(ufl.grad(f), ufl.grad(g))
+    return a * change + b * 0.25 * H[i, j] * H[j, i] + f * x[0] / (2.0 + g * g)
+
+
+MESHES = {
+    "interval": lambda n: mesh.create_interval(MPI.COMM_SELF, n, [0.0, 1.0]),
+    "triangle": lambda n: mesh.create_unit_square(MPI.COMM_SELF, n, n),
+    "quadrilateral": lambda n: mesh.create_unit_square(
+        MPI.COMM_SELF, n, n, mesh.CellType.quadrilateral
+    ),
+}
+
+
+@pytest.mark.parametrize("cell", MESHES)
+def test_equal_formulas_have_the_values_of_their_own_functions(cell, rng):
+    """However many meshes there are, and in whatever order functions and constants were made."""
+    for n in (2, 3):
+        for swapped in (False, True):
+            for swapped_constants in (False, True):
+                domain = MESHES[cell](n)
+                f, g = two_functions(domain, rng, swapped)
+                value = formula(domain, f, g, *constants(domain, swapped_constants))
+                energy = value * ufl.dx(degree=4)
+                for form in (energy, ufl.derivative(energy, f), ufl.derivative(energy, g)):
+                    found, wanted = compile_form(form), fem.form(form)
+                    if form is energy:
+                        pair = [fem.assemble_scalar(each) for each in (found, wanted)]
+                    else:
+                        pair = [fem.assemble_vector(each).array for each in (found, wanted)]
+                    np.testing.assert_array_equal(*pair)
+
+
+@pytest.mark.parametrize("cell", MESHES)
+def test_equal_expressions_have_the_values_of_their_own_functions(cell, rng):
+    for n in (2, 3):
+        for swapped in (False, True):
+            domain = MESHES[cell](n)
+            f, g = two_functions(domain, rng, swapped)
+            value = formula(domain, f, g, *constants(domain, swapped))
+            dim = domain.topology.dim
+            points = np.full((2, dim), 0.2) + np.array([[0.0], [0.3]])
+            cells = np.arange(domain.topology.index_map(dim).size_local, dtype=np.int32)
+            found = compile_expression(value, points).eval(domain, cells)
+            # FFCx has no derivatives with respect to variables in expressions
+            plain = formula(domain, f, g, *constants(domain, swapped))
+            plain = ufl.algorithms.apply_derivatives.apply_derivatives(
+                ufl.algorithms.apply_algebra_lowering.apply_algebra_lowering(plain)
+            )
+            wanted = fem.Expression(plain, points).eval(domain, cells)
+            np.testing.assert_allclose(found, wanted, rtol=1e-13, atol=1e-13)
+
+
+def other_forms(domain, V):
+    """Forms that differ from each other in one respect."""
+    f, v = fem.Function(V, name="f"), ufl.TestFunction(V)
+    f.x.array[:] = np.linspace(0.1, 0.9, len(f.x.array))
+    x = ufl.SpatialCoordinate(domain)
+    yield f * f * v * ufl.dx(degree=2)
+    yield f * f * v * ufl.dx(degree=4)
+    yield 2 * f * f * v * ufl.dx(degree=2)
+    yield 2.5 * f * f * v * ufl.dx(degree=2)
+    yield f * v * ufl.dx(degree=2)
+    yield f * f * v * ufl.ds(degree=2)
+    yield f * x[0] * v * ufl.dx(degree=2)
+    yield f * x[1] * v * ufl.dx(degree=2)
+    yield f.dx(0) * v * ufl.dx(degree=2)
+    yield f.dx(1) * v * ufl.dx(degree=2)
+    yield ufl.sin(f) * v * ufl.dx(degree=2)
+    yield ufl.cos(f) * v * ufl.dx(degree=2)
+    yield f * ufl.CellVolume(domain) * v * ufl.dx(degree=2)
+    yield f * ufl.Circumradius(domain) * v * ufl.dx(degree=2)
+
+
+def test_other_formulas_have_values_of_their_own():
+    """Also on other elements, and with constants of another shape."""
+    seen = []
+    for degree in (1, 2):
+        domain = MESHES["triangle"](2)
+        V = fem.functionspace(domain, ("P", degree))
+        for form in other_forms(domain, V):
+            found = fem.assemble_vector(compile_form(form)).array
+            np.testing.assert_array_equal(found, fem.assemble_vector(fem.form(form)).array)
+            seen.append(tuple(found))
+    assert len(set(seen)) == len(seen)
+    for shape in ((2,), (3,)):
+        c = fem.Constant(domain, np.arange(1.0, 1.0 + shape[0]))
+        form = ufl.inner(c, c) * ufl.dx(domain)
+        assert fem.assemble_scalar(compile_form(form)) == pytest.approx(c.value @ c.value)
+
+
+def test_code_is_asked_of_ffcx_once(monkeypatch):
+    """The second of two equal forms, on another mesh, does not call FFCx."""
+    made = []
+    original = dolfinx.jit.ffcx_jit
+
+    def counted(*args, **kwargs):
+        made.append(args)
+        return original(*args, **kwargs)
+
+    monkeypatch.setattr(dolfinx.jit, "ffcx_jit", counted)
+    counts = []
+    for n in (2, 3):
+        f = fem.Function(fem.functionspace(MESHES["interval"](n), ("P", 2)))
+        compile_form(ufl.exp(f) * 1.2345 * ufl.dx(degree=3))
+        compile_expression(ufl.exp(f) * 2.3456, np.array([[0.1]]))
+        counts.append(len(made))
+    assert counts == [2, 2]

@@ -13,7 +13,7 @@ from dolfinx.fem import IntegralType
 
 from fem_lie import _compat
 from fem_lie._arrays import Array, Indices
-from fem_lie._form_cache import compile_form
+from fem_lie._form_cache import compiled
 from fem_lie.forms.kernels import in_local_frames as kernels
 from fem_lie.forms.kernels.addresses import FrameMap
 
@@ -82,7 +82,7 @@ class CompiledForm:
                 "which fl.FrameProblem adds"
             )
         self.kind = KINDS[names.pop()]
-        self._form = compile_form(form)
+        self._form, of_form = compiled(form)
         data = self._form.ufcx_form
         count = data.form_integral_offsets[len(KINDS)] - data.form_integral_offsets[0]
         # dx((1, 2)) has one function for both subdomains
@@ -96,10 +96,8 @@ class CompiledForm:
                 "energy of each subdomain, dx(1) and dx(2), which fl.FrameProblem adds, or use one "
                 "dx and DG0 coefficients"
             )
-        given = form.coefficients()
-        positions = [data.original_coefficient_positions[i] for i in range(data.num_coefficients)]
-        self.coefficients = [given[i] for i in positions]
-        self.constants = list(form.constants())
+        self.coefficients = _compat.coefficients_of(data, of_form.coefficients)
+        self.constants = of_form.constants
         self.signature = self._form.module.ffi.string(data.signature).decode()
         self.address = max(addresses, default=0)
         self.entities = _compat.integration_entities(self._form, self.kind)
