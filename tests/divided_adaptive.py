@@ -1,4 +1,4 @@
-"""Steps of chosen sizes of divided scenes: ``mpirun -n 2 divided_adaptive.py OUT FOLDER``."""
+"""Steps of chosen sizes of divided scenes: ``mpirun -n 2 divided_adaptive.py OUT FOLDER RUN…``."""
 
 import shutil
 import sys
@@ -80,10 +80,11 @@ def numbers(found, points):
     }
 
 
-def runs(folder):
-    """Results of all runs, from files and some in memory, and resumed from a checkpoint."""
+def runs(folder, names=tuple(RUNS)):
+    """Results of runs, from files and some in memory, and resumed from a checkpoint."""
     found = {}
-    for name, (build, scheme, step) in RUNS.items():
+    for name in names:
+        build, scheme, step = RUNS[name]
         scene, points = build()
         given = {"duration": DURATION, "step": step, "progress": False}
         if name.startswith("jump"):
@@ -111,7 +112,7 @@ def killed(file):
 if __name__ == "__main__":
     divided_scenes.divide()
     with divided_conserving.log_of_division() as said:
-        found = runs(Path(sys.argv[2]))
+        found = runs(Path(sys.argv[2]), sys.argv[3:])
     found["divided"] = np.array(all(" are shared" in message for message in said))
     if MPI.COMM_WORLD.rank == 0:
         np.savez(sys.argv[1], **found)

@@ -1,4 +1,4 @@
-"""Conserving steps of scenes divided among ranks: ``mpirun -n 2 divided_conserving.py OUT``."""
+"""Conserving steps of divided scenes: ``mpirun -n 2 divided_conserving.py OUT SCENE…``."""
 
 import logging
 import sys
@@ -83,10 +83,11 @@ def motion(build, scheme):
     }
 
 
-def results():
-    """All results by the names of their scenes and quantities."""
+def results(names=tuple(SCENES)):
+    """Results of scenes by their names and quantities."""
     found = {}
-    for name, build in SCENES.items():
+    for name in names:
+        build = SCENES[name]
         schemes = SCHEMES | (WITH_SECANTS if name == "net" else {})
         for way, scheme in schemes.items():
             values = motion(build, scheme)
@@ -111,7 +112,7 @@ def log_of_division():
 if __name__ == "__main__":
     divided_scenes.divide()
     with log_of_division() as said:
-        found = results()
+        found = results(sys.argv[2:])
     found["divided"] = np.array(all(" are shared" in message for message in said))
     if MPI.COMM_WORLD.rank == 0:
         np.savez(sys.argv[1], **found)

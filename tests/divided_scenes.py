@@ -647,36 +647,48 @@ def fast(scene):
     return fl.GeneralisedAlpha().run(scene, duration=0.02, step=2e-3, progress=False)
 
 
-def results():
-    """All results by the names of their scenes and quantities."""
+def refusals():
+    """Whether scenes are refused, and loads that fail on one rank end all of them."""
     found = {}
     for name, (build, reason) in REFUSED.items():
         found[f"{name} is refused"] = is_refused(fl.statics, build, reason)
     found["a load fails on all ranks"] = fails_on_all()
     found["fast balls are refused"] = is_refused(fast, passing_balls, "passed through the other")
-    for name, build in REST.items():
-        found |= {f"{name} at rest, {what}": value for what, value in statics(build).items()}
-    for name, build in MOTIONS.items():
-        found |= {f"{name} in motion, {what}": value for what, value in motion(build).items()}
-    for name, given in VIBRATIONS.items():
-        values = vibrations(*given)
-        found |= {f"{name}, vibrations, {what}": value for what, value in values.items()}
-    for name, build in BUCKLING.items():
-        values = buckling(build)
-        found |= {f"{name}, buckling, {what}": value for what, value in values.items()}
-    for name, given in PATHS.items():
-        values = path(*given)
-        found |= {f"{name}, path, {what}": value for what, value in values.items()}
-    for name, build in EXPLICIT.items():
-        values = explicit(build)
-        found |= {f"{name} in explicit motion, {what}": value for what, value in values.items()}
     return found
+
+
+def of_each(scenes, of, way):
+    """Results of scenes by their names and quantities; ``of`` takes what a scene is built from."""
+    return {
+        f"{name}{way}, {what}": value
+        for name, given in scenes.items()
+        for what, value in of(*(given if isinstance(given, tuple) else (given,))).items()
+    }
+
+
+PARTS = {
+    "refusals": refusals,
+    "rest": lambda: of_each(REST, statics, " at rest"),
+    "motions": lambda: of_each(MOTIONS, motion, " in motion"),
+    "explicit": lambda: of_each(EXPLICIT, explicit, " in explicit motion"),
+    "vibrations": lambda: of_each(VIBRATIONS, vibrations, ", vibrations"),
+    "buckling": lambda: of_each(BUCKLING, buckling, ", buckling"),
+    "paths": lambda: of_each(PATHS, path, ", path"),
+}
+"""Results of one kind of analysis, by its name."""
+
+
+def results(parts=tuple(PARTS)):
+    """Results of some kinds of analyses, by those, scene and quantity."""
+    return {f"{part}: {name}": value for part in parts for name, value in PARTS[part]().items()}
 
 
 if __name__ == "__main__":
     divide()
-    found = results()
-    followed = fl.follow_path(strut()[0], until=PATHS["strut"][1], options=LOCATED)
-    followed.save(f"{sys.argv[1]}.path")
+    out, *parts = sys.argv[1:]
+    found = results(parts)
+    if "paths" in parts:
+        followed = fl.follow_path(strut()[0], until=PATHS["strut"][1], options=LOCATED)
+        followed.save(f"{out}.path")
     if MPI.COMM_WORLD.rank == 0:
-        np.savez(sys.argv[1], **found)
+        np.savez(out, **found)

@@ -1,4 +1,4 @@
-"""Files of divided scenes: ``mpirun -n N parallel_files.py OUT run|resume FOLDER``."""
+"""Files of divided scenes: ``mpirun -n N parallel_files.py OUT run|resume FOLDER [CASE…]``."""
 
 import sys
 from pathlib import Path
@@ -67,11 +67,12 @@ def run(folder):
     }
 
 
-def resume(folder):
-    """The same from the last checkpoints."""
+def resume(folder, names=()):
+    """The same, or some of them, from the last checkpoints."""
     return {
         name: scheme.resume(scene, folder / f"{name}.h5", progress=False)
         for name, scheme, scene, _ in cases()
+        if not names or name in names
     }
 
 
@@ -94,7 +95,7 @@ def numbers(results):
 
 if __name__ == "__main__":
     divided_scenes.divide()
-    out, what, folder = sys.argv[1:]
-    found = {"run": run, "resume": resume}[what](Path(folder))
+    out, what, folder, *names = sys.argv[1:]
+    found = run(Path(folder)) if what == "run" else resume(Path(folder), names)
     if MPI.COMM_WORLD.rank == 0:
         np.savez(out, **numbers(found))
