@@ -66,7 +66,7 @@ def test_a_sweep_gives_to_the_last_bit_what_new_scenes_give(solution):
     solve = SOLUTIONS[solution]
     base, two, _ = beams()
     swept = [solve(base.with_loads(*loads(two, k))) for k in (0.1, 1.0, 0.2)]
-    assert base.family.setup.made == 1
+    assert base.family.setup.made <= 2, "one more while the equations of the run before live"
     for k, result in zip((0.1, 1.0, 0.2), swept, strict=True):
         scene, two, _ = beams()
         for load in loads(two, k):
@@ -116,7 +116,7 @@ def test_a_moment_makes_a_shell_drill_in_its_own_scene_only():
     pushed = base.with_loads(fl.PointLoad(plate.point(-1), (0, 0, 1e-3)))
     assert turned.has_drilling(plate) and not pushed.has_drilling(plate)
     results = [fl.statics(scene) for scene in (turned, pushed, turned)]
-    assert base.family.setup.made == 3
+    assert base.family.setup.made == 2
     same(results[2], results[0])
     scene, own = shells()
     scene.add(fl.PointLoad(own.point(-1), (0, 0, 1e-3)))

@@ -6,8 +6,8 @@ master node, a force on it is ``Ad⁻ᵀ(C)`` times the force on the master node
 d₂, d₃)`` is a constant linear function of that of the master node. Nothing is linearised.
 
 Scenes that differ in loads and drives only share the numbering of nodes, the assembled forms of all
-elements and their inertia, which do not depend on loads. The family of scenes stores them; one set
-of equations after the other uses them, and resets them to their initial state.
+elements and their inertia, which do not depend on loads. The family of scenes stores two setups;
+one set of equations after the other uses each, and resets it to its initial state.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from __future__ import annotations
 import weakref
 from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -397,8 +398,50 @@ def numbering_for(scene: Scene, user: object) -> Numbering:
     return found.numbering(scene, user)
 
 
+_USERS = 2
+"""Setups that a family keeps: an analysis finds an equilibrium, and uses the scene at it."""
+
+
+@dataclass
+class _Setup:
+    """A setup and its user.
+
+    Attributes:
+        assembled: Assembled forms.
+        forms: Mark of all on which they depend.
+        numbering: Numbering with these forms.
+        motion: Mark of all on which it depends.
+        stresses: Independent stresses at the start.
+        user: Who has reserved it.
+    """
+
+    assembled: Assembled
+    forms: bytes
+    numbering: Numbering
+    motion: bytes
+    stresses: list[Array]
+    user: weakref.ref[Any]
+
+    @classmethod
+    def of(cls, scene: Scene, marks: tuple[bytes, bytes], user: object) -> _Setup:
+        """A new setup."""
+        found = _assembled(scene)
+        stresses = [each.stress_values for _, each in found.assemblies]
+        forms, motion = marks
+        return cls(found, forms, numbered(scene, found), motion, stresses, weakref.ref(user))
+
+    def taken(self, scene: Scene, motion: bytes, user: object) -> Numbering:
+        """The numbering at the start, reserved for ``user``."""
+        for (_, each), values in zip(self.assembled.assemblies, self.stresses, strict=True):
+            each.reset(values)
+        if motion != self.motion:
+            self.numbering, self.motion = numbered(scene, self.assembled), motion
+        self.user = weakref.ref(user)
+        return self.numbering
+
+
 class SharedSetup:
-    """Setup shared by the scenes of a family, one user at a time.
+    """Setups shared by the scenes of a family, each by one user at a time.
 
     Attributes:
         made: Number of times that forms were assembled.
@@ -407,32 +450,26 @@ class SharedSetup:
     def __init__(self) -> None:
         """Start without a setup."""
         self.made = 0
-        self._assembled: Assembled | None = None
-        self._numbering: Numbering | None = None
-        self._stresses: list[Array] = []
-        self._forms = self._motion = b""
-        self._user: weakref.ref[Any] | None = None
+        self._setups: list[_Setup] = []
 
     def numbering(self, scene: Scene, user: object) -> Numbering:
         """Numbering of a scene of the family, reserved for ``user`` as long as it lives.
 
         It is rebuilt if links, attached nodes or the start have changed, forms are assembled anew
-        if bodies have, and both for a second user while the first lives.
+        if bodies have, and both for a third user while two others live.
         """
-        if self._user is not None and self._user() is not None:
-            return numbered(scene)
-        forms, motion = _marks(scene)
-        if self._assembled is None or forms != self._forms:
-            self._assembled, self._numbering, self._forms = _assembled(scene), None, forms
-            self._stresses = [each.stress_values for _, each in self._assembled.assemblies]
-            self.made += 1
-        else:
-            for (_, each), values in zip(self._assembled.assemblies, self._stresses, strict=True):
-                each.reset(values)
-        if self._numbering is None or motion != self._motion:
-            self._numbering, self._motion = numbered(scene, self._assembled), motion
-        self._user = weakref.ref(user)
-        return self._numbering
+        forms, motion = marks = _marks(scene)
+        free = [each for each in self._setups if each.user() is None]
+        for each in free:
+            if each.forms == forms:
+                return each.taken(scene, motion, user)
+        if len(self._setups) == _USERS:
+            if not free:
+                return numbered(scene)
+            self._setups.remove(free[0])
+        self.made += 1
+        self._setups.append(_Setup.of(scene, marks, user))
+        return self._setups[-1].numbering
 
 
 def _assembled(scene: Scene) -> Assembled:
