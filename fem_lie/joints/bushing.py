@@ -27,8 +27,9 @@ class Bushing(Connection):
 
     :class:`~fem_lie.GeneralisedAlpha`, :class:`~fem_lie.schemes.Variational` and statics take
     bushings, :class:`~fem_lie.Explicit` those without damping; other schemes refuse them. The
-    relative rotation must stay below half a turn. Results report force and moment on ``a`` in the
-    axes of frame A.
+    relative rotation must stay below half a turn; as the bearing of a rotor, it carries a light
+    body to which a :class:`Revolute` joins the rotor. Results report force and moment on ``a`` in
+    the axes of frame A.
 
     Attributes:
         a: A point of a body, or :func:`~fem_lie.bodies.points.ground`.

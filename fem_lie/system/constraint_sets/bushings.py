@@ -141,7 +141,8 @@ class Bushings(ConstraintSet):
         if angles[k] > _LARGEST:
             raise LostBranchError(
                 f"{self._labels[k]} is rotated by {angles[k]:.3g} rad; a rotation vector is unique "
-                f"up to half a turn, expected less than {_LARGEST:.3g} rad"
+                f"up to half a turn, expected less than {_LARGEST:.3g} rad: let a bushing that is "
+                "the bearing of a rotor carry a light body, and join the rotor to it by a Revolute"
             )
 
     def accept(self, H: Array) -> None:
