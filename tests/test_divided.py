@@ -19,9 +19,9 @@ def alone():
     return divided_scenes.results()
 
 
-IN_TIME = ["refusals", "rest", "motions", "explicit"]
+IN_TIME = ["rest", "motions", "explicit"]
 IN_THREE = pytest.param(3, IN_TIME, marks=pytest.mark.slow)
-"""Searches, with many small solutions, are slow where ranks share a core: on two ranks only."""
+"""Searches and refusals, with many small solutions, are slow where ranks share a core."""
 
 
 @pytest.mark.parametrize(("ranks", "parts"), [(2, list(divided_scenes.PARTS)), IN_THREE])
