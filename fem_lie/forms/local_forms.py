@@ -31,7 +31,6 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx import fem
-from ufl.algorithms import expand_derivatives
 from ufl.core.expr import Expr
 
 from fem_lie._arrays import Array
@@ -164,8 +163,8 @@ class LocalFrameForms:
         changed = CompiledForm(rows + ufl.derivative(rows, y, dy))
         coupling = CompiledForm(ufl.derivative(rows, y, trial))
         second = ufl.derivative(rows, s, ufl.TrialFunction(S))
-        self.local_is_linear = not {s, y} & set(expand_derivatives(second).coefficients())
         own = CompiledForm(second)
+        self.local_is_linear = not {s, y} & set(own.coefficients)
         self._wrap(
             CompiledForm(energy),
             [condensed, CompiledForm(rows), own],

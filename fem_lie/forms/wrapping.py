@@ -67,7 +67,8 @@ class CompiledForm:
     Attributes:
         kind: Integral over cells (dx) or exterior facets (ds).
         entities: Cells, or pairs (cell, local facet) in one row; empty if the form is zero.
-        coefficients: Functions in the order in which FFCx's function expects them.
+        coefficients: Functions that FFCx's function reads, in its order; those of which derivatives
+            are left.
         constants: Constants in that order.
         address: Address of FFCx's function; 0 if the form is zero, as second derivatives may be.
         signature: Signature of the form, equal in all processes.
