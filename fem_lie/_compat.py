@@ -99,16 +99,21 @@ def expression_alone(made: fem.Expression) -> fem.Expression:
 
 
 def expression_of(
-    made: fem.Expression, coefficients: Sequence[fem.Function], constants: Sequence[fem.Constant]
+    made: fem.Expression,
+    value: Expr,
+    coefficients: Sequence[fem.Function],
+    constants: Sequence[fem.Constant],
 ) -> fem.Expression:
     """A compiled expression without arguments, of these functions and constants.
 
     Args:
         made: Made by :func:`expression_alone`.
+        value: The expression.
         coefficients: Functions in the order of FFCx's expression.
         constants: Constants in its order.
     """
     found, of_c = copy(made), cffi.FFI()
+    found._ufl_expression = value
     found._cpp_object = dolfinx.cpp.fem.create_expression_float64(
         int(of_c.cast("uintptr_t", of_c.addressof(made.ufcx_expression))),
         [each._cpp_object for each in coefficients],

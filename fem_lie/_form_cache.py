@@ -103,7 +103,8 @@ def compile_expression(value: Expr, points: npt.ArrayLike) -> fem.Expression:
     if comm.size == 1 and (known := _expressions.get(structure.key)) is not None:
         made, functions, constants = known
         given = [structure.coefficients[i] for i in functions]
-        return _compat.expression_of(made, given, [structure.constants[i] for i in constants])
+        fixed = [structure.constants[i] for i in constants]
+        return _compat.expression_of(made, value, given, fixed)
     if has_type(value, Variable):
         lowered = apply_derivatives(apply_algebra_lowering(value))
         value = map_expr_dag(_WithoutVariables(), lowered)
