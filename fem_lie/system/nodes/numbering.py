@@ -402,7 +402,7 @@ _USERS = 2
 """Setups that a family keeps: an analysis finds an equilibrium, and uses the scene at it."""
 
 
-@dataclass
+@dataclass(eq=False)
 class _Setup:
     """A setup and its user.
 
