@@ -91,14 +91,14 @@ def coefficients_of(made: Any, given: Sequence[Any]) -> list[Any]:
     return [given[made.original_coefficient_positions[i]] for i in range(made.num_coefficients)]
 
 
-def expression_alone(made: fem.Expression) -> fem.Expression:
-    """A compiled expression without its functions and its mesh, for :func:`expression_of`."""
+def expression_template(made: fem.Expression) -> fem.Expression:
+    """A compiled expression without its functions and its mesh, for :func:`expression_from`."""
     found = copy(made)
     found._cpp_object = found._ufl_expression = None
     return found
 
 
-def expression_of(
+def expression_from(
     made: fem.Expression,
     value: Expr,
     coefficients: Sequence[fem.Function],
@@ -107,7 +107,7 @@ def expression_of(
     """A compiled expression without arguments, of these functions and constants.
 
     Args:
-        made: Made by :func:`expression_alone`.
+        made: See :func:`expression_template`.
         value: The expression.
         coefficients: Functions in the order of FFCx's expression.
         constants: Constants in its order.

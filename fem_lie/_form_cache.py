@@ -104,7 +104,7 @@ def compile_expression(value: Expr, points: npt.ArrayLike) -> fem.Expression:
         made, functions, constants = known
         given = [structure.coefficients[i] for i in functions]
         fixed = [structure.constants[i] for i in constants]
-        return _compat.expression_of(made, value, given, fixed)
+        return _compat.expression_from(made, value, given, fixed)
     if has_type(value, Variable):
         lowered = apply_derivatives(apply_algebra_lowering(value))
         value = map_expr_dag(_WithoutVariables(), lowered)
@@ -113,7 +113,7 @@ def compile_expression(value: Expr, points: npt.ArrayLike) -> fem.Expression:
         used = _compat.coefficients_of(made.ufcx_expression, extract_coefficients(value))
         functions = [structure.coefficients.index(each) for each in used]
         constants = [structure.constants.index(each) for each in extract_constants(value)]
-        _expressions[structure.key] = _compat.expression_alone(made), functions, constants
+        _expressions[structure.key] = _compat.expression_template(made), functions, constants
     return made
 
 

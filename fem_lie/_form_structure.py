@@ -50,7 +50,7 @@ def structure_of_form(form: ufl.Form) -> Structure:
     """Structure of a form.
 
     Raises:
-        NotImplementedError: It contains operators that are known at run time only.
+        NotImplementedError: It contains external operators, which FFCx does not compile.
     """
     nodes, integrals = _Nodes(), []
     for each in form.integrals():
@@ -68,7 +68,7 @@ def structure_of_expression(value: Expr, of_points: Hashable) -> Structure:
         of_points: Equal for equal points.
 
     Raises:
-        NotImplementedError: It contains operators that are known at run time only.
+        NotImplementedError: It contains external operators, which FFCx does not compile.
     """
     nodes = _Nodes()
     return nodes.structure((nodes.root(value), of_points))
@@ -76,7 +76,16 @@ def structure_of_expression(value: Expr, of_points: Hashable) -> Structure:
 
 @dataclass
 class _Nodes:
-    """Different nodes of formulas, in the order in which they are met."""
+    """Different nodes of formulas, in the order in which they are met.
+
+    Attributes:
+        numbers: Number of each node, which is a tuple.
+        known: Number of each UFL expression, by its identity.
+        domains: Number of each mesh, by UFL's.
+        elements: Coordinate element of each mesh.
+        counted: Number of each function, constant, index and label, by its kind.
+        arguments: Test and trial functions.
+    """
 
     numbers: dict[Hashable, int] = field(default_factory=dict)
     known: dict[int, int] = field(default_factory=dict)
@@ -101,14 +110,14 @@ class _Nodes:
 
     def root(self, top: Expr) -> int:
         """Number of a formula, after those of all of its operands."""
-        left, known = [top], self.known
-        while left:
-            expression = left[-1]
+        stack, known = [top], self.known
+        while stack:
+            expression = stack[-1]
             operands = expression.ufl_operands
             if waiting := [each for each in operands if id(each) not in known]:
-                left += waiting
+                stack += waiting
                 continue
-            left.pop()
+            stack.pop()
             if id(expression) not in known:
                 own = tuple(known[id(each)] for each in operands)
                 known[id(expression)] = self._number(self._node(expression, own))
@@ -130,7 +139,9 @@ class _Nodes:
 
     def _node(self, e: Expr, operands: tuple[int, ...]) -> Hashable:
         if isinstance(e, BaseFormOperator):
-            raise NotImplementedError(f"{type(e).__name__} is known at run time only")
+            raise NotImplementedError(
+                f"FFCx does not compile {type(e).__name__}, expected UFL without external operators"
+            )
         if operands or not e._ufl_is_terminal_:
             return e._ufl_typecode_, operands
         return (e._ufl_typecode_, *self._terminal(e))
