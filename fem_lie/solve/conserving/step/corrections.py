@@ -83,6 +83,8 @@ fraction; and the largest increment of an iteration, in lengths of the model: be
 contacts act."""
 _STAGNANT = 6
 """Iterations of a step without progress."""
+CYCLES = 50
+"""Iterations of a step in contact without progress, after which it has failed."""
 STALLED = 0.8
 """Ratio of increments above which there is no progress."""
 

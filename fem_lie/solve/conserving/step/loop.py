@@ -19,6 +19,7 @@ from fem_lie.linear.factors import PlainFactors
 from fem_lie.solve.conserving.step.acceptance import accept
 from fem_lie.solve.conserving.step.balance import residual
 from fem_lie.solve.conserving.step.corrections import (
+    CYCLES,
     FINE,
     LEARNING,
     ULPS,
@@ -208,6 +209,8 @@ def run(
         # with a matrix in each iteration, changing contacts may need more iterations
         watched = vectors or (touches and patience > 1)
         lost = watched and is_lost(progress, before) and moved > round_off_level
+        # contacts that change in turns, which no matrix ends
+        lost = lost or (touches and progress.stalls >= CYCLES)
         if done:
             # a correction at round-off is not applied: the accepted state must be consistent
             if not at_round_off:
