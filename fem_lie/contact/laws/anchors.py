@@ -96,6 +96,7 @@ class Anchors(NamedTuple):
         fixed: ``o``, contribution of ground, shape (m, 3).
         forces: Forces of the springs on the second side in the state of the anchors, shape (m,
             3), N.
+        gaps: Gaps in the state of the anchors, shape (m,).
     """
 
     keys: Indices
@@ -104,9 +105,10 @@ class Anchors(NamedTuple):
     arms: Array
     fixed: Array
     forces: Array
+    gaps: Array
 
 
-_COLUMNS = 2 + SLOTS + SLOTS + 3 * SLOTS + 3 + 3
+_COLUMNS = 2 + SLOTS + SLOTS + 3 * SLOTS + 3 + 3 + 1
 
 
 def empty_anchors(m: int) -> Anchors:
@@ -118,6 +120,7 @@ def empty_anchors(m: int) -> Anchors:
         np.zeros((m, SLOTS, 3)),
         np.zeros((m, 3)),
         np.zeros((m, 3)),
+        np.zeros(m),
     )
 
 
@@ -132,8 +135,8 @@ def packed(anchors: Anchors) -> Array:
 def unpacked(numbers: Array) -> Anchors:
     """Anchors from the array that :func:`packed` returned."""
     rows = numbers.reshape(-1, _COLUMNS)
-    ends = np.cumsum([2, SLOTS, SLOTS, 3 * SLOTS, 3])
-    keys, nodes, weights, arms, fixed, forces = np.split(rows, ends, axis=1)
+    ends = np.cumsum([2, SLOTS, SLOTS, 3 * SLOTS, 3, 3])
+    keys, nodes, weights, arms, fixed, forces, gaps = np.split(rows, ends, axis=1)
     return Anchors(
         keys.astype(np.int64),
         nodes.astype(np.int64),
@@ -141,6 +144,7 @@ def unpacked(numbers: Array) -> Anchors:
         arms.reshape(-1, SLOTS, 3).copy(),
         fixed.copy(),
         forces.copy(),
+        gaps[:, 0].copy(),
     )
 
 
@@ -284,6 +288,7 @@ def set_anchors(
     """
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
+        out.gaps[e] = contact_point(H, at.a, at.b, i, j, at.kind).gap
         X = _held(middle, types, at, e)
         P, Q = minus(X, position(middle, a, i)), minus(X, position(middle, b, j))
         _add_point(middle, types, a, i, P, 1.0, out, e)

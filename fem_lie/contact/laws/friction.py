@@ -22,7 +22,6 @@ from fem_lie.contact.laws.anchors import (
 )
 from fem_lie.contact.laws.damped_friction import add_damping_tangents, damping_tractions
 from fem_lie.contact.laws.friction_tangents import add_traction_tangents
-from fem_lie.contact.sides.table import ContactPoints
 from fem_lie.contact.sides.two_sides import Sides, Stations
 from fem_lie.forms.abilities import FRICTION_COLUMNS, Done, Ends
 from fem_lie.lie.node_types import go_all_on
@@ -143,30 +142,30 @@ class Friction:
         set_rows(H, self._types, at, which, forces, rows)
         return rows[rows[:, 6:].any(axis=1)]
 
-    # --- over a step of points and balls ---
+    # --- over a step ---
 
-    def add_over_step(self, ends: Ends, at: ContactPoints, out: Array, ground: Array) -> Done:
+    def add_over_step(self, ends: Ends, out: Array, ground: Array) -> Done:
         """Add tractions of a step; :meth:`accept` keeps their springs for the next step."""
-        arms, _, over = self._over_step(ends, at)
-        self._ahead = at.pairs.copy(), over.τ
+        (at, keys, *_), arms, _, over = self._over_step(ends)
+        self._ahead = keys.copy(), over.held
         over_steps.add_over_step(ends, self._types, at, arms, over.τ, out, ground)
         return Done(*over_steps.energies(self._law, at, over))
 
-    def add_tangent_over_step(self, ends: Ends, at: ContactPoints, H: Array, blocks: Array) -> None:
+    def add_tangent_over_step(self, ends: Ends, H: Array, blocks: Array) -> None:
         """Add twice the derivative of the tractions of a step in midpoint frames ``H``."""
-        arms, which, over = self._over_step(ends, at)
-        given = H, self._types, at, arms, which, self._law, over
+        stations, arms, which, over = self._over_step(ends)
+        given = H, self._types, stations.at, arms, which, self._law, over
         add_traction_tangents(*given, blocks)
 
-    def _over_step(
-        self, ends: Ends, at: ContactPoints
-    ) -> tuple[Anchors, Indices, over_steps.Slips]:
-        m = len(at.pairs)
-        which, arms = found(self._anchors.keys, at.pairs), empty_anchors(m)
+    def _over_step(self, ends: Ends) -> tuple[Stations, Anchors, Indices, over_steps.Slips]:
+        """Pairs at the end, anchors, index of each, and variables of the tractions."""
+        stations = self._sides.stations_over_step(ends.end)
+        m = len(stations.keys)
+        which, arms = found(self._anchors.keys, stations.keys), empty_anchors(m)
         over = over_steps.empty_slips(m)
-        given = ends, self._types, at, self._anchors, which, self._law
+        given = ends, self._types, stations.at, self._anchors, which, self._law
         over_steps.set_over_step(*given, arms, over)
-        return arms, np.where(which >= 0, np.arange(m), -1), over
+        return stations, arms, np.where(which >= 0, np.arange(m), -1), over
 
     @property
     def linearised_values(self) -> Array:

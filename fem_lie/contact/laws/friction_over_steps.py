@@ -6,10 +6,12 @@ of the first is moved to the point of the second. Hence a traction has no moment
 ``τ·s`` on the slip ``s = Σ w Δx + ΔR c`` of these two material points. With the spring elongation
 ``e`` at the start::
 
-    τ = k T (e + s) of the gap and the normal at the end, limited by μ p;  e₁ = τ/k
+    τ = k T (e + s) across the normal at the end, limited by μ p;  e₁ = τ/k
     dissipation = τ·s − ½ k (e₁² − e²) ≥ ½ k |e₁ − e|²
 
-because ``τ·(e + s) ≥ k e₁²`` whether or not the traction is limited.
+because ``τ·(e + s) ≥ k e₁²`` whether or not the traction is limited. The pressure ``p`` is that of
+the secant of the potential, the mean over the step also where the pair meets or separates in it. A
+pair that is separate at the end has ``e₁ = 0``, and dissipates ``τ·s + ½ k e² ≥ ¼ k e²``.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ import numpy as np
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted
 from fem_lie.contact.laws.anchors import Anchors, CoulombLaw, stretch_of, traction
+from fem_lie.contact.laws.over_steps import secant
 from fem_lie.contact.sides.kinematics import SLOTS, contact_point
 from fem_lie.contact.sides.surfaces import MOST_NODES
 from fem_lie.contact.sides.table import GROUND, ContactPoints
@@ -46,25 +49,29 @@ class Slips(NamedTuple):
     """Variables of the tractions of all pairs over a step, in global components.
 
     Attributes:
-        gaps: Gaps at the end, shape (m,).
+        gaps: Gaps of the mean pressure over the step, shape (m,).
+        by_gap: Their derivatives in the gaps at the end, shape (m,).
         normals: Normals at the end, shape (m, 3).
         stretches: Elongations ``e + s`` at the end without slip, shape (m, 3).
         springs: Elongations ``e`` at the start, shape (m, 3).
         slips: ``s``, shape (m, 3).
         τ: Tractions on the second side, shape (m, 3).
+        held: Tractions of the springs at the end, zero for separate pairs, shape (m, 3).
     """
 
     gaps: Array
+    by_gap: Array
     normals: Array
     stretches: Array
     springs: Array
     slips: Array
     τ: Array
+    held: Array
 
 
 def empty_slips(m: int) -> Slips:
     """Zero variables of ``m`` pairs."""
-    return Slips(np.zeros(m), *np.zeros((5, m, 3)))
+    return Slips(*np.zeros((2, m)), *np.zeros((6, m, 3)))
 
 
 @inlined_uncounted
@@ -104,9 +111,9 @@ def set_over_step(
         if q < 0:
             continue
         mean, spring, slip = stretch_of(ends.mean, anchors, q), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        i, j = at.pairs[e]
         # an open contact has no spring: round-off of its anchors would act as a force
-        if contact_point(ends.start, at.a, at.b, i, j, at.kind).gap < 0.0:
+        held = load_row(anchors.forces, q)
+        if dot(held, held) > 0.0:
             spring = stretch_of(ends.start, anchors, q)
         other = anchors.nodes[q, MOST_NODES]
         moves_first = other >= 0 and types[other] >= POSITION_GRADIENT
@@ -122,15 +129,19 @@ def set_over_step(
             store_row(arms.arms[e], s, c)
             slip = plus(slip, scaled(w, load_row(ends.delta[node], 0)))
             slip = plus(slip, global_components(ends.delta[node], c))
+        i, j = at.pairs[e]
         g, n, _, _ = contact_point(ends.end, at.a, at.b, i, j, at.kind)
-        u = plus(spring, slip)
-        out.gaps[e] = g
+        u, mean_gap = plus(spring, slip), secant(anchors.gaps[q], g, g - anchors.gaps[q])
+        out.gaps[e], out.by_gap[e] = mean_gap.σ, 0.5 * mean_gap.by_gap
         store_row(out.normals, e, n)
         store_row(out.stretches, e, u)
         store_row(out.springs, e, spring)
         store_row(out.slips, e, slip)
-        if g < 0.0:
-            store_row(out.τ, e, traction(law, g, n, u).τ)
+        if mean_gap.σ < 0.0:
+            τ = traction(law, mean_gap.σ, n, u).τ
+            store_row(out.τ, e, τ)
+            if g < 0.0:
+                store_row(out.held, e, τ)
 
 
 @compiled
@@ -170,7 +181,7 @@ def add_over_step(
 def energies(law: CoulombLaw, at: ContactPoints, over: Slips) -> tuple[float, float, float]:
     """Energy stored at the end, work done, and the dissipated part of it."""
     weight, τ = at.weight[: len(over.τ)], over.τ
-    stored = 0.5 / law.holding * float((τ * τ).sum(axis=1) @ weight)
+    stored = 0.5 / law.holding * float((over.held**2).sum(axis=1) @ weight)
     before = 0.5 * law.holding * float((over.springs**2).sum(axis=1) @ weight)
     work = float((τ * over.slips).sum(axis=1) @ weight)
     return stored, work, max(0.0, work - (stored - before))

@@ -68,9 +68,9 @@ def add_traction_tangents(
     for e in range(at.pairs.shape[0]):
         q, weight = which[e], at.weight[e]
         point = contact_point(H, at.a, at.b, at.pairs[e, 0], at.pairs[e, 1], at.kind)
-        g, n = point.gap, point.normal
+        g, n, part = point.gap, point.normal, 1.0
         if over_step and q >= 0:
-            g, n = given.gaps[e], load_row(given.normals, e)
+            g, n, part = given.gaps[e], load_row(given.normals, e), given.by_gap[e]
         if g >= 0.0 or q < 0:
             continue
         scale, nodes = set_derivatives(H, types, at, e, point, by), by.nodes
@@ -84,7 +84,7 @@ def add_traction_tangents(
                 store_motion(types[node], H[node], 1.0, anchors.weights[q, s], c, A[s])
                 for p in range(6):
                     δu, δn = column(A[s], p), scaled(1.0 / scale, column(by.N[s], p))
-                    δτ = change_of(law, t, n, u, δu, δn, by.rows[s, p])
+                    δτ = change_of(law, t, n, u, δu, δn, part * by.rows[s, p])
                     T[s, 0, p], T[s, 1, p], T[s, 2, p] = δτ
         add_blocks(nodes, A, T, fraction, at.first[e], blocks)
         add_turnings(H, types, nodes, anchors, q, scaled(weight, t.τ), at.first[e], blocks)

@@ -164,7 +164,7 @@ class Penalty(ContactLaw):
             discontinuous where surfaces meet, and Newton's method fails if c is large.
         friction: Coefficient of friction μ: the tangential force is at most μ times the normal
             force, with its damping. Below this limit tangential springs hold, whose state is kept
-            from step to step. Lines have no friction in conserving schemes.
+            from step to step.
         holding: Stiffness of the tangential springs; default: k. Springs that are as soft as the
             contact stick at the beginning of an impact even where rigid bodies slip; with a
             hundred times k impacts are as those of :class:`Impact`.

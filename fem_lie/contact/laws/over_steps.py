@@ -79,7 +79,7 @@ _OPEN, _NONE = Secant(0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
 
 
 @inlined_uncounted
-def _secant(g0: float, g1: float, change: float) -> Secant:
+def secant(g0: float, g1: float, change: float) -> Secant:
     """Secant between gaps ``g0`` and ``g1`` that differ by ``change``."""
     a, b = min(g0, 0.0), min(g1, 0.0)
     U0, U1 = 0.5 * a * a, 0.5 * b * b
@@ -106,14 +106,14 @@ def _between(ends: Ends, at: ContactPoints, e: int) -> tuple[Secant, Vector, Vec
     if at.kind == ROUND:
         sign, reach = sign_of(at.b, j), at.a.radii[i] + at.b.radii[j]
         n = scaled(2.0 * sign / (sign * (g0 + g1 + 2.0 * reach)), separation)
-        return _secant(g0, g1, dot(n, moved)), n, P
+        return secant(g0, g1, dot(n, moved)), n, P
     m = load_row(at.b.normals, j)
     if at.kind == LEVEL:
         m = _mean_normal(ends, at, i, j, moved, separation)
     n, change = turned(ends.mean, at.b, j, m), 0.0
     if at.b.nodes[j, 0] != GROUND:
         change = dot(turned(ends.delta, at.b, j, m), separation)
-    return _secant(g0, g1, dot(n, moved) + change), n, P
+    return secant(g0, g1, dot(n, moved) + change), n, P
 
 
 @uncounted

@@ -160,16 +160,11 @@ class PenaltyForces(
         self._law = law.normal
         self._damped = law.damping > 0.0
         self._friction, self.friction = friction, friction is not None
-        self._compared, self._energies = 0, np.zeros(2)
+        self._compared, self._energies, self._stored = 0, np.zeros(2), 0.0
         self._watch = EnergyWatch(name, self._law, self._now)
-        smooth = friction is None or sides.of_balls
-        if friction is not None:
-            self.label += " with friction"
-        if not smooth:
-            self.label += " but between points, balls and planes"
         self.ignores = parts
         # free flight of conserving steps does not detect when ignored pairs separate
-        self.conserved = smooth and not (self._damped or parts)
+        self.conserved = not (self._damped or parts)
         if parts:
             self.label += " that ignore what overlaps in the beginning"
 
@@ -322,6 +317,8 @@ class PenaltyForces(
         self._sides.near.part(H)
         if self._friction is not None:
             self._friction.accept(H, start)
+            self._compare(self._friction.pressed, self._stored)
+            self._stored = 0.0
 
     @property
     def dissipated(self) -> float:
@@ -347,7 +344,7 @@ class PenaltyForces(
     def watch(self, start: Array, end: Array, h: float, middle: Array | None) -> None:
         """Add a step to the energy balance."""
         self._watch.add(start, end, h, middle)
-        if self._friction is not None and not self._sides.of_balls:
+        if self._friction is not None:
             self._compare(self._friction.pressed, self._watch.energy)
 
     def _compare(self, pressed: float, stored: float) -> None:
@@ -355,7 +352,7 @@ class PenaltyForces(
 
         On lines, the former are fixed, three in each element, and the latter follow the overlap.
         """
-        if self._compared >= _COMPARED or not stored > 0.0:
+        if self._sides.of_balls or self._compared >= _COMPARED or not stored > 0.0:
             return
         self._compared += 1
         self._energies += pressed, stored
@@ -395,9 +392,10 @@ class PenaltyForces(
         found = tuple(empty_secants(len(at.pairs)) for at in both)
         given = ends, self._types, both, self._law.k, found
         done = Done(*add_forces(*given, out, ground), 0.0)
+        self._stored = done.stored
         if self._friction is None:
             return done
-        by_friction = self._friction.add_over_step(ends, both[-1], out, ground)
+        by_friction = self._friction.add_over_step(ends, out, ground)
         return Done(*(a + b for a, b in zip(done, by_friction, strict=True)))
 
     def tangent_over_step(self, ends: Ends, H: Array) -> Array:
@@ -410,8 +408,8 @@ class PenaltyForces(
         set_secants(ends, both, found)
         for at, secants in zip(both, found, strict=True):
             tangents(H, still, self._types, at, self._law, False, secants, blocks, none)
-            if self._friction is not None:
-                self._friction.add_tangent_over_step(ends, at, H, blocks)
+        if self._friction is not None:
+            self._friction.add_tangent_over_step(ends, H, blocks)
         return blocks
 
     def overlaps(self, H: Array) -> bool:

@@ -275,9 +275,8 @@ class LinePatchSides(PointSides):
         k = set_line_contacts(H, self._lines, self._b, *near, workspace, fixed, keys)
         return first_of(workspace, k)
 
-    def stations(self, H: Array) -> Stations:
+    def _stations(self, H: Array) -> Stations:
         """Gauss points of whole segments, which are material points."""
-        self.near.update(H)
         workspace = self._space()
         size = len(workspace.weight)
         fixed, keys = empty_side(size), np.zeros((size, 2), dtype=np.int64)

@@ -80,9 +80,8 @@ class PointSides(ClosestPoints):
         most = len(self.near.now)
         return empty_contacts(self.samples.at, empty_side(most), ROUND, most)
 
-    def stations(self, H: Array) -> Stations:
+    def _stations(self, H: Array) -> Stations:
         """Points near the second side, at which friction springs act."""
-        self.near.update(H)
         most = len(self.near.now)
         fixed, keys = empty_side(most), np.zeros((most, 2), dtype=np.int64)
         at = self._found(H, self._space(), fixed, keys)
@@ -130,9 +129,8 @@ class CurveSides(PointSides):
         k = set_nearest_of_lines(*given, workspace, keys)
         return first_of(workspace, k)
 
-    def stations(self, H: Array) -> Stations:
+    def _stations(self, H: Array) -> Stations:
         """Points near the lines; the closest points on these are material points."""
-        self.near.update(H)
         keys = np.zeros((len(self.near.now), 2), dtype=np.int64)
         at = self._nearest(H, self._space(), keys, 2.0)
         keys[:, 1] = self._chains[keys[:, 1]]

@@ -96,9 +96,18 @@ class Sides(ABC):
     def _meet(self, H: Array) -> ContactPoints:
         """Contact points at frames, for the present list of pairs."""
 
-    @abstractmethod
     def stations(self, H: Array) -> Stations:
         """Pairs of points that have friction springs at frames ``H``."""
+        self.near.update(H)
+        return self._stations(H)
+
+    def stations_over_step(self, end: Array) -> Stations:
+        """The same at the end of a step, of the present list of pairs."""
+        return self._stations(end)
+
+    @abstractmethod
+    def _stations(self, H: Array) -> Stations:
+        """Pairs of points that have friction springs, of the present list of pairs."""
 
     def passed(self, start: Array, end: Array) -> Passage | None:
         """A pair that passed through each other between frames; default: none can."""
@@ -183,9 +192,9 @@ class Balls(Sides):
             )
         return self._meeting
 
-    def stations(self, H: Array) -> Stations:
+    def _stations(self, H: Array) -> Stations:
         """All near pairs."""
-        at = self.meet(H)
+        at = self._meet(H)
         return Stations(at, at.pairs, self._fixed, at.b)
 
     def keep_stretches(self) -> None:
@@ -341,8 +350,23 @@ class Lines(ClosestPoints):
         return Passage(float(np.linalg.norm(way)), float(radii[0][i] + radii[1][j]))
 
     def stations(self, H: Array) -> Stations:
-        """Gauss points of whole elements, which are material points."""
+        """Pairs of points that have friction springs at frames ``H``."""
         self.meet(H)
+        return self._stations(H)
+
+    def stations_over_step(self, end: Array) -> Stations:
+        """The same at the end of a step, with the kept stretches."""
+        stretches = self._stretches
+        self._stretch(self._frozen)
+        self._follow()
+        found = self._stations(end)
+        self._stretch(stretches)
+        return found
+
+    def _stations(self, H: Array) -> Stations:
+        """Gauss points of whole elements, which are material points."""
+        set_curves(H, self._a, False)
+        set_curves(H, self._b, False)
         most = GAUSS * len(self._runs)
         workspace = self._points(most)
         keys = np.zeros((most, 2), dtype=np.int64)
