@@ -34,15 +34,15 @@ def compare(
 ) -> Iterator[Row]:
     """The best runs of all methods that are there, resolution by resolution."""
     methods = [method for method in comparison.methods if method.code in asked]
-    coarsest = max(comparison.resolutions, key=_coarseness)
-    for method in methods:  # compiles
-        asked[method.code].ask(comparison.request(method, coarsest))
+    for method in methods:
+        if method.code == "ours":  # compiles
+            asked["ours"].ask(comparison.request(method, comparison.coarsest(method)))
     for resolution in resolutions:
         best: dict[Method, dict[str, Any]] = {}
         failed: dict[Method, str] = {}
         for _ in range(repeat):
             for method in methods:
-                if method in failed:
+                if method in failed or resolution not in comparison.resolutions_of(method):
                     continue
                 answer = asked[method.code].ask(comparison.request(method, resolution))
                 if "failed" in answer:
@@ -54,11 +54,6 @@ def compare(
         for method in methods:
             if method in best and method not in failed:
                 yield row_of(comparison, method, resolution, best[method])
-
-
-def _coarseness(resolution: float) -> float:
-    """Steps are below one, and coarse where large; numbers of cells are coarse where small."""
-    return resolution if resolution < 1 else 1 / resolution
 
 
 def row_of(
@@ -102,13 +97,14 @@ def references(keys: list[str]) -> None:
 def run(keys: list[str], table: bool, repeat: int, file: Path | None = None) -> Run:
     """All rows of the scenes, printed as they come, and written to ``file`` after each scene."""
     made = Run(date.today().isoformat(), _blas.find().name, [])
-    pythons = {"ours": Path(sys.executable), **environment.interpreters()}
+    peers = {method.code for key in keys for method in COMPARISONS[key].methods} - {"ours"}
+    pythons = {"ours": Path(sys.executable), **environment.interpreters(*sorted(peers))}
     asked = {code: Asked(code, python, LIMIT) for code, python in pythons.items()}
     print(f"{made.heading}\n\n{report.HEADER}", flush=True)
     try:
         for key in keys:
             comparison = COMPARISONS[key]
-            resolutions = (comparison.base,) if table else comparison.resolutions
+            resolutions = (comparison.base,) if table else comparison.all_resolutions
             for row in compare(comparison, asked, resolutions, repeat):
                 made.rows.append(row)
                 print(report.line(row, made.rows), flush=True)

@@ -31,7 +31,6 @@ from benchmarks.peer_scenes import environment
 
 RADIUS, SMALL, FRICTION, STEP, DENSITY, GRAVITY, STAVES = 0.05, 0.035, 0.3, 2e-3, 1000.0, 9.81, 24
 SPIN, HEAVY = 3.0, 1e6
-PACKAGE, MODULE = "mujoco==3.3.7", "mujoco"
 LIMIT = 240.0  # seconds for MuJoCo's answer
 MOST_NEWTON = 300  # balls, of more of which MuJoCo's Newton gives no answer in that time
 
@@ -222,13 +221,9 @@ def ours(pile: Pile, steps: int) -> list[str]:
 
 def peer(pile: Pile, steps: int) -> list[str]:
     """Rows of MuJoCo's."""
-    environment.PACKAGES["mujoco"], environment.IMPORTS["mujoco"] = [PACKAGE], MODULE
-    for python in environment.candidates():
-        inside = environment.folder(python, "mujoco") / "bin" / "python"
-        if environment.has(inside, "mujoco") or environment.install(python, "mujoco"):
-            break
-    else:
-        return [f"MuJoCo is skipped: no Python here can have {PACKAGE} by pip"]
+    inside = environment.interpreters("mujoco").get("mujoco")
+    if inside is None:
+        return ["MuJoCo is skipped"]
     given = {
         "places": pile.positions.tolist(),
         "walls": [(at.tolist(), normal.tolist()) for at, normal in pile.walls],

@@ -227,10 +227,7 @@ def row(name: str, friction: float, found: list[float] | str) -> str:
 
 def main() -> None:
     """Print a table."""
-    environment.PACKAGES["mujoco"] = ["mujoco==3.3.7"]
-    environment.IMPORTS["mujoco"] = "mujoco"
-    del environment.PACKAGES["kratos"]
-    peers = environment.interpreters()
+    peers = environment.interpreters("exudyn", "mujoco")
     scripts = {"mujoco": MUJOCO, "exudyn": EXUDYN}
     print("   μ code     first end  gain, m   overlap   steps  µs/step  ms in all")
     for friction in (0.0, 0.2, 0.4, 0.6):

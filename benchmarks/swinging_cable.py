@@ -135,7 +135,7 @@ def main() -> None:
     parser.add_argument("--step", type=float, default=2.5e-4)
     parser.add_argument("--scene", choices=[*SCENES, "all"], default="all")
     options = parser.parse_args()
-    python = interpreters()["exudyn"]
+    python = interpreters("exudyn")["exudyn"]
     print("scene      element   elements 8       16       32       64   Exudyn, 32 to 64")
     for name in SCENES if options.scene == "all" else [options.scene]:
         make, duration = SCENES[name]

@@ -4,21 +4,32 @@ import json
 import sys
 import time
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import fem_lie as fl
 from benchmarks import everyday, peers, scale
 from benchmarks.everyday_rows.plate import plate
 from benchmarks.everyday_rows.row import Outcome, Unavailable
 from benchmarks.everyday_rows.row import Row as EverydayRow
-from benchmarks.peer_scenes import descriptions, environment, ours, processes, report
+from benchmarks.peer_scenes import (
+    contacts,
+    descriptions,
+    environment,
+    ours,
+    processes,
+    report,
+    rigid_peers,
+)
 from benchmarks.peer_scenes.comparisons import COMPARISONS
 from benchmarks.peer_scenes.report import Row
 from demos.double_pendulum import pendulum
 from demos.free_rigid_body import SPIN, spinning
 from demos.hemisphere import pinched, quarter
+from demos.rod_in_box import rod_in_box
 from demos.rollup import cantilever
 from fem_lie import _blas
 from fem_lie._jit import progress
@@ -160,6 +171,109 @@ def test_seconds_are_those_of_the_processor(monkeypatch):
     assert watch.seconds >= 0.05
 
 
+# --- trees and contacts ---------------------------------------------------------------------------
+
+
+def request_of(key, step, method=None):
+    comparison = COMPARISONS[key]
+    return comparison.request(comparison.methods[0] if method is None else method, step)
+
+
+@pytest.mark.parametrize("key", ["sliding_ball", "bouncing_ball", "block"])
+def test_closed_forms_of_contacts_are_limits_of_our_steps(key):
+    comparison = COMPARISONS[key]
+    error = [comparison.error(ours.answer(request_of(key, h))["place"]) for h in (1e-2, 1e-3)]
+    assert error[1] < 1e-6
+    assert error[1] < 0.05 * error[0] or error[0] < 1e-14  # second order, or exact
+
+
+@pytest.mark.parametrize(
+    ("end", "scene"),
+    [
+        (contacts.thrown_end, contacts.thrown()),
+        (contacts.dropped_end, contacts.dropped()),
+        (contacts.block_end, contacts.block()),
+    ],
+    ids=["thrown", "dropped", "block"],
+)
+def test_closed_forms_begin_as_described(end, scene):
+    (body,) = scene["bodies"]
+    np.testing.assert_allclose(end(0.0), body["centre"], atol=1e-15)
+    np.testing.assert_allclose((end(1e-7) - end(0.0)) / 1e-7, body["velocity"], atol=1e-6)
+
+
+def test_thrown_ball_keeps_its_angular_momentum_about_the_floor():
+    # friction acts in the floor: v + 2/5 r ω × e does not change, and is 7/5 v when the ball rolls
+    late = (contacts.thrown_end(2.0) - contacts.thrown_end(1.0)) / 1.0
+    spun = contacts.BALL * np.cross(contacts.SPUN, (0, 0, 1))
+    np.testing.assert_allclose(late, (np.array(contacts.THROWN) + 0.4 * spun) / 1.4, atol=1e-14)
+
+
+def test_dropped_ball_rises_to_the_square_of_its_restitution():
+    first = np.sqrt(2 * contacts.DROP / contacts.GRAVITY)
+    times = np.linspace(first, first * (1 + 2 * contacts.REBOUND), 2001)
+    heights = np.array([contacts.dropped_end(t)[2] for t in times]) - contacts.BALL
+    assert heights.max() == pytest.approx(contacts.REBOUND**2 * contacts.DROP)
+    np.testing.assert_allclose(heights[[0, -1]], 0.0, atol=1e-12)
+
+
+def test_block_loses_to_friction_what_it_had():
+    scene = contacts.block()
+    (gx, _, gz), mu, v = scene["gravity"], scene["friction"], contacts.PUSHED
+    way = contacts.block_end(10.0)[0]
+    assert v**2 / 2 + gx * way == pytest.approx(-mu * gz * way)
+    assert gx < -mu * gz  # friction holds it there
+
+
+@pytest.mark.parametrize("restitution", [0.2, 0.5, 0.8, 0.95])
+@pytest.mark.parametrize("pulls", [False, True])
+def test_spring_and_damper_rebound_with_the_restitution(restitution, pulls):
+    ratio = contacts.pulling_damping_ratio if pulls else contacts.damping_ratio
+    zeta = ratio(restitution)
+
+    def force(t, y):  # or overlap, to which it lasts if it pulls
+        return y[0] if pulls and t > 0 else y[0] + 2 * zeta * y[1]
+
+    force.terminal, force.direction = True, -1
+    motion = {"t_span": (0, 9), "y0": (0, 1), "events": force, "rtol": 1e-10, "atol": 1e-12}
+    found = solve_ivp(lambda t, y: (y[1], -y[0] - 2 * zeta * y[1]), **motion)
+    assert -found.y[1, -1] == pytest.approx(restitution, rel=1e-6)
+
+
+def test_rod_in_a_box_is_that_of_the_demo():
+    request = request_of("rod_in_box", 1e-3) | {"duration": 0.5}
+    scene, rod, _ = rod_in_box("spheres", fl.contact.Impact(request["friction"]))
+    plan = {"duration": 0.5, "step": 1e-3, "progress": False}
+    result = fl.GeneralisedAlpha(radius=0.8).run(scene, **plan)
+    expected = result.position(rod.point(request["probe"]["at"]))[-1]
+    np.testing.assert_allclose(ours.answer(request)["place"], expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("way", ["Munthe-Kaas", "generalised-α"])
+def test_trees_are_computed_by_the_method_that_is_named(way):
+    (method,) = (m for m in COMPARISONS["chain30"].methods if m.label == f"fem_lie, {way}")
+    answer = ours.answer(request_of("chain30", 1e-3, method) | {"duration": 0.05})
+    assert answer["steps"] == 50
+    assert (answer["matrices"] == 0) == (way == "Munthe-Kaas")
+
+
+def test_mujoco_has_the_bodies_where_they_are():
+    scene = descriptions.chain(4) | {"step": 1e-3, "way": "RK4"}
+    scene["bodies"].append(contacts.body(1.0, [1.0, 1.0, 1.0], (5.0, 0.0, 2.0)))
+    root = ElementTree.fromstring(rigid_peers.text_of(scene))
+
+    def centres(body, base):
+        own = base + np.array(body.get("pos").split(), dtype=float)
+        yield own + np.array(body.find("inertial").get("pos").split(), dtype=float)
+        for child in body.findall("body"):
+            yield from centres(child, own)
+
+    found = [c for body in root.find("worldbody").findall("body") for c in centres(body, 0.0)]
+    np.testing.assert_allclose(found, [body["centre"] for body in scene["bodies"]], atol=1e-15)
+    kinds = [joint.get("type") for joint in root.iter("joint")]
+    assert kinds == ["ball"] * 4 + ["free"]
+
+
 # --- tables and plots -----------------------------------------------------------------------------
 
 ROWS = [
@@ -220,7 +334,7 @@ def test_what_is_beaten_is_counted():
 
 def test_rows_and_plots_are_written(tmp_path):
     written = report.draw(ROWS, tmp_path)
-    assert [path.name for path in written] == ["peers_motion.png", "peers_statics.png"]
+    assert [path.name for path in written] == ["peers_trees.png", "peers_statics.png"]
     assert all(path.stat().st_size > 5000 for path in written)
     report.write_csv(ROWS, tmp_path / "peers.csv")
     lines = (tmp_path / "peers.csv").read_text().splitlines()
@@ -237,7 +351,7 @@ def test_a_run_is_read_as_it_was_written(tmp_path):
 
 
 def test_a_run_names_date_and_blas_before_its_table(monkeypatch, capsys, tmp_path):
-    monkeypatch.setattr(environment, "interpreters", dict)
+    monkeypatch.setattr(environment, "interpreters", lambda *_: {})
     monkeypatch.setattr(peers, "compare", lambda *_: iter(ROWS[:1]))
     run = peers.run(["chain"], True, 1, tmp_path / "peers.json")
     heading, _, title, *_ = capsys.readouterr().out.splitlines()
@@ -312,7 +426,7 @@ def test_rows_of_the_methods_that_are_there(program, capsys):
 def test_peers_that_cannot_be_had_are_skipped_with_a_line(monkeypatch, tmp_path, capsys):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(environment, "silent", lambda command: False)
-    assert environment.interpreters() == {}
+    assert environment.interpreters("exudyn", "kratos") == {}
     skipped = [line for line in capsys.readouterr().out.splitlines() if "skipped" in line]
     assert [line.split()[0] for line in skipped] == ["exudyn", "kratos"]
     assert not list(tmp_path.rglob("python"))

@@ -31,7 +31,7 @@ OVER_OURS, OVER_EARLIER = 40.0, 0.35  # targets
 
 def beside_kratos() -> Outcome:
     """Processor seconds of both solvers, without imports, set-up and compilation."""
-    python = environment.interpreters().get("kratos")
+    python = environment.interpreters("kratos").get("kratos")
     if python is None:
         raise Unavailable("Kratos cannot be installed here by pip")
     comparison = COMPARISONS["plate"]

@@ -105,22 +105,25 @@ def roll(elements: int, stiffness_ratio: float) -> Description:
     }
 
 
-def chain(bodies: int) -> Description:
-    """The chain of benchmarks/scale.py."""
-    thick = MASS * (LINK**2 / 12.0 + RADIUS**2 / 4.0)
+def chain(
+    bodies: int, link: float = LINK, mass: float = MASS, radius: float = RADIUS
+) -> Description:
+    """Rods along x, on spherical joints; by default those of benchmarks/scale.py."""
+    thick = mass * (link**2 / 12.0 + radius**2 / 4.0)
     rods = [
         {
-            "mass": MASS,
-            "inertia": [MASS * RADIUS**2 / 2.0, thick, thick],
-            "centre": [(k + 0.5) * LINK, 0.0, 0.0],
+            "mass": mass,
+            "inertia": [mass * radius**2 / 2.0, thick, thick],
+            "centre": [(k + 0.5) * link, 0.0, 0.0],
+            "velocity": [0.0, 0.0, 0.0],
             "spin": [0.0, 0.0, 0.0],
         }
         for k in range(bodies)
     ]
     joints = [
-        {"bodies": [k - 1 if k else None, k], "at": [k * LINK, 0.0, 0.0]} for k in range(bodies)
+        {"bodies": [k - 1 if k else None, k], "at": [k * link, 0.0, 0.0]} for k in range(bodies)
     ]
-    end = {"body": bodies - 1, "at": [bodies * LINK, 0.0, 0.0]}
+    end = {"body": bodies - 1, "at": [bodies * link, 0.0, 0.0]}
     return {"bodies": rods, "joints": joints, "gravity": [0.0, 0.0, -9.81], "probe": end}
 
 
@@ -128,6 +131,7 @@ def spinning() -> Description:
     """The free body of demos/free_rigid_body.py; its probe is a point off all axes."""
     J, spin = free_rigid_body.J.tolist(), free_rigid_body.SPIN.tolist()
     body = {"mass": 1.0, "inertia": J, "centre": [0.0, 0.0, 0.0], "spin": spin}
+    body["velocity"] = [0.0, 0.0, 0.0]
     probe = {"body": 0, "at": [1.0, 1.0, 1.0]}
     return {"bodies": [body], "joints": [], "gravity": [0.0, 0.0, 0.0], "probe": probe}
 

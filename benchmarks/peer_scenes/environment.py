@@ -31,9 +31,9 @@ PYTHONS = ("python3.13", "python3.12", "python3.11", "python3.10")
 
 
 def interpreters(*peers: str) -> dict[str, Path]:
-    """The Python that has each peer, of those that can be had; default: Exudyn and Kratos."""
+    """The Python that has each peer, of those that can be had."""
     found: dict[str, Path] = {}
-    missing = set(peers or ("exudyn", "kratos"))
+    missing = set(peers)
     for python in candidates():
         for peer in sorted(missing):
             inside = folder(python, peer) / "bin" / "python"

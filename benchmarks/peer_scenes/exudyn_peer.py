@@ -18,7 +18,7 @@ import json
 import sys
 import time
 from collections.abc import Callable
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import Any
 
 # must be said before the import
@@ -40,6 +40,9 @@ ATTEMPTS: dict[str, Record] = {
     "increments": {"residualMode": 1},
     "relative tolerance 1e-6, steps cut": {"relativeTolerance": 1e-6},
 }
+MINIMAL, EXPLICIT = "minimal coordinates, explicit", "explicit"
+WIDE = 100.0  # half width of a wall, m
+SHORTEST = 1e-13  # step at an impact, s; with the default of 1e-8 s the rod in a box stops
 POSITION = exu.OutputVariableType.Position
 arrived: dict[str, str] = {}  # what has let a scene arrive, so that repetitions do not try again
 
@@ -99,11 +102,13 @@ def prepared(request: Record, attempt: str) -> tuple[Any, Any]:
         motion.endTime = request["duration"]
         motion.numberOfSteps = round(request["duration"] / request["step"])
         motion.adaptiveStep = attempt.endswith("steps cut")
+        if "balls" in request:
+            motion.minimumStepSize = SHORTEST
         motion.generalizedAlpha.spectralRadius = request["radius"]
         options = motion.newton
         options.useModifiedNewton = request["way"] != "full Newton"
         solver = exu.MainSolverImplicitSecondOrder()
-        if request["way"] == "explicit":
+        if request["way"] in (EXPLICIT, MINIMAL):
             motion.solverType = exu.DynamicSolverType.RK44
             solver = exu.MainSolverExplicit()
     for name, value in ATTEMPTS[attempt].items():
@@ -198,7 +203,9 @@ def hinge(mbs: Any, nodes: list[Any], frames: list[Any], axis: list[float]) -> N
 
 
 def bodies(mbs: Any, request: Record) -> Probe:
-    """Rigid bodies on nodes of a Lie group, whose mass is constant, and spherical joints."""
+    """Rigid bodies on nodes of a Lie group, whose mass is constant, joints and contacts."""
+    if request["way"] == MINIMAL:
+        return kinematic_tree(mbs, request)
     made = [body(mbs, given, request["gravity"]) for given in request["bodies"]]
     for joint in request["joints"]:
         ends = [
@@ -206,6 +213,7 @@ def bodies(mbs: Any, request: Record) -> Probe:
             for k in joint["bodies"]
         ]
         mbs.AddObject(item.SphericalJoint(markerNumbers=ends))
+    contacts(mbs, request, made)
     probe = request["probe"]
     arm = local(request, probe["body"], probe["at"])
     return lambda: mbs.GetObjectOutputBody(made[probe["body"]], POSITION, arm)
@@ -215,15 +223,124 @@ def body(mbs: Any, given: Record, gravity: list[float]) -> Any:
     """Its number."""
     node = item.NodeRigidBodyRotVecLG(
         referenceCoordinates=[*given["centre"], 0, 0, 0],
-        initialVelocities=[0, 0, 0, *given["spin"]],
+        initialVelocities=[*given["velocity"], *given["spin"]],
     )
+    J = np.array(given["inertia"])
+    J = np.diag(J) if J.ndim == 1 else J
     rigid = item.ObjectRigidBody(
-        mass=given["mass"], inertia=[*given["inertia"], 0, 0, 0], nodeNumber=mbs.AddNode(node)
+        mass=given["mass"],
+        inertia=[*np.diag(J), J[1, 2], J[0, 2], J[0, 1]],
+        nodeNumber=mbs.AddNode(node),
     )
     number = mbs.AddObject(rigid)
     whole = mbs.AddMarker(item.MarkerBodyMass(bodyNumber=number))
     mbs.AddLoad(item.LoadMassProportional(markerNumber=whole, loadVector=gravity))
+    if "force" in given:
+        centre = point(mbs, number, [0.0, 0.0, 0.0])
+        mbs.AddLoad(item.Force(markerNumber=centre, loadVector=given["force"]))
     return number
+
+
+def contacts(mbs: Any, request: Record, made: list[Any]) -> None:
+    """Balls and walls, which are triangles that are larger than the scene.
+
+    Friction is proportional to speeds below 1 m/s² times the step: its default with 1e-3 s. The
+    forces of ``GeneralContact`` do not rebound with such dampers, so that each pair is a connector.
+    """
+    balls = request.get("balls", [])
+    if not balls:
+        return
+    owners = [ball["body"] for ball in balls]
+    mass = request["bodies"][owners[0]]["mass"] / owners.count(owners[0])
+    law = {
+        "dynamicFriction": request["friction"],
+        "frictionProportionalZone": request["step"],
+        "contactStiffness": mass * request["frequency"] ** 2,
+        "contactDamping": 2 * request["pulling_damping_ratio"] * mass * request["frequency"],
+    }
+
+    def state() -> Any:
+        values = {"numberOfDataCoordinates": 4, "initialCoordinates": [0.0] * 4}
+        return mbs.AddNode(item.NodeGenericData(**values))
+
+    centres = [
+        rigid_marker(mbs, made[ball["body"]], local(request, ball["body"], ball["at"]))
+        for ball in balls
+    ]
+    for wall in request["walls"]:
+        k = wall["body"]
+        corners = exu.Vector3DList(triangle(local(request, k, wall["at"]), wall["normal"]))
+        face = rigid_marker(mbs, ground(mbs) if k is None else made[k], [0.0, 0.0, 0.0])
+        for ball, centre in zip(balls, centres, strict=True):
+            connector = item.ObjectContactSphereTriangle(
+                markerNumbers=[centre, face],
+                nodeNumber=state(),
+                sphereRadius=ball["radius"],
+                trianglePoints=corners,
+                includeEdges=0,
+                **law,
+            )
+            mbs.AddObject(connector)
+    for one, other in combinations(range(len(balls)), 2) if "touch" in request else ():
+        connector = item.ObjectContactSphereSphere(
+            markerNumbers=[centres[one], centres[other]],
+            nodeNumber=state(),
+            spheresRadii=[balls[one]["radius"], balls[other]["radius"]],
+            **law,
+        )
+        mbs.AddObject(connector)
+
+
+def triangle(at: Any, normal: Any) -> list[Any]:
+    """Corners of a large triangle about a position, counterclockwise about its normal."""
+    first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    second = np.cross(normal, first)
+    return [at + WIDE * (a * first + b * second) for a, b in ((-1, -1), (1, -1), (0, 1))]
+
+
+def rigid_marker(mbs: Any, body: Any, position: list[float]) -> Any:
+    """A marker with axes at a position of a body."""
+    return mbs.AddMarker(item.MarkerBodyRigid(bodyNumber=body, localPosition=position))
+
+
+def kinematic_tree(mbs: Any, request: Record) -> Probe:
+    """A chain in minimal coordinates: three hinges for a spherical joint, about y first.
+
+    That motion is about y alone, far from where the axes of the first and the last are parallel.
+    """
+    given, joints, J = request["bodies"], request["joints"], exu.JointType
+    n, none = 3 * len(given), np.zeros(3)
+    origins = np.array([joint["at"] for joint in joints])
+    steps = np.diff(origins, axis=0, prepend=np.zeros((1, 3)))
+    centres = np.array([body["centre"] for body in given])
+    node = mbs.AddNode(
+        item.NodeGenericODE2(
+            referenceCoordinates=[0.0] * n,
+            initialCoordinates=[0.0] * n,
+            initialCoordinates_t=[0.0] * n,
+            numberOfODE2Coordinates=n,
+        )
+    )
+    tree = item.ObjectKinematicTree(
+        nodeNumber=node,
+        gravity=request["gravity"],
+        jointTypes=[J.RevoluteY, J.RevoluteZ, J.RevoluteX] * len(given),
+        linkParents=list(np.arange(n) - 1),
+        jointTransformations=exu.Matrix3DList([np.eye(3)] * n),
+        jointOffsets=exu.Vector3DList([x for step in steps for x in (step, none, none)]),
+        linkInertiasCOM=exu.Matrix3DList(
+            [M for body in given for M in (np.zeros((3, 3)),) * 2 + (np.diag(body["inertia"]),)]
+        ),
+        linkCOMs=exu.Vector3DList([x for arm in centres - origins for x in (none, none, arm)]),
+        linkMasses=[m for body in given for m in (0.0, 0.0, body["mass"])],
+    )
+    number = mbs.AddObject(tree)
+    arm = np.array(request["probe"]["at"]) - origins[-1]
+    marker = item.MarkerKinematicTreeRigid(
+        objectNumber=number, linkNumber=n - 1, localPosition=arm.tolist()
+    )
+    end = mbs.AddMarker(marker)
+    return lambda: mbs.GetMarkerOutput(end, POSITION)
 
 
 def point(mbs: Any, body: Any, position: list[float]) -> Any:

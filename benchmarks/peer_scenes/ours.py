@@ -1,8 +1,10 @@
 """Answers requests with runs of this library, as the peers do with theirs.
 
-A request is a line of JSON: ``scene`` and its size, ``step`` and ``duration`` or ``load_steps``,
-and a ``way``. All states are kept, with energies and joint forces: nothing is chosen otherwise.
-Seconds are those of ``result.seconds``, by the clock of the processor.
+A request is a line of JSON: ``scene`` and its size, or a description of rigid bodies
+(``descriptions``, ``contacts``), ``step`` and ``duration`` or ``load_steps``, and a ``way``. Of
+flexible bodies all states are kept, with energies and joint forces: nothing is chosen otherwise. Of
+rigid bodies only the end is kept, without energies, as the peers do. Seconds are those of
+``result.seconds``, by the clock of the processor.
 """
 
 from __future__ import annotations
@@ -19,10 +21,8 @@ import numpy.typing as npt
 
 import fem_lie as fl
 from benchmarks.everyday_rows import plate as bent
-from benchmarks.scale import chain
 from demos.bend45 import FORCE
 from demos.double_pendulum import pendulum
-from demos.free_rigid_body import SPIN, spinning
 from demos.hemisphere import FORMULATIONS, RADIUS, pinched, quarter
 from demos.rollup import cantilever
 from fem_lie._jit import progress
@@ -35,9 +35,11 @@ SCHEMES: dict[str, Integrator] = {
     "generalised-α": fl.GeneralisedAlpha(radius=0.8),
     "energy-momentum": fl.EnergyMomentum(),
     "energy-decaying": fl.EnergyDecaying(radius=0.8),
+    "Munthe-Kaas": fl.schemes.MuntheKaas(),
     "reference": fl.GeneralisedAlpha(radius=0.8, tolerance=1e-11),
 }
-FRAMES_ALONE = "generalised-α, frames alone"
+FRAMES, ADAPTIVE = "frames alone", "adaptive steps"
+FRAMES_ALONE = f"generalised-α, {FRAMES}"
 """As the first scheme, of which no more is recorded than where bodies are: peers keep nothing."""
 BEAMS: dict[str, fl.elements.BeamFormulation] = {
     "geodesic": fl.elements.GeodesicBeam(),
@@ -70,7 +72,7 @@ def use_processor_time() -> None:
 def answer(request: Request) -> dict[str, Any]:
     """One run; its seconds are those of the processor."""
     try:
-        return statics(request) if request["scene"] in STATICS else motion(request)
+        return statics(request) if request.get("scene") in STATICS else motion(request)
     except fl.ConvergenceError as error:
         return {"failed": str(error)}
 
@@ -80,21 +82,37 @@ def answer(request: Request) -> dict[str, Any]:
 
 def motion(request: Request) -> dict[str, Any]:
     """Where the probe is at the end, and what it took."""
-    made = MOTIONS[request["scene"]](request)
-    way, record = request["way"], fl.schemes.Record.ALL
-    if way == FRAMES_ALONE:
-        way, record = "generalised-α", fl.schemes.Record.FRAMES
-    plan = {"duration": request["duration"], "step": request["step"], "progress": False}
-    result = SCHEMES[way].run(made.scene, record=record, **plan)
+    made = rigid_bodies(request) if "bodies" in request else MOTIONS[request["scene"]](request)
+    scheme, _, more = request["way"].partition(", ")
+    result = SCHEMES[scheme].run(made.scene, **plan_of(request, more), progress=False)
     return {
         "place": made.probe(result).tolist(),
         "seconds": result.seconds,
-        "steps": len(result.times) - 1,
+        "steps": steps_of(result, request),
         "iterations": int(result.iterations[-1]),
         "matrices": result.factorisations,
         "unknowns": unknowns(made.scene),
         "settings": "defaults",
     }
+
+
+def plan_of(request: Request, more: str) -> dict[str, Any]:
+    """Duration, steps, and what is kept."""
+    duration, step = request["duration"], request["step"]
+    plan: dict[str, Any] = {"duration": duration, "step": step}
+    if more == ADAPTIVE:
+        plan["step"] = fl.schemes.AdaptiveStep(request["tolerance"])
+    if "bodies" in request:
+        plan["save_every"] = max(1, round(duration / step))
+    if "bodies" in request or more == FRAMES:
+        plan["record"] = fl.schemes.Record.FRAMES
+    return plan
+
+
+def steps_of(result: fl.Result, request: Request) -> int:
+    """Number of steps of a run."""
+    chosen = result.steps
+    return round(request["duration"] / request["step"]) if chosen is None else len(chosen.sizes)
 
 
 def unknowns(scene: fl.Scene) -> int:
@@ -109,20 +127,67 @@ def double_pendulum(request: Request) -> Motion:
     return Motion(scene, lambda result: result.position(two.point("end"))[-1])
 
 
-def rigid_chain(request: Request) -> Motion:
-    scene = chain(request["bodies"])
-    half = scene.bodies[-1].frames[0, 0, 0] - scene.bodies[-2].frames[0, 0, 0]
-    return Motion(scene, lambda result: material(result, -1, (half / 2, 0.0, 0.0)))
+def rigid_bodies(request: Request) -> Motion:
+    """Bodies, joints and contacts as they are described."""
+    scene, centres = fl.Scene(gravity=request["gravity"]), []
+    for given in request["bodies"]:
+        body = scene.add(fl.RigidBody(given["mass"], given["inertia"], given["centre"]))
+        centres.append(body.point("centre"))
+        body.add_velocity(given["velocity"], omega=given["spin"], about=given["centre"])
+        if "force" in given:
+            scene.add(fl.PointLoad(body.point("centre"), given["force"]))
+    for joint in request["joints"]:
+        before, after = (fl.ground() if k is None else centres[k] for k in joint["bodies"])
+        scene.add(fl.joints.Spherical(before, after, at=joint["at"]))
+    add_contacts(scene, request)
+    at = request["probe"]
+    k = at["body"]
+    arm = np.subtract(at["at"], request["bodies"][k]["centre"])
+    return Motion(scene, lambda result: material(result, k, arm))
 
 
-def free_body(request: Request) -> Motion:
-    return Motion(spinning(SPIN[np.newaxis]), lambda result: material(result, 0, (1.0, 1.0, 1.0)))
+def impact(request: Request, mass: float) -> fl.contact.Impact:
+    """Rigid contact."""
+    return fl.contact.Impact(request["friction"], request["restitution"])
 
 
-def material(result: fl.Result, node: int, arm: tuple[float, ...]) -> Array:
+def penalty(request: Request, mass: float) -> fl.contact.Penalty:
+    """A spring and a damper between a ball that carries a mass and a wall."""
+    frequency, ratio = request["frequency"], request["damping_ratio"]
+    stiffness, damping = mass * frequency**2, 2 * ratio * mass * frequency
+    return fl.contact.Penalty(stiffness, damping, friction=request["friction"])
+
+
+LAWS: dict[str, Callable[[Request, float], fl.contact.Impact | fl.contact.Penalty]] = {
+    "impacts": impact,
+    "penalty": penalty,
+    "undamped penalty": lambda request, mass: penalty(request | {"damping_ratio": 0.0}, mass),
+}
+
+
+def add_contacts(scene: fl.Scene, request: Request) -> None:
+    """All balls touch all walls, and each other if they are said to."""
+    balls = request.get("balls", [])
+    if not balls:
+        return
+    points = [scene.bodies[ball["body"]].point(ball["at"]) for ball in balls]
+    (radius,) = {ball["radius"] for ball in balls}
+    owners = [ball["body"] for ball in balls]
+    (mass,) = {request["bodies"][k]["mass"] / owners.count(k) for k in owners}
+    law = LAWS[request["way"].partition(", ")[2]](request, mass)
+    surface = fl.contact.Vertices(points, radius)
+    for wall in request["walls"]:
+        held = fl.ground() if wall["body"] is None else scene.bodies[wall["body"]].point("centre")
+        plane = fl.contact.Plane(held, wall["normal"], wall["at"])
+        scene.add(fl.contact.Contact(surface, plane, law))
+    if "touch" in request:
+        scene.add(fl.contact.Contact(surface, surface, law))
+
+
+def material(result: fl.Result, node: int, arm: Array) -> Array:
     """The place of a point of a rigid body at the end."""
     frame = result.frames[-1, node]
-    return np.asarray(frame[0] + np.array(arm) @ frame[1:])
+    return np.asarray(frame[0] + arm @ frame[1:])
 
 
 # --- equilibrium ----------------------------------------------------------------------------------
@@ -187,8 +252,6 @@ def plate(request: Request) -> tuple[Array, fl.StaticResult, int]:
 
 MOTIONS: dict[str, Callable[[Request], Motion]] = {
     "double pendulum": double_pendulum,
-    "chain": rigid_chain,
-    "free body": free_body,
 }
 STATICS: dict[str, Callable[[Request], tuple[Array, Any, int]]] = {
     "45° bend": bend,

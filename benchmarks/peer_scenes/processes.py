@@ -16,8 +16,8 @@ PROGRAMS = {
     "ours": "ours.py",
     "exudyn": "exudyn_peer.py",
     "kratos": "kratos_peer.py",
-    "mujoco": "tree_peers.py",
-    "pinocchio": "tree_peers.py",
+    "mujoco": "rigid_peers.py",
+    "pinocchio": "rigid_peers.py",
 }
 ONE_CORE = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 START = 120.0  # seconds that a program may take to be ready

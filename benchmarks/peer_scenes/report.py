@@ -5,11 +5,13 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Iterable, Sequence
+from itertools import cycle
 from math import inf
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -17,10 +19,14 @@ from benchmarks.peer_scenes.comparisons import COMPARISONS, Comparison
 from fem_lie.pictures.diagrams import COLOURS
 
 FIGURES: dict[str, tuple[str, ...]] = {
-    "motion": ("pendulum1", "pendulum3", "pendulum2", "pendulum2_mesh", "chain", "free_body"),
+    "motion": ("pendulum1", "pendulum3", "pendulum2", "pendulum2_mesh"),
+    "trees": ("chain", "chain30", "chain100", "chain300", "free_body"),
+    "contacts": ("sliding_ball", "bouncing_ball", "block", "rod_in_box", "pile"),
     "statics": ("bend", "rollup", "hemisphere", "thin_hemisphere", "plate"),
 }
-MARKERS = {"ours": "o-", "exudyn": "s--", "kratos": "^:"}
+CODES = dict(zip(("ours", "exudyn", "mujoco", "pinocchio", "kratos"), COLOURS, strict=False))
+STYLES = ("o-", "s--", "^:", "D-.", "v-")
+"""Of the methods of a code, whose colour they share."""
 
 
 class Row(NamedTuple):
@@ -182,36 +188,47 @@ def write_csv(rows: Iterable[Row], path: Path) -> None:
 def draw(rows: Sequence[Row], folder: Path) -> list[Path]:
     """Error over time, a plot for each scene; the files that were written."""
     written = []
-    present = {row.scene for row in rows}
     for name, keys in FIGURES.items():
-        shown = [COMPARISONS[key] for key in keys if key in present]
+        own = [row for row in rows if row.scene in keys]
+        shown = [COMPARISONS[key] for key in keys if any(row.scene == key for row in own)]
         if not shown:
             continue
         columns = min(len(shown), 3 if len(shown) > 4 else 2)
         lines = -(-len(shown) // columns)
-        figure = Figure((4.6 * columns, 3.8 * lines), dpi=100, layout="constrained")
+        figure = Figure((4.6 * columns, 3.8 * lines + 0.8), dpi=100, layout="constrained")
         grid = figure.subplots(lines, columns, squeeze=False).ravel()
+        drawn: dict[str, Artist] = {}
         for axes, comparison in zip(grid, shown, strict=False):
-            panel(axes, comparison, [row for row in rows if row.scene == comparison.key])
+            drawn |= panel(axes, comparison, own)
         for axes in grid[len(shown) :]:
             axes.remove()
+        labels = [label for label in styles(own) if label in drawn]
+        handles = [drawn[label] for label in labels]
+        figure.legend(handles, labels, loc="outside lower center", ncols=columns, frameon=False)
         path = folder / f"peers_{name}.png"
         figure.savefig(path)
         written.append(path)
     return written
 
 
-def panel(axes: Axes, comparison: Comparison, rows: Sequence[Row]) -> None:
-    """The lines of one scene."""
-    for colour, method in zip(COLOURS, comparison.methods, strict=False):
-        label = method.label
-        own = [row for row in rows if row.label == label]
-        if not own:
-            continue
-        errors, seconds = [row.error for row in own], [row.seconds for row in own]
-        style = MARKERS[method.code]
-        axes.loglog(seconds, errors, style, color=colour, label=label, markersize=4)
+def styles(rows: Sequence[Row]) -> dict[str, tuple[str, str]]:
+    """Colour and line of each method of a picture, code by code."""
+    found = {}
+    for code, colour in CODES.items():
+        for label, style in zip(_labels(rows, code), cycle(STYLES), strict=False):
+            found[label] = colour, style
+    return found
+
+
+def panel(axes: Axes, comparison: Comparison, rows: Sequence[Row]) -> dict[str, Artist]:
+    """The lines of one scene, of the ``rows`` of its picture; each by its label."""
+    drawn: dict[str, Artist] = {}
+    for label, (colour, style) in styles(rows).items():
+        own = [row for row in rows if (row.scene, row.label) == (comparison.key, label)]
+        if own:
+            errors, seconds = [row.error for row in own], [row.seconds for row in own]
+            (drawn[label],) = axes.loglog(seconds, errors, style, color=colour, markersize=4)
     unit = "m" if comparison.duration else "relative"
-    axes.set(title=comparison.title, xlabel="seconds", ylabel=f"error, {unit}")
+    axes.set(title=comparison.title, xlabel="processor time, s", ylabel=f"error, {unit}")
     axes.grid(color="#DDDDDD", linewidth=0.6)
-    axes.legend(frameon=False, fontsize="x-small")
+    return drawn
