@@ -348,3 +348,31 @@ def test_rigid_panels_resume_to_the_last_bit(tmp_path, scheme):
     resumed = one.resume(miura()[0], file)
     np.testing.assert_array_equal(resumed.frames, whole.frames)
     np.testing.assert_array_equal(resumed.iterations, whole.iterations)
+
+
+@pytest.mark.parametrize("solve", [fl.statics, fl.follow_loads, fl.follow_path])
+def test_equilibrium_with_redundant_joints_of_a_shell_converges(solve):
+    """A strip bent by a body at its end, which holds a node whose rotation is held already.
+
+    A rigid body has no stiffness in statics, and nodes of shells none about their normals: the
+    compliance of redundant constraints must not follow what little of it a state has.
+    """
+    rule = fl.joints.RedundantConstraints.MINIMUM_NORM
+    young, nu, length, width, height, moment = 2e5, 0.3, 30.0, 10.0, 1.0, 1500.0
+    scene = fl.Scene(redundant=rule)
+    sheet = fl.mesh.parametric_surface(lambda a, b: (length * a, width * b, 0.0), (8, 2))
+    section = fl.ShellSection.layer(height, fl.Material(E=young, nu=nu, density=7.85e-9))
+    strip = scene.add(fl.Shell(sheet, section, name="strip"))
+    strip.clamp("a=0")
+    strip.symmetry("b=0", normal=(0, 1, 0))
+    end = scene.add(fl.RigidBody(1.0, (1.0, 1.0, 1.0), (length, 0, 0), name="end")).point("centre")
+    scene.add(fl.joints.Planar(fl.ground(), end, axis=(0, 1, 0)))
+    for point in strip.points("a=1"):
+        scene.add(fl.joints.Planar(end, point, at=point.position, axis=(1, 0, 0)))
+    scene.add(fl.joints.InPlane(end, strip.point("10"), axis=Z))
+    scene.add(fl.PointLoad(end, moment=(0, -moment, 0)))
+    result = solve(scene)
+    angle = np.arcsin(result.rotation(end)[-1][2, 0])
+    bending = young * width * height**3 / 12.0
+    assert (1.0 - nu**2) * moment * length / bending < angle < moment * length / bending
+    assert result.failed_steps == 0

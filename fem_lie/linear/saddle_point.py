@@ -365,20 +365,27 @@ class KKT:
         """
         _clear_held(columns, self.incidences.nodes, self.held)
         _clear_held(rows, self.incidences.nodes, self.held)
-        softness = self._diagonal(blocks, columns, rows, scale)
+        softness = self._diagonal(columns, rows, scale)
         incident = self._incident_ptr, self._incident
         pattern = self.indptr, self.indices, *incident, self.incidences.ptr
         _fill(pattern, blocks, self.held, columns, rows, scale, softness, self._data)
         self.filled += int(anew)
         self._changed()
 
-    def _diagonal(self, blocks: Array, columns: Array, rows: Array, scale: Array) -> Array:
-        """Negative diagonal of the constraints, shape (m,) or empty; clear what does not act."""
+    def _diagonal(self, columns: Array, rows: Array, scale: Array) -> Array:
+        """Negative diagonal of the constraints, shape (m,) or empty; clear what does not act.
+
+        Solutions are freed of multipliers without force. Only the compliance of redundant
+        constraints, :data:`SOFTNESS` over ``B diag(S)⁻¹ Bᵀ`` of the stiffness by which they are
+        scaled, resists these: otherwise round-off of the constraints would move them in every
+        iteration. That of the current stiffness is not bounded under an earlier scale: a rigid
+        body has no stiffness at the start of statics, and later a little.
+        """
         if not self._on_diagonal:
             return np.empty(0)
         found: Array = np.zeros(self._m)
         if self.redundant:
-            found = self._soften(blocks, columns, scale)
+            found = SOFTNESS * scale
         if self.inactive.any():
             found[self.inactive] = 1.0
             for each in (columns, rows):
@@ -395,19 +402,6 @@ class KKT:
         self.correction = None
         self.matrix.stateIncrease()
         self.matrix.assemble()
-
-    def _soften(self, blocks: Array, columns: Array, scale: Array) -> Array:
-        """Compliance of constraints: :data:`SOFTNESS` times ``diag(σB diag(S)⁻¹ Bᵀσ)``, shape (m,).
-
-        Solutions are freed of multipliers without force. Only the compliance resists these:
-        otherwise round-off of the constraints would move them in every iteration.
-        """
-        nodes, m = np.arange(len(self.held)), len(scale)
-        S = np.abs(blocks[self.block_index(nodes, nodes)].diagonal(axis1=1, axis2=2))
-        scaled = columns * np.sqrt(flexibility(S, self.free_units))[self.incidences.nodes]
-        scaled *= scale[self.incidences.rows, np.newaxis]
-        total = np.bincount(self.incidences.rows, (scaled**2).sum(axis=1), minlength=m)
-        return np.asarray(SOFTNESS * np.where(total > 0.0, total, 1.0))
 
 
 class Incidences(NamedTuple):

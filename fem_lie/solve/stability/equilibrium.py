@@ -121,6 +121,7 @@ class StableEquilibrium(SceneEquilibrium):
         B = (A[n:][:, free] @ weights).tocsr()
         # their scale is that for the solution of increments
         length = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
+        length[length == 0.0] = 1.0  # a redundant constraint on held unknowns only
         return K, (sp.diags(1.0 / length) @ B).tocsr()
 
     def critical_modes(self, factor: float, count: int, prefix: str) -> tuple[Array, Array]:
