@@ -218,3 +218,28 @@ def test_moments_of_one_element():
     np.testing.assert_allclose(np.abs(found.at_points[..., 3]), moment, rtol=1e-12)
     others = np.delete(found.at_points, 3, axis=-1)
     np.testing.assert_allclose(others, 0.0, atol=1e-9 * moment)
+
+
+@pytest.mark.parametrize("cells", [4, 8])
+def test_a_compressed_plate_buckles_as_a_plate_at_first(cells):
+    """A square plate, simply supported, buckles at ``4π²D/a²``.
+
+    Rotations of the nodes about their directors, alternately to one side and to the other, must not
+    buckle before: edges are arcs, and longer then.
+    """
+    side, thickness, nu = 1.0, 0.01, 0.3
+    mesh = fl.mesh.parametric_surface(lambda a, b: (side * a, side * b, 0.0), (cells, cells))
+    layer = fl.ShellSection.layer(thickness, fl.Material(E, nu, 1000.0))
+    plate, scene = fl.Shell(mesh, layer, formulation=SHELL, name="plate"), fl.Scene()
+    scene.add(plate)
+    rim = {p.node: p for side in ("a=0", "a=1", "b=0", "b=1") for p in plate.points(side)}
+    held = [(point, (0, 0, 1)) for point in rim.values()]
+    held += [(point, (1, 0, 0)) for point in plate.points("a=0")]
+    held += [(point, (0, 1, 0)) for point in plate.points("b=0")]
+    for point, axis in held:
+        scene.add(fl.joints.InPlane(fl.ground(), point, axis=axis))
+    bending = E * thickness**3 / 12 / (1 - nu**2)
+    critical = 4 * np.pi**2 * bending / side**2
+    scene.add(fl.loads.EdgeLoad(plate, "a=1", force=(-critical, 0, 0)))
+    found = fl.buckling(scene, 1)
+    assert found.factors[0] == pytest.approx(1.0, abs=1.6 / cells**2)

@@ -11,7 +11,7 @@ an arc of the length of ``u``, not its chord. With ``Δ = d − d₀`` of the ed
 their length, too. The strains are::
 
     E = (Γ₁·e₁, Γ₂·e₂, Γ₁·e₂ + Γ₂·e₁)    K = (κ₁·e₂, −κ₂·e₁, κ₂·e₂ − κ₁·e₁)    γᵢ = Γᵢ·e₃
-    c = Γ₁·e₂ − Γ₂·e₁                     κᵢ·e₃
+    c = Γ₁·e₂ − Γ₂·e₁                     Δκᵢ·e₃
 
 Membrane strain, shear and curvature along an edge are those of the edge: nothing locks, and states
 of constant strain are exact on distorted cells. As in :class:`HellingerReissner` elements, a cell
@@ -19,8 +19,11 @@ has a stress field of 14 parameters. Strains are linear in ``Δ``, so that it is
 the energy of a cell is a constant quadratic form of ``Δ``.
 
 The drilling strain ``c`` has the stiffness ``G t`` of membrane shear. Without the last two, nodes
-that rotate alternately about their directors would have no strain; they have 1 % of the stiffness
-of twist, which changes the bending stiffness of a strip of width b in its plane by ``0.01 (t/b)²``.
+that rotate alternately about their directors, by ±θ, would have no strain: ``Δκ``, the changes of
+``κ`` within a cell of area A, have the stiffness ``0.005 G t A``. In such a rotation edges are
+arcs, longer by ``θ²/6``, on which compressive forces do work: it buckles at a membrane strain of
+about −1.5 %, whatever the thickness and the size of the cells. Bending in the plane, and any other
+state of constant strain, has no part of this stiffness.
 
 Strains depend on the relative motion of frames only, and do not change in any rigid motion.
 """
@@ -43,7 +46,7 @@ from fem_lie._jit import compiled
 from fem_lie._jit.stack import stack
 from fem_lie.elements.shells.cells import ShellCells
 from fem_lie.elements.shells.decoupled import EDGES
-from fem_lie.elements.shells.drilling import FRACTION, MEMBRANE_SHEAR, TWIST
+from fem_lie.elements.shells.drilling import MEMBRANE_SHEAR
 from fem_lie.elements.shells.element import ShellFormulation
 from fem_lie.elements.shells.measures import MITC4, StrainMeasures
 from fem_lie.elements.shells.stress_modes import QUADRILATERAL
@@ -56,6 +59,8 @@ _MOTIONS, _TURNS, _SIZE = 24, 24, 32
 """Number of relative motions; where cosines and sines of the nodes' turns begin; size."""
 _FIELD = 14
 """Number of parameters of the stress field."""
+_ALTERNATING = 0.005
+"""Stiffness of the changes of ``κᵢ·e₃`` within a cell, over that of membrane shear and its area."""
 
 
 @compiled
@@ -296,13 +301,18 @@ class Edges(NamedTuple):
         """
         a, b = np.moveaxis(self._gradients, 2, 0)
         B, S = self._work(), self._stiffness_of_field(section)
-        G, D = (section[:, k, k] for k in (MEMBRANE_SHEAR, TWIST))
+        G, areas = section[:, MEMBRANE_SHEAR, MEMBRANE_SHEAR], self.weights.sum(axis=1)
         K = np.einsum("mji,mjk,mkl->mil", B, S, B, optimize=True)
         drilling = [(G, a[:, :, 1] - b[:, :, 0])]
-        drilling += [(FRACTION * D, a[:, :, 5]), (FRACTION * D, b[:, :, 5])]
+        drilling += [(_ALTERNATING * G * areas, self._deviation(k[:, :, 5])) for k in (a, b)]
         for k, c in drilling:
             K += np.einsum("m,mp,mpi,mpj->mij", k, self.weights, c, c, optimize=True)
         return K
+
+    def _deviation(self, values: Array) -> Array:
+        """Values at the points (m, 4, k) less their means over the cells."""
+        mean = np.einsum("mp,mpk->mk", self.weights, values) / self.weights.sum(axis=1)[:, None]
+        return np.asarray(values - mean[:, np.newaxis])
 
     def parameters(self, section: Array) -> Array:
         """Parameters of the stress field per force conjugate to relative motions, (m, 14, 24).
