@@ -172,3 +172,22 @@ def test_path_says_where_it_ends_by_default():
     assert "until=" in fl.follow_path(scene).reason
     beyond = fl.follow_path(scene, fl.stability.PathEnds(2.0, critical_points=1))
     assert beyond.limits and "until=" not in beyond.reason
+
+
+def test_levels_of_statics_find_the_temperature_at_which_a_clamped_column_buckles():
+    """``4π²EI/L² = EA α T``; paths and buckling say that they do not follow temperatures."""
+    strip = fl.Section.rectangle(0.03, 0.01, fl.Material(E=2.1e11, nu=0.3, density=7800.0))
+    column = fl.Rod.straight((5, 2, 1), (5, 2, 2), strip, cells=16, name="column")
+    expansion, stiffness = 1.2e-5, strip.stiffness
+    critical = 4 * np.pi**2 * stiffness[4, 4] / (stiffness[0, 0] * expansion)
+    scene = fl.Scene()
+    scene.add(column)
+    for end in "start", "end":
+        scene.add(fl.Clamp(column.point(end)))
+    scene.add(fl.loads.Temperature(column, rise=critical, expansion=expansion))
+    with pytest.warns(fl.stability.UnstableEquilibriumWarning):
+        found = fl.statics(scene, levels=(0.99, 1.01))
+    np.testing.assert_array_equal(found.negative_pivots, [0, 1])
+    for follow in fl.buckling, fl.follow_path, fl.follow_loads:
+        with pytest.raises(ValueError, match=r"Temperature on column: use load steps, fl\.statics"):
+            follow(scene)

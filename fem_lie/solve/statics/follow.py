@@ -132,12 +132,12 @@ def _out_of_proportion(scene: Scene) -> list[str]:
 def check_proportion(scene: Scene) -> None:
     """Raise ``ValueError`` if a load is not in proportion to the load factor."""
     require_scene(scene)
-    if scene.motions:
-        raise ValueError("an arc length has no time for prescribed motions: use load steps")
-    for label in _out_of_proportion(scene):
+    others = ["prescribed motions"] if scene.motions else _out_of_proportion(scene)
+    if others:
         raise ValueError(
-            f"an arc length needs loads in proportion to the load factor, got {label}: use load "
-            "steps"
+            "buckling, paths and the arc length expect loads in proportion to the load factor, got "
+            f"{others[0]}: use load steps, fl.statics(scene, levels=...), whose negative_pivots "
+            "say from which level on the equilibrium is unstable"
         )
 
 

@@ -417,11 +417,14 @@ class LoadSteps(Iterated):
     def _negative_pivots(self, factor: float) -> int:
         """Negative pivots of the last iteration; if there are any, of the converged state.
 
-        Residual forces have a skew part: only at equilibrium may the tangent be symmetric.
+        Residual forces have a skew part: only at equilibrium may the tangent be symmetric. The
+        first iteration does not have the stress of this load factor yet, which changes although
+        nothing moves in a heated column between clamps.
         """
         has_potential = self.equations.unknowns.has_potential
-        found = negative_pivots(self.equations, self._solver) if has_potential else UNKNOWN
-        if found > 0 or not has_potential:
+        last = has_potential and self.iterations > 1
+        found = negative_pivots(self.equations, self._solver) if last else UNKNOWN
+        if found > 0 or not last:
             self._factorise(factor)
             found = negative_pivots(self.equations, self._solver)
         if found > 0 and self._may_be_free:
