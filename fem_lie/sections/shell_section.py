@@ -161,7 +161,10 @@ class ShellSection(Summarised):
         Args:
             plies: Plies, at least one.
             reference: Height of the reference surface over the thickness: 0 bottom, 1 top.
-            shear_factor: Effective over true transverse shear stiffness.
+            shear_factor: Effective transverse shear stiffness over the sum of that of the plies;
+                default: 5/6, that of a homogeneous section. Plies of very different stiffness need
+                their own: a sandwich with a core of thickness c and shear modulus G, and a distance
+                d between the middles of its faces, has ``G d²/c``, far less than the sum.
 
         Raises:
             ValueError: There is no ply, or a number is out of range.
