@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array
-from fem_lie._jit import uncounted
+from fem_lie._jit import inlined_uncounted, uncounted
 from fem_lie.contact.cones.jacobian import add_response, along_all
 from fem_lie.contact.cones.sweeps import Cones, change, residual
 
@@ -192,8 +192,19 @@ def _yield_more(problem: Cones, k: int, part: float) -> None:
             problem.q[c, i] -= soft * start[a + i]
 
 
+@inlined_uncounted
+def _largest(r: Array, n: int) -> float:
+    """The largest of the first ``n`` numbers in size; nan if any is."""
+    largest = 0.0
+    for i in range(n):
+        size = abs(r[i])
+        if size > largest or size != size:
+            largest = size
+    return largest
+
+
 @uncounted
-def proximal(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
+def proximal(problem: Cones, k: int, tolerance: float, most: float) -> tuple[int, float]:
     """Newton's method with proximal steps, for contacts that are dependent or nearly so.
 
     In each step contacts are compliant to the difference from the impulses of the step before, so
@@ -204,6 +215,8 @@ def proximal(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
         problem: Impulses and velocities are updated to those of the least residual.
         k: Number of contacts, at most :data:`~fem_lie.contact.cones.sweeps.MOST_NEWTON`.
         tolerance: Tolerance of the residual.
+        most: Largest ratio of the impulses to those at the start; impulses that exceed it are not
+            taken.
 
     Returns:
         Number of iterations, and the residual.
@@ -213,6 +226,7 @@ def proximal(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
     workspace, n = problem.dense, 3 * k
     change(problem, k)
     part, iterations, reached = _YIELDS, 0, residual(problem, k)
+    most *= _largest(workspace.kept, n)
     for _ in range(_PROXIMAL):
         largest = 0.0
         for i in range(n):
@@ -222,14 +236,15 @@ def proximal(problem: Cones, k: int, tolerance: float) -> tuple[int, float]:
         for _ in range(_ITERATIONS):
             square = _step(problem, k)
             iterations += 1
-            for i in range(n):
-                largest = max(largest, abs(workspace.r[i]))
+            largest = max(largest, _largest(workspace.r, n))
             found = square <= (_FOUND * largest) ** 2
             if found:
                 break
         _yield_more(problem, k, -part)
         change(problem, k)
         now = residual(problem, k)
+        if not _largest(workspace.r, n) <= most:
+            break
         if found or now < reached:
             reached = now
             for i in range(n):

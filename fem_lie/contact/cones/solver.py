@@ -72,7 +72,8 @@ _PROXIMAL = 5
 
 _GROWTH = 1e2
 """Largest ratio of Newton's impulses to those of the sweeps: wedged bodies have arbitrary internal
-forces."""
+forces. With friction they may have no solution, and impulses that grow without limit then have a
+small residual, which is relative to them."""
 
 
 @uncounted
@@ -328,7 +329,8 @@ def solve(problem: Cones, k: int, tolerance: float) -> tuple[int, int, float]:
         if first:
             more, reached = _with_newton(problem, k, enough, reached)
         else:
-            more, reached = proximal(problem, k, enough)
+            most = _GROWTH if _has_friction(problem, k) else np.inf
+            more, reached = proximal(problem, k, enough, most)
         iterations += more
         if reached <= enough:
             return sweeps, iterations, reached
