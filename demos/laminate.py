@@ -48,10 +48,9 @@ UNITS = fl.post.Units(length="a", force="E2 a²")
 
 
 def cross_ply(thickness: float) -> fl.ShellSection:
-    """Four equal plies, 0/90/90/0."""
-    return fl.ShellSection.laminate(
-        [fl.sections.Ply(thickness / 4, FIBRES, angle) for angle in (0.0, 90.0, 90.0, 0.0)]
-    )
+    """Four equal plies, 0/90/90/0, with the shear factor of the tables of the book."""
+    plies = [fl.sections.Ply(thickness / 4, FIBRES, angle) for angle in (0.0, 90.0, 90.0, 0.0)]
+    return fl.ShellSection.laminate(plies, shear_factor=5 / 6)
 
 
 def plate(

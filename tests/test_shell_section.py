@@ -53,6 +53,62 @@ def test_a_turned_ply_is_stiff_along_its_fibres():
     np.testing.assert_allclose(crossed, straight[np.ix_(swap, swap)], atol=1e-13)
 
 
+def cross_ply(thickness: float, angles: tuple[float, ...], **options: float) -> fl.ShellSection:
+    """Equal plies of a fibre composite."""
+    fibres = fl.sections.Orthotropic(25.0, 1.0, 0.25, 0.5, 0.5, 0.2, 1.0)
+    plies = [fl.sections.Ply(thickness / len(angles), fibres, angle) for angle in angles]
+    return fl.ShellSection.laminate(plies, **options)
+
+
+def test_shear_stiffness_of_equal_plies_has_five_sixths():
+    """In any axes, and about any reference surface."""
+    plies = [fl.sections.Ply(0.2, CARBON, 25.0)] * 3
+    known = fl.ShellSection.laminate(plies, shear_factor=5 / 6).stiffness[6:, 6:]
+    for reference in (0.0, 0.5, 0.8):
+        found = fl.ShellSection.laminate(plies, reference=reference).stiffness[6:, 6:]
+        np.testing.assert_allclose(found, known, rtol=1e-13)
+
+
+def test_shear_factor_of_a_cross_ply():
+    """0.5952 of 0/90/90/0, J. M. Whitney, J. Appl. Mech. 40 (1973) 302."""
+    one, both = (
+        cross_ply(0.1, (0, 90, 90, 0), **options).stiffness[6, 6]
+        for options in ({}, {"shear_factor": 1.0})
+    )
+    assert one / both == pytest.approx(0.5952, abs=5e-5)
+
+
+def test_a_soft_core_is_not_sheared_by_its_faces():
+    """``G d²/c``, where the sum over plies is 257 times as stiff."""
+    face, core = fl.Material(7e4, 0.3, 1.0), fl.Material(13.0, 0.3, 1.0)
+    plies = [fl.sections.Ply(t, m) for t, m in ((0.5, face), (20.0, core), (0.5, face))]
+    shear = fl.ShellSection.laminate(plies).stiffness[6:, 6:]
+    np.testing.assert_allclose(shear, core.G * 20.5**2 / 20 * np.eye(2), rtol=1e-3, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("slenderness", "published", "near"),
+    [(10, 0.7530, 0.015), (20, 0.5164, 3e-3), (100, 0.4347, 1e-3)],
+)
+def test_a_cross_ply_deflects_as_in_three_dimensions(slenderness, published, near):
+    """0/90/0 under ``q sin πx/a sin πy/a``: Pagano, J. Compos. Mater. 4 (1970) 20.
+
+    5/6 of the sum misses by 11, 5 and 0.2 %.
+    """
+    h, α = 1.0 / slenderness, np.pi
+    D = cross_ply(h, (0, 90, 0)).stiffness
+    S5, S4, twist, both = D[6, 6], D[7, 7], D[5, 5] * α * α, (D[3, 4] + D[5, 5]) * α * α
+    K = np.array(
+        [
+            [(S5 + S4) * α * α, S5 * α, S4 * α],
+            [S5 * α, D[3, 3] * α * α + twist + S5, both],
+            [S4 * α, both, twist + D[4, 4] * α * α + S4],
+        ]
+    )
+    w = np.linalg.solve(K, [1.0, 0.0, 0.0])[0]
+    assert 100 * w * h**3 == pytest.approx(published, rel=near)
+
+
 @pytest.mark.parametrize("reference", [0.0, 0.3, 1.0])
 def test_reference_surface(reference):
     """Strain and velocity at the middle are those of the reference surface, carried there."""

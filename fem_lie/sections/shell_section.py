@@ -5,7 +5,9 @@ K₂₂, 2K₁₂, γ₁, γ₂)``, of the reference surface; at the height ``z`
 ``E + z K``, in plane stress. Inertia is the mass matrix of ``(x, t)`` per area: a point is
 ``x + z t``, so its kinetic energy is ``½ Σ G_ab q̇_a·q̇_b`` with ``G = ∫ρ (1, z) ⊗ (1, z) dz``.
 
-Lamination theory: R. M. Jones, *Mechanics of Composite Materials* (1999), ch. 2 and 4.
+Lamination theory: R. M. Jones, *Mechanics of Composite Materials* (1999), ch. 2 and 4. Transverse
+shear: stresses in equilibrium with bending along either axis, and their complementary energy (K.
+Rohwer, *Improved transverse shear stiffnesses for layered finite elements*, DFVLR-FB 88-32, 1988).
 """
 
 from __future__ import annotations
@@ -154,17 +156,17 @@ class ShellSection(Summarised):
         plies: Sequence[Ply],
         *,
         reference: float = 0.5,
-        shear_factor: float = SHEAR_FACTOR,
+        shear_factor: float | None = None,
     ) -> ShellSection:
         """Laminate of plies from bottom to top, along the director.
 
         Args:
             plies: Plies, at least one.
             reference: Height of the reference surface over the thickness: 0 bottom, 1 top.
-            shear_factor: Effective transverse shear stiffness over the sum of that of the plies;
-                default: 5/6, that of a homogeneous section. Plies of very different stiffness need
-                their own: a sandwich with a core of thickness c and shear modulus G, and a distance
-                d between the middles of its faces, has ``G d²/c``, far less than the sum.
+            shear_factor: Effective transverse shear stiffness over the sum of that of the plies.
+                Default: the stiffness with the energy of the shear stresses that are in equilibrium
+                with bending: 5/6 of the sum if plies are equal, and ``G d²/c`` of a sandwich with a
+                soft core of thickness c and a distance d between the middles of its faces.
 
         Raises:
             ValueError: There is no ply, or a number is out of range.
@@ -175,7 +177,8 @@ class ShellSection(Summarised):
             instance(ply, Ply, "a layer of a laminate", "a Ply")
         if not 0.0 <= number(reference, "reference") <= 1.0:
             raise ValueError(f"reference must lie between 0 and 1, got {reference!r}")
-        positive(shear_factor, "shear_factor")
+        if shear_factor is not None:
+            positive(shear_factor, "shear_factor")
         heights = np.cumsum([0.0, *(ply.thickness for ply in plies)])
         thickness = float(heights[-1])
         heights = heights - reference * thickness
@@ -186,9 +189,47 @@ class ShellSection(Summarised):
             plane, shear = ply.stiffness()
             powers = np.array([[moments[0], moments[1]], [moments[1], moments[2]]])
             D[:6, :6] += np.kron(powers, plane)
-            D[6:, 6:] += shear_factor * moments[0] * shear
+            D[6:, 6:] += moments[0] * shear
             G += ply.material.density * powers
+        if shear_factor is None:
+            D[6:, 6:] = _shear_stiffness(plies, heights, D[:6, :6])
+        else:
+            D[6:, 6:] *= shear_factor
         return cls(D, G, thickness)
+
+
+def _shear_stiffness(plies: Sequence[Ply], heights: Array, D: Array) -> Array:
+    """Transverse shear stiffness by the complementary energy of shear in equilibrium with bending.
+
+    Args:
+        plies: Plies.
+        heights: Their boundaries, one more than plies.
+        D: Stiffness on membrane and bending strains, shape (6, 6).
+
+    Returns:
+        The stiffness, shape (2, 2).
+    """
+    # strains of M₁₁,₁ = 1 and of M₂₂,₂ = 1; σ₁₁,₁ and σ₁₂,₁ of the former, σ₁₂,₂ and σ₂₂,₂ of the
+    # latter are balanced by τ₁₃,₃ and τ₂₃,₃
+    ε, κ = np.split(np.linalg.inv(D)[:, 3:5], 2)
+    balanced = np.array([[0, 2], [2, 1]])
+    points, weights = np.polynomial.legendre.leggauss(3)
+    # (τ₁₃, τ₂₃) of both, in columns
+    τ, flexibility = np.zeros((2, 2)), np.zeros((2, 2))
+    for ply, low, high in zip(plies, heights[:-1], heights[1:], strict=True):
+        plane, shear = ply.stiffness()
+        S = np.linalg.inv(shear)
+        a, b = (
+            np.stack([(plane @ strains)[balanced[k], k] for k in range(2)], axis=1)
+            for strains in (ε, κ)
+        )
+        half = 0.5 * (high - low)
+        for z, weight in zip(low + half * (1.0 + points), weights, strict=True):
+            at = τ - (z - low) * a - 0.5 * (z * z - low * low) * b
+            flexibility += half * weight * at.T @ S @ at
+        τ = τ - (high - low) * a - 0.5 * (high * high - low * low) * b
+    K = np.linalg.inv(flexibility)
+    return np.asarray(0.5 * (K + K.T))
 
 
 def _orthotropic(m: Material | Orthotropic) -> Orthotropic:
