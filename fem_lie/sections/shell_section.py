@@ -215,7 +215,8 @@ def _shear_stiffness(plies: Sequence[Ply], heights: Array, D: Array) -> Array:
     balanced = np.array([[0, 2], [2, 1]])
     points, weights = np.polynomial.legendre.leggauss(3)
     # (τ₁₃, τ₂₃) of both, in columns
-    τ, flexibility = np.zeros((2, 2)), np.zeros((2, 2))
+    τ: Array = np.zeros((2, 2))
+    flexibility = np.zeros((2, 2))
     for ply, low, high in zip(plies, heights[:-1], heights[1:], strict=True):
         plane, shear = ply.stiffness()
         S = np.linalg.inv(shear)

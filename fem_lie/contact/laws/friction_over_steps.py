@@ -10,8 +10,9 @@ of the first is moved to the point of the second. Hence a traction has no moment
     dissipation = τ·s − ½ k (e₁² − e²) ≥ ½ k |e₁ − e|²
 
 because ``τ·(e + s) ≥ k e₁²`` whether or not the traction is limited. The pressure ``p`` is that of
-the secant of the potential, the mean over the step also where the pair meets or separates in it. A
-pair that is separate at the end has ``e₁ = 0``, and dissipates ``τ·s + ½ k e² ≥ ¼ k e²``.
+the secant of the potential, the mean over the step also where the pair meets or separates in it.
+Springs are kept within the limit of the end, zero for pairs that are separate then, where a smaller
+``e₁`` dissipates more: at least ``τ·s + ½ k e² ≥ ¼ k e²``.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ import numpy as np
 
 from fem_lie._arrays import Array, Indices
 from fem_lie._jit import compiled, inlined_uncounted
-from fem_lie.contact.laws.anchors import Anchors, CoulombLaw, stretch_of, traction
+from fem_lie.contact.laws.anchors import Anchors, CoulombLaw, limit, stretch_of, traction
 from fem_lie.contact.laws.over_steps import secant
 from fem_lie.contact.sides.kinematics import SLOTS, contact_point
 from fem_lie.contact.sides.surfaces import MOST_NODES
@@ -56,7 +57,7 @@ class Slips(NamedTuple):
         springs: Elongations ``e`` at the start, shape (m, 3).
         slips: ``s``, shape (m, 3).
         τ: Tractions on the second side, shape (m, 3).
-        held: Tractions of the springs at the end, zero for separate pairs, shape (m, 3).
+        held: Tractions of the springs at the end, within the limit there, shape (m, 3).
     """
 
     gaps: Array
@@ -140,8 +141,8 @@ def set_over_step(
         if mean_gap.σ < 0.0:
             τ = traction(law, mean_gap.σ, n, u).τ
             store_row(out.τ, e, τ)
-            if g < 0.0:
-                store_row(out.held, e, τ)
+            size, most = np.sqrt(dot(τ, τ)), limit(law, max(-g, 0.0))
+            store_row(out.held, e, τ if size <= most else scaled(most / size, τ))
 
 
 @compiled
