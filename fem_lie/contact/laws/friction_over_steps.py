@@ -132,14 +132,14 @@ def set_over_step(
             slip = plus(slip, global_components(ends.delta[node], c))
         i, j = at.pairs[e]
         g, n, _, _ = contact_point(ends.end, at.a, at.b, i, j, at.kind)
-        u, mean_gap = plus(spring, slip), secant(anchors.gaps[q], g, g - anchors.gaps[q])
-        out.gaps[e], out.by_gap[e] = mean_gap.σ, 0.5 * mean_gap.by_gap
+        u, normal = plus(spring, slip), secant(anchors.gaps[q], g, g - anchors.gaps[q])
+        out.gaps[e], out.by_gap[e] = normal.σ, 0.5 * normal.by_gap
         store_row(out.normals, e, n)
         store_row(out.stretches, e, u)
         store_row(out.springs, e, spring)
         store_row(out.slips, e, slip)
-        if mean_gap.σ < 0.0:
-            τ = traction(law, mean_gap.σ, n, u).τ
+        if normal.σ < 0.0:
+            τ = traction(law, normal.σ, n, u).τ
             store_row(out.τ, e, τ)
             size, most = np.sqrt(dot(τ, τ)), limit(law, max(-g, 0.0))
             store_row(out.held, e, τ if size <= most else scaled(most / size, τ))
