@@ -41,7 +41,7 @@ import numpy as np
 
 import fem_lie as fl
 from benchmarks.domains import coarse, megabytes
-from fem_lie.linear.domains.interface import Interface
+from fem_lie.linear.domains.interface import THRESHOLD, Interface
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "demos"))
 
@@ -241,14 +241,14 @@ def row(name: str, watch: Watched) -> str:
     return "| " + " | ".join(map(str, given)) + " |"
 
 
-ASKED = argparse.Namespace(threshold=3.0)
+ASKED = argparse.Namespace(threshold=THRESHOLD)
 
 
 def main() -> None:
     """Print rows."""
     asking = argparse.ArgumentParser(description=__doc__, allow_abbrev=False)
     asking.add_argument("names", nargs="+")
-    asking.add_argument("--threshold", type=float, default=3.0)
+    asking.add_argument("--threshold", type=float, default=THRESHOLD)
     asking.parse_args(namespace=ASKED)
     watch = Watched()
     timed(watch)

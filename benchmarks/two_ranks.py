@@ -3,12 +3,13 @@
     python3 -m benchmarks.two_ranks --scene shell
     tools/run mpirun -n 2 python3 -m benchmarks.two_ranks --scene shell
 
-Seconds of the search for equilibrium (shell: the pinched hemisphere of 128×128 cells), of a step
-(net of 5e5 unknowns, truss of 32 cells), or of an analysis of stability with set-up (vibrations,
-buckling, path of a plate), by the clock, on the first rank; --size for others. Then
-processor seconds of that rank, with set-up, and what they went into: factors, solutions that Python
-asks for, matrices, forces that it asks for, updates of the stress, and steps, which are forces,
-corrections and the other solutions in compiled loops. What is left is set-up, most of it.
+Seconds of the search for equilibrium (shell: the pinched hemisphere of 128×128 cells; solid: a
+block of 24³ bricks), of a step (net of 5e5 unknowns, truss of 32 cells), or of an analysis of
+stability with set-up (vibrations, buckling, path of a plate), by the clock, on the first rank;
+--size for others. Then processor seconds of that rank, with set-up, and what they went into:
+factors, solutions that Python asks for, matrices, forces that it asks for, updates of the stress,
+and steps, which are forces, corrections and the other solutions in compiled loops. What is left is
+set-up, most of it.
 """
 
 from __future__ import annotations
@@ -38,6 +39,22 @@ def shell(size: int) -> float:
 
     fl.follow_loads(pinched(0.04, quarter(4)))
     return fl.follow_loads(pinched(0.04, quarter(size))).seconds
+
+
+def solid(size: int) -> float:
+    """A block of that many bricks along each edge, sheared by a load on its top."""
+    fl.statics(_block(2))
+    return fl.statics(_block(size)).seconds
+
+
+def _block(size: int) -> fl.Scene:
+    rubber = fl.sections.NeoHooke(E=1e6, nu=0.3, density=1000.0)
+    block = fl.Solid.brick((1, 1, 1), rubber, cells=(size, size, size))
+    block.clamp("c=0")
+    scene = fl.Scene()
+    scene.add(block)
+    scene.add(fl.loads.FaceLoad(block, "c=1", (1e5, 0, 0)))
+    return scene
 
 
 def vibrations(size: int) -> float:
@@ -145,6 +162,7 @@ WATCHED = (
 
 SCENES: dict[str, tuple[Callable[[int], float], int]] = {
     "shell": (shell, 128),
+    "solid": (solid, 24),
     "net": (net, 32),
     "truss": (truss, 32),
     "vibrations": (vibrations, 128),

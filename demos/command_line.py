@@ -53,7 +53,7 @@ def run(
         print(table(record))
         for picture in _written_since(start):
             print(f"{'page' if picture.endswith('.html') else 'picture'}: {picture}")
-    if file is not None:
+    if file is not None and MPI.COMM_WORLD.rank == 0:
         Path(file).write_text(json.dumps(record, indent=1) + "\n")
 
 
