@@ -25,7 +25,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined_uncounted
+from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie._jit.packed_arrays import Integers2, Numbers1, Numbers2, Numbers3
 from fem_lie.contact.laws.energy import PenaltyConstants
 from fem_lie.contact.sides.kinematics import (
     SLOTS,
@@ -99,29 +100,40 @@ class Anchors(NamedTuple):
         gaps: Gaps in the state of the anchors, shape (m,).
     """
 
-    keys: Indices
-    nodes: Indices
-    weights: Array
-    arms: Array
-    fixed: Array
-    forces: Array
-    gaps: Array
+    keys: Integers2
+    nodes: Integers2
+    weights: Numbers2
+    arms: Numbers3
+    fixed: Numbers2
+    forces: Numbers2
+    gaps: Numbers1
 
 
 _COLUMNS = 2 + SLOTS + SLOTS + 3 * SLOTS + 3 + 3 + 1
 
 
+@compiled
 def empty_anchors(m: int) -> Anchors:
-    """Uninitialised anchors of ``m`` pairs."""
+    """Anchors of ``m`` pairs on no nodes."""
     return Anchors(
         np.zeros((m, 2), dtype=np.int64),
-        np.full((m, SLOTS), UNUSED),
+        np.full((m, SLOTS), UNUSED, dtype=np.int64),
         np.zeros((m, SLOTS)),
         np.zeros((m, SLOTS, 3)),
         np.zeros((m, 3)),
         np.zeros((m, 3)),
         np.zeros(m),
     )
+
+
+@uncounted
+def clear(anchors: Anchors) -> None:
+    """Detach all anchors from their nodes."""
+    for e in range(anchors.nodes.shape[0]):
+        store_row(anchors.fixed, e, (0.0, 0.0, 0.0))
+        for s in range(SLOTS):
+            anchors.nodes[e, s], anchors.weights[e, s] = UNUSED, 0.0
+            store_row(anchors.arms[e], s, (0.0, 0.0, 0.0))
 
 
 def packed(anchors: Anchors) -> Array:

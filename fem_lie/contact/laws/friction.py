@@ -5,24 +5,22 @@ from __future__ import annotations
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
+from fem_lie._jit.packed_arrays import PackedArrays
 from fem_lie.contact.laws import friction_over_steps as over_steps
+from fem_lie.contact.laws import packed_friction
 from fem_lie.contact.laws.anchors import (
     Anchors,
     CoulombLaw,
     add_tractions,
     empty_anchors,
     found,
-    overlap_energy,
     packed,
-    set_anchors,
-    set_rows,
-    slip_work,
-    tractions,
     unpacked,
 )
 from fem_lie.contact.laws.damped_friction import add_damping_tangents, damping_tractions
 from fem_lie.contact.laws.friction_tangents import add_traction_tangents
-from fem_lie.contact.sides.two_sides import Sides, Stations
+from fem_lie.contact.sides.table import KeptTable, Stations
+from fem_lie.contact.sides.two_sides import Sides
 from fem_lie.forms.abilities import FRICTION_COLUMNS, Done, Ends
 from fem_lie.lie.node_types import go_all_on
 
@@ -46,22 +44,22 @@ class Friction:
             H: Initial frames.
         """
         self._sides, self._law, self._types = sides, law, types
-        self._anchors = empty_anchors(0)
+        self._stations = KeptTable()
+        self._hold(empty_anchors(0))
         self._ahead: tuple[Indices, Array] | None = None
         self.dissipated = self.pressed = 0.0
         self.accept(H)
 
-    def _tractions(self, H: Array) -> tuple[Stations, Indices, Array]:
-        """Pairs, index of their anchors, and tractions (m, 3)."""
-        stations = self._sides.stations(H)
-        which, τ = found(self._anchors.keys, stations.keys), np.empty((len(stations.keys), 3))
-        tractions(H, stations.at, self._anchors, which, self._law, τ)
-        return stations, which, τ
+    def _hold(self, anchors: Anchors) -> None:
+        self._anchors, self._packed = anchors, PackedArrays(anchors)
+
+    def _tables(self, H: Array) -> tuple[Indices, Indices]:
+        """Tables of the stations at frames ``H`` and of the anchors."""
+        return self._stations.of_stations(self._sides.stations(H)), self._packed.addresses
 
     def add_forces(self, H: Array, out: Array, *, grounded: bool = False) -> None:
         """Add all friction forces, or those of pairs with ground, to ``out`` (≥ nodes, 6)."""
-        stations, which, τ = self._tractions(H)
-        add_tractions(H, self._types, stations.at, self._anchors, which, τ, grounded, out)
+        packed_friction.add_friction(H, self._types, *self._tables(H), self._law, grounded, out)
 
     def add_damping_forces(self, H: Array, v: Array, out: Array, *, grounded: bool = False) -> None:
         """Add what dampers and the limit by the whole normal force change, to ``out``."""
@@ -85,9 +83,7 @@ class Friction:
 
     def energy(self, H: Array) -> float:
         """Energy stored in the tangential springs."""
-        stations, _, τ = self._tractions(H)
-        weight = stations.at.weight[: len(τ)]
-        return 0.5 / self._law.holding * float((τ * τ).sum(axis=1) @ weight)
+        return float(packed_friction.spring_energy(H, *self._tables(H), self._law))
 
     def add_tangent(self, H: Array, blocks: Array) -> None:
         """Add derivatives of the friction forces to the blocks of pairs of nodes."""
@@ -104,23 +100,24 @@ class Friction:
             H: Frames at the end of a step.
             start: Frames at its start, if there was a step.
         """
-        (at, keys, a, b), _, τ = self._tractions(H)
-        self.pressed = overlap_energy(H, at, self._law.normal)
-        over_step = self._ahead is not None
-        if self._ahead is not None:
+        found_stations = self._sides.stations(H)
+        stations, keys = self._stations.of_stations(found_stations), found_stations.keys
+        before, over_step = self._packed, self._ahead is not None
+        if self._ahead is None:
+            τ: Array = np.empty((len(keys), 3))
+            packed_friction.set_tractions(H, stations, before.addresses, self._law, τ)
+        else:
             known, over = self._ahead
             # pairs without anchors have index −1, the last row
             τ = np.concatenate([over, np.zeros((1, 3))])[found(known, keys)]
             self._ahead = None
-        springs: Array = np.asarray(τ / self._law.holding)
-        forces = at.weight[: len(τ), np.newaxis] * τ
+        if len(keys) != len(self._anchors.keys):
+            self._hold(empty_anchors(len(keys)))
+        anchors = before.addresses, self._packed.addresses
+        given = H, self._middle(H, start), self._types, stations, anchors, self._law, τ
+        self.pressed, lost = packed_friction.set_again(*given)
         if not over_step:
-            now = found(keys, self._anchors.keys)
-            self.dissipated += slip_work(H, self._anchors, now, forces, springs)
-        anchors = empty_anchors(len(at.pairs))
-        set_anchors(H, self._middle(H, start), self._types, at, a, b, springs, anchors)
-        anchors.keys[:], anchors.forces[:] = keys, forces
-        self._anchors = anchors
+            self.dissipated += lost
 
     def _middle(self, H: Array, start: Array | None) -> Array:
         """Frames in the middle of the next step, if the motion goes on as from ``start``."""
@@ -135,21 +132,23 @@ class Friction:
 
         Columns are those of :meth:`~fem_lie.forms.abilities.PathDependence.friction_forces`.
         """
-        (at, keys, *_), which, τ = self._damping_tractions(H, v)
-        rows, known = np.zeros((len(keys), FRICTION_COLUMNS)), which >= 0
-        forces = at.weight[: len(τ), np.newaxis] * τ
-        forces[known] += self._anchors.forces[which[known]]
-        set_rows(H, self._types, at, which, forces, rows)
-        return rows[rows[:, 6:].any(axis=1)]
+        found_stations = self._sides.stations(H)
+        rows = np.zeros((len(found_stations.keys), FRICTION_COLUMNS))
+        tables = self._stations.of_stations(found_stations), self._packed.addresses
+        k = packed_friction.friction_rows(H, v, self._types, *tables, self._law, rows)
+        return rows[:k]
 
     # --- over a step ---
 
     def add_over_step(self, ends: Ends, out: Array, ground: Array) -> Done:
         """Add tractions of a step; :meth:`accept` keeps their springs for the next step."""
-        (at, keys, *_), arms, _, over = self._over_step(ends)
-        self._ahead = keys.copy(), over.held
-        over_steps.add_over_step(ends, self._types, at, arms, over.τ, out, ground)
-        return Done(*over_steps.energies(self._law, at, over))
+        found_stations = self._sides.stations_over_step(ends.end)
+        stations, keys = self._stations.of_stations(found_stations), found_stations.keys
+        held = np.empty((len(keys), 3))
+        given = ends, self._types, stations, self._packed.addresses, self._law, held
+        done = packed_friction.add_over_step(*given, out, ground)
+        self._ahead = keys.copy(), held
+        return Done(*done)
 
     def add_tangent_over_step(self, ends: Ends, H: Array, blocks: Array) -> None:
         """Add twice the derivative of the tractions of a step in midpoint frames ``H``."""
@@ -175,7 +174,8 @@ class Friction:
     def restore(self, values: Array) -> None:
         """Restore the anchors that :attr:`linearised_values` returned."""
         self._ahead = None
-        self.dissipated, self._anchors = float(values[0]), unpacked(values[1:])
+        self.dissipated = float(values[0])
+        self._hold(unpacked(values[1:]))
 
 
 def renumbered(values: Array, numbers: Indices) -> Array:

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined_uncounted
+from fem_lie._jit import compiled, inlined_uncounted, uncounted
 from fem_lie.contact.laws.anchors import Anchors, CoulombLaw, limit, stretch_of, traction
 from fem_lie.contact.laws.over_steps import secant
 from fem_lie.contact.sides.kinematics import SLOTS, contact_point
@@ -70,9 +70,11 @@ class Slips(NamedTuple):
     held: Array
 
 
+@compiled
 def empty_slips(m: int) -> Slips:
     """Zero variables of ``m`` pairs."""
-    return Slips(*np.zeros((2, m)), *np.zeros((6, m, 3)))
+    n, v = np.zeros((2, m)), np.zeros((6, m, 3))
+    return Slips(n[0], n[1], v[0], v[1], v[2], v[3], v[4], v[5])
 
 
 @inlined_uncounted
@@ -179,10 +181,14 @@ def add_over_step(
             store(ground, 3, minus(load(ground, 3), moment))
 
 
+@uncounted
 def energies(law: CoulombLaw, at: ContactPoints, over: Slips) -> tuple[float, float, float]:
     """Energy stored at the end, work done, and the dissipated part of it."""
-    weight, τ = at.weight[: len(over.τ)], over.τ
-    stored = 0.5 / law.holding * float((over.held**2).sum(axis=1) @ weight)
-    before = 0.5 * law.holding * float((over.springs**2).sum(axis=1) @ weight)
-    work = float((τ * over.slips).sum(axis=1) @ weight)
+    stored, before, work = 0.0, 0.0, 0.0
+    for e in range(over.τ.shape[0]):
+        held, spring, weight = load_row(over.held, e), load_row(over.springs, e), at.weight[e]
+        stored += dot(held, held) * weight
+        before += dot(spring, spring) * weight
+        work += dot(load_row(over.τ, e), load_row(over.slips, e)) * weight
+    stored, before = 0.5 / law.holding * stored, 0.5 * law.holding * before
     return stored, work, max(0.0, work - (stored - before))

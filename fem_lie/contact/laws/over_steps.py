@@ -20,11 +20,19 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import compiled, inlined_uncounted, uncounted
+from fem_lie._jit import compiled, inlined, inlined_uncounted, uncounted
 from fem_lie.contact.sides.gap_functions import mean_gradient, position_in, turned
 from fem_lie.contact.sides.kinematics import contact_point, displacement, position, sign_of
 from fem_lie.contact.sides.surfaces import MOST_NODES
-from fem_lie.contact.sides.table import GROUND, LEVEL, ROUND, UNUSED, ContactPoints, Side
+from fem_lie.contact.sides.table import (
+    GROUND,
+    LEVEL,
+    ROUND,
+    UNUSED,
+    ContactPoints,
+    Side,
+    contact_points_of,
+)
 from fem_lie.forms.abilities import Ends
 from fem_lie.lie.motions import global_components
 from fem_lie.lie.node_types import POSITION_GRADIENT
@@ -67,6 +75,12 @@ class Secants(NamedTuple):
 
 Both: TypeAlias = tuple[ContactPoints, ...]
 """Contact points at the start of a step, and at its end if these are other material points."""
+
+
+@inlined
+def secants(space: Array) -> Secants:
+    """Secants of ``m`` pairs in a space of shape (5, m)."""
+    return Secants(space[0], space[1], space[2], space[3], space[4])
 
 
 def empty_secants(m: int) -> Secants:
@@ -272,8 +286,8 @@ def _add(
         add_force(ends.mean, types, at.b, j, foot, scaled(-1.0, F), out, on)
 
 
-@compiled
-def add_forces(
+@uncounted
+def _add_forces(
     ends: Ends,
     types: Indices,
     both: Both,
@@ -282,26 +296,59 @@ def add_forces(
     out: Array,
     ground: Array,
 ) -> tuple[float, float]:
-    """Add the contact forces of the step to the residual, and set their secants.
-
-    Args:
-        ends: Both ends of the step.
-        types: Types of all nodes.
-        both: Contact points at the start, and at the end if these are other material points.
-        k: Stiffness.
-        found: Secants for unit stiffness with the factors of the forces, overwritten.
-        out: Forces and moments about the mean positions of all nodes, global components, (N, 6).
-        ground: Force and moment about the origin on ground, (6,).
-
-    Returns:
-        The energy that is stored at the end, and the work that is stored over the step.
-    """
+    """Set secants, add forces, and return the stored energy and the work."""
     _set_all(ends, both, found)
     work, last = 0.0, len(both) - 1
     for n in range(len(both)):
         _add(ends, types, both[n], k, found[n], out, ground)
         work += k * _work(both[n], found[n])[0]
     return k * _energies(both[last], found[last])[1], work
+
+
+@compiled
+def add_of_start(
+    ends: Ends,
+    types: Indices,
+    tables: tuple[Indices, ...],
+    k: float,
+    out: Array,
+    ground: Array,
+) -> tuple[float, float]:
+    """Add the contact forces of the step to the residual.
+
+    Args:
+        ends: Both ends of the step.
+        types: Types of all nodes.
+        tables: Table of the contact points, which are the same material points at the end.
+        k: Stiffness.
+        out: Forces and moments about the mean positions of all nodes, global components, (N, 6).
+        ground: Force and moment about the origin on ground, (6,).
+
+    Returns:
+        The energy that is stored at the end, and the work that is stored over the step.
+    """
+    at = contact_points_of(tables[0])
+    found = secants(np.empty((5, at.pairs.shape[0])))
+    return _add_forces(ends, types, (at,), k, (found,), out, ground)
+
+
+@compiled
+def add_of_both_ends(
+    ends: Ends,
+    types: Indices,
+    tables: tuple[Indices, ...],
+    k: float,
+    out: Array,
+    ground: Array,
+) -> tuple[float, float]:
+    """As :func:`add_of_start`, with other material points at the end.
+
+    ``tables`` are those of the contact points at the start and at the end.
+    """
+    both = contact_points_of(tables[0]), contact_points_of(tables[1])
+    start = secants(np.empty((5, both[0].pairs.shape[0])))
+    end = secants(np.empty((5, both[1].pairs.shape[0])))
+    return _add_forces(ends, types, both, k, (start, end), out, ground)
 
 
 @compiled

@@ -8,11 +8,16 @@ from typing import NamedTuple
 import numpy as np
 
 from fem_lie._arrays import Array, Indices
-from fem_lie._jit import uncounted
+from fem_lie._jit import compiled, uncounted
 from fem_lie.contact.laws.energy import EnergyWatch, PenaltyConstants, damping
 from fem_lie.contact.laws.friction import Friction, renumbered
 from fem_lie.contact.laws.law import ContactTerm, Penalty
-from fem_lie.contact.laws.over_steps import add_forces, empty_secants, set_secants
+from fem_lie.contact.laws.over_steps import (
+    add_of_both_ends,
+    add_of_start,
+    empty_secants,
+    set_secants,
+)
 from fem_lie.contact.laws.tangents import normal_rows, speed_of, tangents
 from fem_lie.contact.sides.kinematics import (
     SLOTS,
@@ -21,7 +26,7 @@ from fem_lie.contact.sides.kinematics import (
     slot,
     touched,
 )
-from fem_lie.contact.sides.table import GROUND, ContactPoints
+from fem_lie.contact.sides.table import GROUND, ContactPoints, KeptTable, contact_points_of
 from fem_lie.contact.sides.two_sides import Sides, copied
 from fem_lie.forms.abilities import (
     Done,
@@ -95,19 +100,54 @@ def _measure(
                 out.damping[e] = at.weight[e] * damping(law, g, speed)[0]
 
 
-@uncounted
-def _add(H: Array, types: Indices, at: ContactPoints, f: Array, grounded: bool, out: Array) -> None:
-    """Add ``f b`` to ``out`` for all pairs, or for pairs with ground only."""
+@compiled
+def _add(
+    H: Array,
+    v: Array,
+    types: Indices,
+    table: Indices,
+    law: PenaltyConstants,
+    parts: tuple[bool, bool],
+    grounded: bool,
+    out: Array,
+) -> None:
+    """Add the forces of all pairs, or of pairs with ground only, to ``out``.
+
+    ``parts``: whether the elastic and the damping forces count.
+    """
+    at, (elastic, viscous) = contact_points_of(table), parts
     for e in range(at.pairs.shape[0]):
         i, j = at.pairs[e]
-        if f[e] == 0.0 or (grounded and at.a.owners[i] != GROUND and at.b.owners[j] != GROUND):
+        if grounded and at.a.owners[i] != GROUND and at.b.owners[j] != GROUND:
             continue
         point = contact_point(H, at.a, at.b, i, j, at.kind)
+        if point.gap >= 0.0:
+            continue
+        f = at.weight[e] * law.k * point.gap if elastic else 0.0
+        if viscous:
+            speed = speed_of(H, v, types, at, e, point)
+            f += at.weight[e] * damping(law, point.gap, speed)[0]
+        if f == 0.0:
+            continue
         for s in range(SLOTS):
             node, sign, w, c = slot(H, at.a, at.b, i, j, at.kind, point, s)
             if node >= 0:
-                force = scaled(sign * f[e], point.normal)
+                force = scaled(sign * f, point.normal)
                 add_pulled_back(types[node], H[node], w, c, force, out[node])
+
+
+@compiled
+def _stored(H: Array, table: Indices, k: float) -> tuple[float, float]:
+    """Energy of the overlaps, and the largest overlap."""
+    at, total, most = contact_points_of(table), 0.0, 0.0
+    for e in range(at.pairs.shape[0]):
+        g = contact_point(H, at.a, at.b, at.pairs[e, 0], at.pairs[e, 1], at.kind).gap
+        # the sum must not depend on near pairs that do not touch: their list is longer or shorter
+        # in a resumed run
+        if g < 0.0:
+            total += at.weight[e] * k * g * g
+            most = max(most, -g)
+    return 0.5 * total, most
 
 
 @uncounted
@@ -157,6 +197,7 @@ class PenaltyForces(
         """
         self._sides, self._name, self._allowed = sides, name, _DEEP * sides.radius
         self._types = types
+        self._table, self._both = KeptTable(), (KeptTable(), KeptTable())
         self._law = law.normal
         self._damped = law.damping > 0.0
         self._friction, self.friction = friction, friction is not None
@@ -231,9 +272,7 @@ class PenaltyForces(
 
     def energy(self, H: Array) -> float:
         """Energy stored by normal and tangential springs."""
-        _, found = self._measured(H, np.empty((0, 6)), viscous=False)
-        deep = np.minimum(found.gaps, 0.0)
-        most = -float(deep.min(initial=0.0))
+        stored, most = _stored(H, self._table.of(self._sides.meet(H)), self._law.k)
         if most > self._allowed:
             part, self._allowed = 100 * _DEEP * most / self._allowed, np.inf
             k = self._law.k
@@ -244,15 +283,18 @@ class PenaltyForces(
                 *(self._name, part, k),
             )
         held = 0.0 if self._friction is None else self._friction.energy(H)
-        # the order of the sum must not depend on near pairs that do not touch: their list is longer
-        # or shorter in a resumed run
-        touching = deep < 0.0
-        return 0.5 * float(found.elastic[touching] @ deep[touching]) + held
+        return float(stored) + held
+
+    def _add_normal(
+        self, H: Array, v: Array, out: Array, parts: tuple[bool, bool], *, grounded: bool = False
+    ) -> None:
+        """Add elastic and damping forces along the normal, as far as they count."""
+        table = self._table.of(self._sides.meet(H))
+        _add(H, v, self._types, table, self._law, parts, grounded, out)
 
     def add_forces(self, H: Array, out: Array, kept: Array | None = None) -> None:
         """Add the contact forces to the residual."""
-        at, found = self._measured(H, out, viscous=False)
-        _add(H, self._types, at, found.elastic, False, out)
+        self._add_normal(H, out, out, (True, False))
         if self._friction is not None:
             self._friction.add_forces(H, out)
 
@@ -275,8 +317,7 @@ class PenaltyForces(
 
     def add_viscous_forces(self, H: Array, v: Array, out: Array) -> None:
         """Add the damping forces to the residual."""
-        at, found = self._measured(H, v, viscous=True)
-        _add(H, self._types, at, found.damping, False, out)
+        self._add_normal(H, v, out, (False, True))
         if self._friction is not None:
             self._friction.add_damping_forces(H, v, out)
 
@@ -389,9 +430,9 @@ class PenaltyForces(
     def add_over_step(self, ends: Ends, out: Array, ground: Array) -> Done:
         """Add the forces of a step whose work is the change of the stored energy."""
         both = self._sides.meet_ends(ends.start, ends.end, known=False)
-        found = tuple(empty_secants(len(at.pairs)) for at in both)
-        given = ends, self._types, both, self._law.k, found
-        done = Done(*add_forces(*given, out, ground), 0.0)
+        tables = tuple(kept.of(at) for kept, at in zip(self._both, both, strict=False))
+        add = add_of_start if len(tables) == 1 else add_of_both_ends
+        done = Done(*add(ends, self._types, tables, self._law.k, out, ground), 0.0)
         self._stored = done.stored
         if self._friction is None:
             return done
@@ -424,8 +465,7 @@ class PenaltyForces(
 
     def add_of_ground(self, H: Array, v: Array, out: Array) -> None:
         """Add the contact forces on ground."""
-        at, found = self._measured(H, v, viscous=self._damped)
-        _add(H, self._types, at, found.forces, True, out)
+        self._add_normal(H, v, out, (True, self._damped), grounded=True)
         if self._friction is not None:
             self._friction.add_forces(H, out, grounded=True)
             if self._damped:

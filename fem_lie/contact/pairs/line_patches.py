@@ -35,11 +35,12 @@ from fem_lie.contact.sides.table import (
     Nodes,
     Samples,
     Side,
+    Stations,
     empty_contacts,
     empty_side,
     least,
 )
-from fem_lie.contact.sides.two_sides import Stations, first_of
+from fem_lie.contact.sides.two_sides import first_of
 
 _STEPS = 4
 """Steps of a segment at whose ends the gap is evaluated; each has integration points of its own,
@@ -264,6 +265,7 @@ class LinePatchSides(PointSides):
         while len((found := super()._find(H, place)).pairs) == len(self._room(place).weight):
             self._most *= 2
             del self._rooms[place]
+            self._station_room = None
         return found
 
     def _found(
@@ -275,13 +277,9 @@ class LinePatchSides(PointSides):
         k = set_line_contacts(H, self._lines, self._b, *near, workspace, fixed, keys)
         return first_of(workspace, k)
 
-    def _stations(self, H: Array) -> Stations:
-        """Gauss points of whole segments, which are material points."""
-        workspace = self._space()
-        size = len(workspace.weight)
-        fixed, keys = empty_side(size), np.zeros((size, 2), dtype=np.int64)
-        found = self._found(H, workspace, fixed, keys)
-        return Stations(found, keys[: len(found.pairs)], found.a, fixed)
+    def _space_of_stations(self) -> Stations:
+        found = super()._space_of_stations()
+        return found._replace(a=found.at.a)
 
     def passed(self, start: Array, end: Array) -> Passage | None:
         """A point of a line that passed through a patch."""

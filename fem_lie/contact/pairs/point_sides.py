@@ -32,11 +32,12 @@ from fem_lie.contact.sides.table import (
     Nodes,
     Samples,
     Side,
+    Stations,
     empty_contacts,
     empty_side,
     least,
 )
-from fem_lie.contact.sides.two_sides import ClosestPoints, Stations, first_of
+from fem_lie.contact.sides.two_sides import ClosestPoints, first_of
 
 _STILL = 0.5
 """Displacement in a step over the radii below which nothing can pass through a patch."""
@@ -80,12 +81,14 @@ class PointSides(ClosestPoints):
         most = len(self.near.now)
         return empty_contacts(self.samples.at, empty_side(most), ROUND, most)
 
-    def _stations(self, H: Array) -> Stations:
-        """Points near the second side, at which friction springs act."""
-        most = len(self.near.now)
-        fixed, keys = empty_side(most), np.zeros((most, 2), dtype=np.int64)
-        at = self._found(H, self._space(), fixed, keys)
-        return Stations(at, keys[: len(at.pairs)], self.samples.fixed, fixed)
+    def _space_of_stations(self) -> Stations:
+        at = self._space()
+        keys = np.zeros((len(at.weight), 2), dtype=np.int64)
+        return Stations(at, keys, self.samples.fixed, empty_side(len(at.weight)))
+
+    def _set_stations(self, H: Array, room: Stations) -> int:
+        """Set points near the second side, at which friction springs act."""
+        return len(self._found(H, room.at, room.b, room.keys).pairs)
 
     @property
     def near_balls(self) -> Side:
@@ -129,12 +132,16 @@ class CurveSides(PointSides):
         k = set_nearest_of_lines(*given, workspace, keys)
         return first_of(workspace, k)
 
-    def _stations(self, H: Array) -> Stations:
-        """Points near the lines; the closest points on these are material points."""
-        keys = np.zeros((len(self.near.now), 2), dtype=np.int64)
-        at = self._nearest(H, self._space(), keys, 2.0)
-        keys[:, 1] = self._chains[keys[:, 1]]
-        return Stations(at, keys[: len(at.pairs)], self.samples.fixed, at.b)
+    def _space_of_stations(self) -> Stations:
+        found = super()._space_of_stations()
+        return found._replace(b=found.at.b)
+
+    def _set_stations(self, H: Array, room: Stations) -> int:
+        """Set points near the lines; the closest points on these are material points."""
+        keys = room.keys
+        k = len(self._nearest(H, room.at, keys, 2.0).pairs)
+        keys[:k, 1] = self._chains[keys[:k, 1]]
+        return k
 
     def passed(self, start: Array, end: Array) -> Passage | None:
         """A point that passed through a line, on a straight path from its closest point there."""

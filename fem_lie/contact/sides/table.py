@@ -9,6 +9,16 @@ import numpy as np
 
 from fem_lie import lie
 from fem_lie._arrays import Array, Indices
+from fem_lie._jit.packed_arrays import (
+    Integers1,
+    Integers2,
+    Numbers1,
+    Numbers2,
+    Numbers3,
+    Numbers4,
+    PackedArrays,
+    unpacking,
+)
 from fem_lie.bodies.body import Body
 from fem_lie.contact.sides.surfaces import (
     MOST_NODES,
@@ -38,7 +48,7 @@ class Level(NamedTuple):
     """
 
     address: int
-    parameters: Array
+    parameters: Numbers2
 
 
 class Side(NamedTuple):
@@ -54,12 +64,12 @@ class Side(NamedTuple):
         level: Gap function of the position relative to the point, along the axes of the first node.
     """
 
-    nodes: Indices
-    weights: Array
-    arms: Array
-    radii: Array
-    normals: Array
-    owners: Indices
+    nodes: Integers2
+    weights: Numbers2
+    arms: Numbers3
+    radii: Numbers1
+    normals: Numbers2
+    owners: Integers1
     level: Level
 
     @property
@@ -100,10 +110,10 @@ class Sliding(NamedTuple):
         arms: Derivatives of their moment arms, shape (m, 2, 4, 3).
     """
 
-    slopes: Array
-    bends: Array
-    weights: Array
-    arms: Array
+    slopes: Numbers3
+    bends: Numbers2
+    weights: Numbers3
+    arms: Numbers4
 
 
 def no_sliding(m: int) -> Sliding:
@@ -130,10 +140,68 @@ class ContactPoints(NamedTuple):
     a: Side
     b: Side
     kind: int
-    pairs: Indices
-    weight: Array
-    first: Indices
+    pairs: Integers2
+    weight: Numbers1
+    first: Integers1
     sliding: Sliding
+
+
+contact_points_of = unpacking(ContactPoints)
+"""Contact points from their table, in compiled code."""
+
+_OF_SIDE = len(Side._fields) - 1 + len(Level._fields)
+_PAIRS = 2 * _OF_SIDE + 1
+"""Rows of a side in a table of contact points, and the row of their pairs."""
+
+
+class Stations(NamedTuple):
+    """Material points to which friction springs are attached.
+
+    Attributes:
+        at: Pairs of points.
+        keys: Identifiers of the pairs, shape (m, 2).
+        a: Material points of the first side: weights of the same nodes, and moment arms.
+        b: Material points of the second side.
+    """
+
+    at: ContactPoints
+    keys: Integers2
+    a: Side
+    b: Side
+
+
+stations_of = unpacking(Stations)
+"""Stations from their table, in compiled code."""
+
+_COUNTED = _PAIRS, _PAIRS + 1, _PAIRS + 3 + len(Sliding._fields)
+"""Rows with the number of pairs: of pairs, of weights and, in a table of stations, of keys."""
+
+
+class KeptTable:
+    """Table of contact points or stations for compiled code.
+
+    Those in one space differ by their number alone, and have one table.
+    """
+
+    def __init__(self) -> None:
+        """Begin without any table."""
+        self._space: Sliding | None = None
+
+    def of(self, points: ContactPoints) -> Indices:
+        """Table of contact points, valid until the next call."""
+        return self._kept(points, points, 2)
+
+    def of_stations(self, stations: Stations) -> Indices:
+        """Table of stations, valid until the next call."""
+        return self._kept(stations, stations.at, 3)
+
+    def _kept(self, record: ContactPoints | Stations, at: ContactPoints, counted: int) -> Indices:
+        if at.sliding is not self._space:
+            self._space, self._packed = at.sliding, PackedArrays(record)
+        table = self._packed.addresses
+        for row in _COUNTED[:counted]:
+            table[row, 1] = len(at.pairs)
+        return table
 
 
 def empty_contacts(a: Side, b: Side, kind: int, most: int) -> ContactPoints:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -37,27 +36,12 @@ from fem_lie.contact.sides.table import (
     Nodes,
     Side,
     Sliding,
+    Stations,
     empty_contacts,
     empty_side,
     least,
     no_sliding,
 )
-
-
-class Stations(NamedTuple):
-    """Material points to which friction springs are attached.
-
-    Attributes:
-        at: Pairs of points.
-        keys: Identifiers of the pairs, shape (m, 2).
-        a: Material points of the first side: weights of the same nodes, and moment arms.
-        b: Material points of the second side.
-    """
-
-    at: ContactPoints
-    keys: Indices
-    a: Side
-    b: Side
 
 
 class Sides(ABC):
@@ -190,12 +174,14 @@ class Balls(Sides):
                 self.near.first,
                 no_sliding(count),
             )
+            at = self._meeting
+            self._all_near = Stations(at, at.pairs, self._fixed, at.b)
         return self._meeting
 
     def _stations(self, H: Array) -> Stations:
         """All near pairs."""
-        at = self._meet(H)
-        return Stations(at, at.pairs, self._fixed, at.b)
+        self._meet(H)
+        return self._all_near
 
     def keep_stretches(self) -> None:
         """Do nothing."""
@@ -219,6 +205,7 @@ class ClosestPoints(Sides):
         self._version = -1
         self._rooms: dict[int, ContactPoints] = {}
         self._known: tuple[Array, ContactPoints] | None = None
+        self._station_room: Stations | None = None
 
     def meet(self, H: Array) -> ContactPoints:
         """Contact points at frames ``H``."""
@@ -243,6 +230,7 @@ class ClosestPoints(Sides):
         if self.near.version != self._version:
             self._version, self._known = self.near.version, None
             self._rooms.clear()
+            self._station_room = None
             self._take_pairs()
 
     def _room(self, place: int) -> ContactPoints:
@@ -250,6 +238,22 @@ class ClosestPoints(Sides):
         if place not in self._rooms:
             self._rooms[place] = self._space()
         return self._rooms[place]
+
+    def _stations(self, H: Array) -> Stations:
+        self._follow()
+        if self._station_room is None:
+            self._station_room = self._space_of_stations()
+        room = self._station_room
+        k = self._set_stations(H, room)
+        return room._replace(at=first_of(room.at, k), keys=room.keys[:k])
+
+    @abstractmethod
+    def _space_of_stations(self) -> Stations:
+        """Space for the stations of the present list of pairs."""
+
+    @abstractmethod
+    def _set_stations(self, H: Array, room: Stations) -> int:
+        """Set the stations at frames ``H``; their number."""
 
     @abstractmethod
     def _take_pairs(self) -> None:
@@ -363,20 +367,20 @@ class Lines(ClosestPoints):
         self._stretch(stretches)
         return found
 
-    def _stations(self, H: Array) -> Stations:
-        """Gauss points of whole elements, which are material points."""
+    def _space_of_stations(self) -> Stations:
+        most = GAUSS * len(self._runs)
+        at = self._points(most)
+        return Stations(at, np.zeros((most, 2), dtype=np.int64), at.a, at.b)
+
+    def _set_stations(self, H: Array, room: Stations) -> int:
+        """Set Gauss points of whole elements, which are material points."""
         set_curves(H, self._a, False)
         set_curves(H, self._b, False)
-        most = GAUSS * len(self._runs)
-        workspace = self._points(most)
-        keys = np.zeros((most, 2), dtype=np.int64)
         given = H, self._a, self._b, self._planes, self._runs, self.near.first
-        k = set_stations(*given, workspace, keys)
+        k, keys = set_stations(*given, room.at, room.keys), room.keys
         if self._chains is not None:
-            keys[:, 1] = self._chains[keys[:, 1]]
-        return Stations(
-            workspace._replace(pairs=workspace.pairs[:k]), keys[:k], workspace.a, workspace.b
-        )
+            keys[:k, 1] = self._chains[keys[:k, 1]]
+        return k
 
     def meet_ends(self, start: Array, end: Array, *, known: bool) -> tuple[ContactPoints, ...]:
         """Contact points at both ends of a step, with the kept stretches."""

@@ -233,13 +233,15 @@ class Terms:
 
     @contextmanager
     def unchanged(self) -> Iterator[None]:
-        """Context at whose end the history variables are restored, to evaluate a state."""
-        stresses = [each.linearised_values.copy() for each in self._stresses]
+        """Context at whose end the history variables are restored, to evaluate a state.
+
+        Those of contacts change only where states are accepted.
+        """
+        stresses = self.linearised_values()
         try:
             yield
         finally:
-            for each, values in zip(self._stresses, stresses, strict=True):
-                each.restore(values)
+            self.restore(stresses)
 
     def clear_stress(self) -> None:
         """Set the independent stress to zero: a tangent without geometric stiffness."""
