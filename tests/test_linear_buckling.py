@@ -389,3 +389,53 @@ def test_loads_that_change_no_stiffness_are_named():
     scene.add(fl.PointLoad(mass.point("centre"), force=(1, 0, 0)))
     with pytest.raises(fl.ConvergenceError, match="do not change its stiffness"):
         fl.buckling(scene, 1)
+
+
+# --- prestress ---
+
+_HEIGHT, _SPAN, _GUY = 10.0, 8.0, 2e5
+_SLOPED = float(np.hypot(_HEIGHT, _SPAN))
+
+
+def guyed_mast(tension: float, kind: str, axial: float) -> fl.Scene:
+    """A mast on a hinge under a load of 1, and two guys from its top that are tightened.
+
+    Args:
+        tension: Force in the guys before the mast gets shorter.
+        kind: What the guys are made of, ``"cable"`` or ``"spring"``.
+        axial: EA of the mast.
+    """
+    column = fl.Section.from_stiffness([axial, 1e9, 1e9, 1e6, 2e5, 2e5])
+    scene = fl.Scene()
+    mast = scene.add(fl.Rod.straight((0, 0, 0), (0, 0, _HEIGHT), column, cells=12))
+    top = mast.point("end")
+    scene.add(fl.joints.Revolute(fl.ground(), mast.point("start"), axis=(0, 1, 0)))
+    scene.add(fl.joints.InPlane(fl.ground(), top, axis=(0, 1, 0)))
+    scene.add(fl.PointLoad(top, force=(0, 0, -1.0)))
+    for x in (-_SPAN, _SPAN):
+        rest = _SLOPED / (1 + tension / _GUY)
+        if kind == "cable":
+            guy = fl.Section.from_stiffness([_GUY, _GUY, _GUY, 1e-3, 1e-3, 1e-3])
+            rope = fl.Cable.straight((x, 0, 0), (0, 0, _HEIGHT), guy, cells=1, length=rest)
+            rope.pin(rope.point("start"))
+            scene.add(rope)
+            scene.add(fl.joints.Spherical(top, rope.point("end")))
+        else:
+            line = fl.joints.Distance(fl.ground((x, 0, 0)), top)
+            scene.add(fl.joints.Spring(line.length, stiffness=_GUY / rest, rest=rest))
+    return scene
+
+
+@pytest.mark.parametrize("axial", [1e9, 1e12])
+@pytest.mark.parametrize("kind", ["cable", "spring"])
+def test_guys_compress_their_mast_before_it_is_loaded(kind, axial):
+    tension = 2000.0
+    loaded = fl.buckling(guyed_mast(tension, kind, axial), 1).factors[0]
+    euler = np.pi**2 * 2e5 / _HEIGHT**2
+    by_guys = 2 * tension * _HEIGHT / _SLOPED
+    assert loaded == pytest.approx(euler - by_guys, rel=5e-4)
+
+
+def test_a_mast_that_its_guys_buckle_is_refused():
+    with pytest.raises(fl.ConvergenceError, match="buckles without loads"):
+        fl.buckling(guyed_mast(13000.0, "cable", 1e9), 1)

@@ -18,6 +18,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem_lie._arrays import Array, Flags
+from fem_lie.linear.direct import ConvergenceError
 from fem_lie.linear.equilibrated import SingularMatrixError
 from fem_lie.linear.pivots import inertia
 from fem_lie.linear.spectra.free_unknowns import free_unknowns
@@ -33,6 +34,12 @@ from fem_lie.system.equations import LinearState, Plan
 
 _SEED, _REPEATS = 1, 30  # of the inverse iteration: seed of its first vector, and its length
 _LOOSE = 1e-14  # over the largest stiffness
+_ROUND_OFF = 1e-12  # of forces without loads, over the largest stiffness
+_PRESTRESS = "prestress deforms the scene without its loads"
+_BY_STATICS = (
+    "Use load steps, fl.statics(scene, levels=...), whose negative_pivots say from which level on "
+    "the equilibrium is unstable"
+)
 _REFINED = 2  # number of refinements of a solution, with residuals in higher precision
 
 
@@ -61,7 +68,7 @@ class StableEquilibrium(SceneEquilibrium):
             linearised_stress: Iterate on the stress by linearised updates; otherwise plain Newton.
         """
         super().__init__(scene, prefix, part)
-        self._linearised_stress = linearised_stress
+        self._linearised_stress, self._at_start = linearised_stress, self._multipliers.copy()
         self.weight = self.equations.unknowns.units
         self._free = np.flatnonzero(~self.equations.unknowns.held.ravel())
         self.free_unknowns = free_unknowns(self.equations.shared, self._free)
@@ -100,6 +107,24 @@ class StableEquilibrium(SceneEquilibrium):
             raise ValueError(
                 f"the path has no start: the tangent at load factor {factor:g} is singular{why}"
             )
+
+    def relax(self) -> None:
+        """Move to the equilibrium without loads, if cables or springs have a prestress.
+
+        Raises:
+            ConvergenceError: There is none near the initial configuration, or it is unstable.
+        """
+        internal, _ = self.forces()
+        self._fill(0.0)
+        forces = np.abs(self.weight * internal[: 6 * self._moving])[self._free]
+        largest = self._shared.largest(float(forces.max(initial=0.0)))
+        if largest <= _ROUND_OFF * self.largest_entry(self.pencil()[0]):
+            return
+        if not self._converges(0.0):
+            raise ConvergenceError(f"{_PRESTRESS}, and no equilibrium is near it. {_BY_STATICS}")
+        self.factorise(0.0)
+        if self.negative_pivots():
+            raise ConvergenceError(f"{_PRESTRESS}, and it buckles without loads. {_BY_STATICS}")
 
     def _loose_motions(self) -> int:
         """Number of motions without strain that joints allow and nothing resists."""
@@ -244,7 +269,7 @@ class StableEquilibrium(SceneEquilibrium):
 
     def linear_state(self, dx: Array) -> LinearState:
         """Stress and forces of linear theory along increments ``dx`` from the current state."""
-        self._forces_known = False
+        self._forces_known, self._at_start = False, self._multipliers.copy()
         self._find(0.0)
         return self.equations.linear_state(self._H, dx, self._found)
 
@@ -255,12 +280,17 @@ class StableEquilibrium(SceneEquilibrium):
         """
         self._forces_known = False
         state.apply(factor)
-        self._multipliers[:] = self._scale * factor * state.multipliers
+        self._multipliers[:] = self._at_start + self._scale * factor * state.multipliers
         self._find(factor)
         state.add_forces(factor, self._found)
         self.equations.fill(self._now, self._found, Plan(self._zero, self._scale))
         state.apply(0.0)
         return self.pencil()[0]
+
+    @property
+    def current_frames(self) -> Array:
+        """Frames of all nodes of the whole scene in the current state, shape (N, 4, 3)."""
+        return self.frames(self._H)
 
     def all_nodes(self, shapes: Array) -> tuple[Array, Flags]:
         """Scaled increments of all nodes of the whole scene, and which modes only rotate.

@@ -6,6 +6,10 @@ load factor λ it is ``K₀ + λ K_g``, which is singular at the critical load f
 geometric stiffness is derived: the tangent with a given stress is the one of each iteration of
 statics.
 
+Cables that are shorter than their line, and springs with a rest value of their own, strain a scene
+without any load. Its unloaded configuration is then the equilibrium under this prestress, which is
+part of ``K₀`` and does not grow with the loads: guys compress their mast.
+
 Geometric stiffness is the derivative of the tangent stiffness by the load factor, with the stress,
 the Lagrange multipliers and the loads of linear theory, in the unloaded configuration. A difference
 of two tangents loses the digits by which ``λ K_g`` is smaller than ``K₀``. The load factor ``s`` of
@@ -319,6 +323,7 @@ def buckling(
     watch = Stopwatch()
     model.check_start(0.0)
     with step_bar("buckling", "stage", _STAGES) as show:
+        model.relax()
         _, load = model.forces()
         model.factorise(0.0)
         show("displacements")
@@ -340,13 +345,12 @@ def buckling(
     ):
         raise ConvergenceError(_no_buckling(radius))
     shapes = np.array([model.increments(vector) for vector in vectors])
-    equations = model.equations
     shapes, rotation_only = model.all_nodes(shapes.reshape(-1, unknowns.moving, 6))
     modes = BucklingModes(
         factors=factors,
         shapes=shapes,
         rotation_only=rotation_only,
-        frames=model.frames(equations.start.unloaded),
+        frames=model.current_frames,
         size=model.diameter,
         info=model.whole.info,
         seconds=watch.seconds,
