@@ -62,6 +62,8 @@ class RotationLimit:
         limit: Largest sum of the rotations from node to node, rad.
         whole: Whether rotations of whole frames are limited, or of their third directors only.
         lengths: Unloaded arc length of each line, if its axial strain and shear are checked, too.
+        elongations: Largest axial strain for which each line has its stiffness, shape (w,), if
+            there is such a limit.
     """
 
     nodes: Indices
@@ -69,6 +71,7 @@ class RotationLimit:
     limit: float
     whole: bool
     lengths: Array | None = None
+    elongations: Array | None = None
 
 
 _ORTHONORMAL = 1e-8  # as of prescribed motions

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     import dolfinx
 
 _AT_NODE = 1e-9  # of an element
+_BY_BENDING = 0.1  # significant fraction of the axial compliance of a curved element
 
 
 class BeamModel(LineModel):
@@ -118,7 +119,30 @@ class BeamModel(LineModel):
         limit, numbers = self.formulation.largest_turn, np.arange(len(along))
         # edges joined by rotational springs are inclined to the frames at their ends
         lengths = self.lengths if self.formulation.bends else None
-        return RotationLimit(along, numbers, limit, whole=True, lengths=lengths)
+        return RotationLimit(
+            along, numbers, limit, whole=True, lengths=lengths, elongations=self._elongations()
+        )
+
+    def _elongations(self) -> Array | None:
+        """Elongation at which arcs with bending flexibility are straight, shape (m,).
+
+        An arc is longer than its chord by ``θ²/24``. Linear bending, by which an element extends,
+        does not end there. It matters only to elements whose sagitta is large compared to the
+        radius of gyration: all others are infinite.
+        """
+        stiffness = self.element_stiffness
+        if stiffness is self.stiffness:
+            return None
+        section, effective = (np.linalg.inv(D)[:, 0, 0] for D in (self.stiffness, stiffness))
+        by_bending = 1.0 - section / effective
+        soft = by_bending > _BY_BENDING
+        if not soft.any():
+            return None
+        a, b = (self.frames[self.elements[:, k]] for k in (0, 1))
+        angles = np.linalg.norm(lie.se3_relative(a, b)[:, 3:], axis=1)
+        limits = np.full(len(soft), np.inf)
+        limits[soft] = angles[soft] ** 2 / 24 / by_bending[soft]
+        return limits
 
 
 class Beam(LineBody):

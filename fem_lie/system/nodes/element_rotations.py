@@ -15,6 +15,10 @@ Beams and rods have a linear constitutive law of their section, and an axis that
 in the axes of their mean frame: their axial strain (10 %) and the angle between both (0.3 rad) are
 checked as well. These limits cause warnings only, as the element remains a continuous function of
 its nodes.
+
+A slack arc extends by straightening, for which its element has a compliance in proportion to the
+force. A chain of such elements in tension, a cable modelled by beams, is too soft once they are
+straight.
 """
 
 from __future__ import annotations
@@ -96,7 +100,7 @@ class ElementRotations:
         """Collect the elements of all bodies."""
         self._bodies: list[str] = []
         rows, numbers, limits, whole = [], [], [], []
-        lengths, frames = [], []
+        lengths, frames, elongations = [], [], []
         for body, nodes in numbering.nodes.items():
             turning = body.model.rotation_limit()
             if turning is None:
@@ -107,6 +111,8 @@ class ElementRotations:
             whole.append(np.full(count, int(turning.whole)))
             lengths.append(np.zeros(count) if turning.lengths is None else turning.lengths)
             frames.append(body.frames[turning.nodes[:, [0, -1]]])
+            none_such = np.full(count, np.inf)
+            elongations.append(none_such if turning.elongations is None else turning.elongations)
             self._bodies += [body.label] * count
             numbers.append(turning.elements)
         none = np.empty(0, dtype=np.int64)
@@ -118,7 +124,11 @@ class ElementRotations:
         ends: Array = np.concatenate([np.empty((0, 2, 4, 3)), *frames])
         self._chords = 0.5 * np.einsum("wnkj,wj->wk", ends[:, :, 1:], ends[:, 1, 0] - ends[:, 0, 0])
         self._any, self._warned = bool(rows), False
-        self._warned_of_stretch = self._warned_of_shear = False
+        self._warned_of_stretch = self._warned_of_shear = self._warned_of_arcs = False
+        self._elongations: Array = np.concatenate([np.empty(0), *elongations])
+        self._arcs = np.flatnonzero(np.isfinite(self._elongations))
+        reach = ends[self._arcs, 1, 0] - ends[self._arcs, 0, 0]
+        self._reach: Array = np.linalg.norm(reach, axis=1)
 
     @property
     def elements(self) -> tuple[Array, Indices, Indices, Array, Array]:
@@ -185,6 +195,23 @@ class ElementRotations:
                 f"{state} the axis of {self._name(found.leaning)} leans by {found.angle:.2g} rad "
                 f"from its mean frame, and elements are accurate below {_SHEAR:.2g}: "
                 "use more elements"
+            )
+        if len(self._arcs) and not self._warned_of_arcs:
+            self._check_arcs(frames, state)
+
+    def _check_arcs(self, frames: Array, state: str) -> None:
+        """Warn once if an arc extends by more than it can by straightening."""
+        a, b = self._nodes[self._arcs, 0], self._nodes[self._arcs, -1]
+        extended = np.linalg.norm(frames[b, 0] - frames[a, 0], axis=1) / self._reach - 1.0
+        most = int(np.argmax(extended / self._elongations[self._arcs]))
+        row, extension = int(self._arcs[most]), float(extended[most])
+        if extension > self._elongations[row]:
+            self._warned_of_arcs = True
+            self._warn(
+                f"{state} {self._name(row)} is stretched by {extension:.2g}; it is curved, and its "
+                "bending stiffness is so small that its axial stiffness holds up to "
+                f"{self._elongations[row]:.2g} only: it is too soft. Use fl.Rod, fl.Cable, "
+                "formulation=fl.elements.GeodesicBeam(bending_flexibility=False), or more elements"
             )
 
     def _name(self, row: int) -> str:
