@@ -32,6 +32,7 @@ from fem_lie._arrays import (
     whole_number,
 )
 from fem_lie._summary import Summarised
+from fem_lie.mesh.parameter_grids import PARAMETERS, ParameterGrid
 from fem_lie.mesh.patches import CellsOfOneType, Edges, Patches, smooth_patches
 from fem_lie.mesh.shapes import DEGREES, cell_normals
 
@@ -448,21 +449,32 @@ def parametric_surface(
     *,
     cell: str = "quadrilateral",
     degree: int = 1,
+    closed: str = "",
 ) -> SurfaceMesh:
     """Smooth surface over the unit square ``(a, b)``, divided at equal steps of both parameters.
 
     Its sides are the curves "a=0", "a=1", "b=0" and "b=1", its corners the points "00", "10", "01"
-    and "11". Each square has two triangles. The normals are those of the cells; pass a director to
+    and "11". A tube that is closed along a has the curves "b=0" and "b=1" and the points "00" and
+    "01". Each square has two triangles. The normals are those of the cells; pass a director to
     :class:`~fem_lie.bodies.shells.shell.Shell` if the exact normals are known.
 
     Args:
         function: Point at ``(a, b)``, shape (3,).
         cells: Numbers of cells along a and b.
-        cell: ``"quadrilateral"`` or ``"triangle"``.
+        cell: ``"triangle"`` or ``"quadrilateral"``.
         degree: 1 or 2.
+        closed: Parameters whose ends are one line, with three cells or more: ``"a"`` or ``"b"`` of
+            a tube, ``"ab"`` of a torus; otherwise ends at the same place are not joined.
 
     Raises:
-        ValueError: A cell has no area, or an argument is out of range.
+        ValueError: A cell has no area, closed ends do not meet, or an argument is out of range.
+
+    Example:
+        >>> def around(a, b):
+        ...     return np.cos(2 * np.pi * a), np.sin(2 * np.pi * a), 3 * b
+        >>> tube = fl.mesh.parametric_surface(around, (24, 8), closed="a")
+        >>> sorted(tube.curves)
+        ['b=0', 'b=1']
     """
     if cell not in DEGREES or degree not in (1, 2):
         raise ValueError(
@@ -472,16 +484,17 @@ def parametric_surface(
     instance(function, Callable, "a surface", "a function of a and b from 0 to 1")
     if not isinstance(cells, Sequence) or len(cells) != 2:
         raise ValueError(f"cells must be two numbers, along a and b, got {cells!r}")
-    n, m = (degree * whole_number(count) for count in cells)
-    parameters = [(i / n, j / m) for i in range(n + 1) for j in range(m + 1)]
-    number = np.arange(len(parameters)).reshape(n + 1, m + 1)
-    sides = {"a=0": number[0], "a=1": number[-1], "b=0": number[:, 0], "b=1": number[:, -1]}
+    grid = ParameterGrid([whole_number(count) for count in cells], degree, closed)
     return SurfaceMesh.from_cells(
-        points_of([function(a, b) for a, b in parameters]),
-        _grid_cells(number, cell, degree),
+        grid.points(function),
+        _grid_cells(grid.number, cell, degree),
         cell,
-        curves={name: _edges(along, degree) for name, along in sides.items()},
-        named_points={f"{i}{j}": np.atleast_1d(number[-i, -j]) for i in (0, 1) for j in (0, 1)},
+        curves={
+            f"{PARAMETERS[k]}={end}": _edges(np.moveaxis(grid.number, k, 0)[-end], degree)
+            for k in grid.open
+            for end in (0, 1)
+        },
+        named_points=grid.corners,
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
-from itertools import combinations, product
+from itertools import combinations
 
 import dolfinx
 import numpy as np
@@ -25,6 +25,7 @@ from fem_lie._arrays import (
     whole_number,
 )
 from fem_lie._summary import Summarised
+from fem_lie.mesh.parameter_grids import PARAMETERS, ParameterGrid
 from fem_lie.mesh.shapes import nodes_of, rule, tabulated
 
 """Function of positions, shape (3, n), that returns n truth values."""
@@ -326,7 +327,6 @@ def _refuse_inverted(mesh: dolfinx.mesh.Mesh, degree: int) -> None:
         )
 
 
-_PARAMETERS = "abc"
 _TETRAHEDRA = ((0, 1, 3, 7), (0, 1, 7, 5), (0, 5, 7, 4), (0, 3, 2, 7), (0, 6, 4, 7), (0, 2, 6, 7))
 """Six tetrahedra of a hexahedron, about its diagonal."""
 
@@ -336,34 +336,33 @@ def parametric_volume(
     cells: tuple[int, int, int],
     *,
     cell: str = "hexahedron",
+    closed: str = "",
 ) -> VolumeMesh:
     """Volume over the unit cube ``(a, b, c)``, divided at equal steps of the three parameters.
 
     Its faces are "a=0", "a=1" and so on, its edges the curves "a=0,b=0" and so on, its corners the
-    points "000" to "111". Edges of cells are straight; a tetrahedral mesh has six cells for each
-    hexahedron.
+    points "000" to "111"; closed parameters have no ends among them but for points at 0. Edges of
+    cells are straight; a tetrahedral mesh has six cells for each hexahedron.
 
     Args:
         function: Point at ``(a, b, c)``, shape (3,).
         cells: Numbers of cells along a, b and c.
         cell: ``"hexahedron"`` or ``"tetrahedron"``.
+        closed: Parameters whose ends are one face, with three cells or more, such as ``"a"`` of a
+            ring; otherwise ends at the same place are not joined.
 
     Raises:
-        ValueError: A cell has no volume, or an argument is out of range.
+        ValueError: A cell has no volume, closed ends do not meet, or an argument is out of range.
     """
     if cell not in ("hexahedron", "tetrahedron"):
         raise ValueError(f"expected cells 'hexahedron' or 'tetrahedron', got {cell!r}")
     instance(function, Callable, "a block", "a function of a, b and c from 0 to 1")
     if not isinstance(cells, Sequence) or len(cells) != 3:
         raise ValueError(f"cells must be three numbers, along a, b and c, got {cells!r}")
-    counts = [whole_number(count) for count in cells]
-    steps = [range(n + 1) for n in counts]
-    parameters = np.array(
-        [[i / n for i, n in zip(at, counts, strict=True)] for at in product(*steps)]
-    )
-    points = points_of([function(*(float(p) for p in at)) for at in parameters])
-    mesh = _compat.create_surface_mesh(points, _grid_cells(counts, cell), cell, 1)
-    return _named(mesh, parameters[mesh.geometry.input_global_indices])
+    grid = ParameterGrid([whole_number(count) for count in cells], 1, closed)
+    points, cell_nodes = grid.points(function), _grid_cells(grid.number, cell)
+    mesh = _compat.create_surface_mesh(points, cell_nodes, cell, 1)
+    return _named(mesh, grid)
 
 
 def brick(
@@ -390,11 +389,14 @@ def brick(
     return parametric_volume(lambda a, b, c: start + edges * np.array([a, b, c]), cells, cell=cell)
 
 
-def _named(mesh: dolfinx.mesh.Mesh, parameters: Array) -> VolumeMesh:
-    """Mesh with names of faces, edges and corners; ``parameters`` of each node, shape (n, 3)."""
+def _named(mesh: dolfinx.mesh.Mesh, grid: ParameterGrid) -> VolumeMesh:
+    """Mesh with names of faces, edges and corners of a grid."""
+    order = mesh.geometry.input_global_indices
+    node = np.empty(len(order), dtype=np.int64)
+    node[order] = np.arange(len(order))
     sides = {
-        f"{name}={end}": np.flatnonzero(parameters[:, k] == end)
-        for k, name in enumerate(_PARAMETERS)
+        f"{PARAMETERS[k]}={end}": node[np.moveaxis(grid.number, k, 0)[-end].ravel()]
+        for k in grid.open
         for end in (0, 1)
     }
     edges = {
@@ -402,10 +404,7 @@ def _named(mesh: dolfinx.mesh.Mesh, parameters: Array) -> VolumeMesh:
         for one, other in combinations(sides, 2)
         if one[0] != other[0]
     }
-    corners = {
-        "".join(map(str, at)): np.flatnonzero((parameters == at).all(axis=1))
-        for at in product((0, 1), repeat=3)
-    }
+    corners = {name: node[points] for name, points in grid.corners.items()}
     return VolumeMesh(
         mesh,
         faces={name: entities_on(mesh, 2, nodes) for name, nodes in sides.items()},
@@ -414,9 +413,9 @@ def _named(mesh: dolfinx.mesh.Mesh, parameters: Array) -> VolumeMesh:
     )
 
 
-def _grid_cells(counts: Sequence[int], cell: str) -> Indices:
+def _grid_cells(number: Indices, cell: str) -> Indices:
     """Cells on a grid of points, in DOLFINx's order."""
-    number = np.arange(np.prod([n + 1 for n in counts])).reshape([n + 1 for n in counts])
+    counts = [n - 1 for n in number.shape]
     ends = [number[i:n, j:m, k:p] for i, n, j, m, k, p in _corners(counts)]
     hexahedra = np.stack([each.ravel() for each in ends], axis=1)
     if cell == "hexahedron":
