@@ -53,8 +53,8 @@ class ParameterGrid:
                     f"closed={closed!r}: expected three cells or more along {name}, got {count}"
                 )
         joins = [int(name in closed) for name in self._names]
-        steps = degree * np.array(cells)
-        shape = steps + 1 - joins
+        steps = [degree * count for count in cells]
+        shape = [step + 1 - join for step, join in zip(steps, joins, strict=True)]
         inner = np.arange(np.prod(shape)).reshape(shape)
         self.number: Indices = np.pad(inner, [(0, join) for join in joins], mode="wrap")
         self.parameters: Array = np.indices(shape).reshape(len(cells), -1).T / steps
