@@ -39,8 +39,8 @@ the net 30.
 
 SOFTEST = 1e-5
 """Least diagonal that is scaled to one, over the largest, unless PETSc's option
-``interface_softest`` is set. The antenna on 16 ranks took 14.2 iterations with this and 35.2 with
-1e-4; statics of a net of cables failed on 16, and took 10.0 with 1e-4.
+``interface_softest`` is set. With a threshold of 3 the antenna on 16 ranks took 14.2 iterations
+with this and 35.2 with 1e-4.
 """
 
 TOLERANCE = 1e-8
